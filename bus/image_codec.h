@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// image_t <-> pixels.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "lcmtypes/rumi/image_t.hpp"
+
+namespace rumi {
+
+// 8-bit grey image, width x height as the message says. On failure an empty Mat and in *error what is wrong (field, value).
+// Understands GRAY, RGB, MJPEG (JPEG) and YUYV.
+cv::Mat decode_grey(const image_t& image, std::string* error);
+// 8-bit BGR (OpenCV's order), as above.
+cv::Mat decode_bgr(const image_t& image, std::string* error);
+
+image_t make_grey_image(int64_t utime_us, const cv::Mat& grey);
+image_t make_rgb_image(int64_t utime_us, const cv::Mat& bgr);
+image_t make_jpeg_image(int64_t utime_us, const cv::Mat& image, int quality = 90);
+// JPEG bytes as they are (not decoded); width and height must be right.
+image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> jpeg);
+
+// Metadata entry `key`, or an empty string.
+std::string metadata(const image_t& image, const std::string& key);
+void set_metadata(image_t* image, const std::string& key, const std::string& value);
+inline constexpr const char* kCalibrationKey = "calibration";
+
+}  // namespace rumi

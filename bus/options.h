@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Named options with default, unit, range and help: read from YAML, changed by --set key=value, printed by --help.
+//
+//   void describe(OptionTable& table, TrackerOptions& o) {
+//     table.add("front_tracker.keypoints", &o.keypoints, "", "keypoints per frame", 50, 20000);
+//   }
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace rumi {
+
+class OptionTable {
+ public:
+  // key is "section.name"; the value that *field has now is the default. The field must outlive the table. Numbers outside
+  // [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "".
+  void add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min, int max);
+  void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min, double max);
+  void add(const std::string& key, bool* field, const std::string& help);
+  void add(const std::string& key, std::string* field, const std::string& help,
+           const std::vector<std::string>& choices = {});
+
+  // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an unknown
+  // one). Nothing is changed by a file that has an error. Sections that this table knows nothing of are accepted, unknown
+  // keys in a known section are not.
+  std::string load_yaml(const std::string& file);
+  std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
+  std::string set(const std::string& key_equals_value);
+
+  // One line per option: key, default, unit, range, help.
+  std::string help() const;
+  // The present values as YAML with the help as comments; load_yaml reads it back.
+  std::string to_yaml() const;
+
+ private:
+  struct Entry {
+    std::string key, unit, help;
+    std::variant<int*, double*, bool*, std::string*> field;
+    double min = 0, max = 0;
+    std::vector<std::string> choices;
+    std::string default_text;
+  };
+  std::string assign(const Entry& entry, const std::string& text, bool apply) const;
+  const Entry* find(const std::string& key) const;
+  void insert(Entry entry);
+  std::vector<Entry> entries_;
+};
+
+}  // namespace rumi

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Compiler settings that hold for every target, and the helpers that declare them.
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O2 -g1")
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+find_program(CCACHE ccache)
+if(CCACHE)
+  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+endif()
+
+add_compile_options(-Wall -Wextra -Wpedantic -Wshadow=local)
+# The generated code is repeatable to the bit only if the compiler may not fuse or reorder floating point.
+add_compile_options(-ffp-contract=off)
+if(RUMI_SANITIZE)
+  add_compile_options(-fsanitize=${RUMI_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${RUMI_SANITIZE})
+endif()
+
+# rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
+function(rumi_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
+  add_library(rumi_${name} STATIC ${arg_SOURCES})
+  target_include_directories(rumi_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(rumi_${name} PUBLIC ${arg_LINK})
+endfunction()
+
+# rumi_executable(NAME SOURCES... [LINK libs...]): lands in build/bin and is installed.
+function(rumi_executable name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LINK})
+  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endfunction()
+
+# rumi_test(NAME SOURCES... LINK libs... [TIMEOUT s] [LABELS ...]): a GoogleTest binary, one CTest entry.
+function(rumi_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gtest_main GTest::gmock)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  add_test(NAME ${name} COMMAND ${name})
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
+endfunction()

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/geometry/camera.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace rumi {
+namespace {
+
+Eigen::Vector2d distort_pinhole(const Camera& c, double x, double y) {
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (c.k1 + r2 * (c.k2 + r2 * c.k3));
+  return {x * radial + 2 * c.p1 * x * y + c.p2 * (r2 + 2 * x * x),
+          y * radial + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y};
+}
+
+double distort_angle(const Camera& c, double theta) {
+  const double t2 = theta * theta;
+  return theta * (1 + t2 * (c.k1 + t2 * (c.k2 + t2 * (c.k3 + t2 * c.k4))));
+}
+
+// Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself.
+double undistort_angle(const Camera& c, double distorted) {
+  double theta = distorted;
+  for (int i = 0; i < 20; ++i) {
+    const double t2 = theta * theta;
+    const double slope = 1 + t2 * (3 * c.k1 + t2 * (5 * c.k2 + t2 * (7 * c.k3 + t2 * 9 * c.k4)));
+    const double step = (distort_angle(c, theta) - distorted) / slope;
+    theta -= step;
+    if (std::abs(step) < 1e-12) break;
+  }
+  return theta;
+}
+
+Eigen::Vector3d unproject_pinhole(const Camera& c, double xd, double yd) {
+  double x = xd, y = yd;
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector2d d = distort_pinhole(c, x, y);
+    const double ex = xd - d.x(), ey = yd - d.y();
+    x += ex;
+    y += ey;
+    if (ex * ex + ey * ey < 1e-20) break;
+  }
+  return {x, y, 1};
+}
+
+Eigen::Vector3d unproject_fisheye(const Camera& c, double xd, double yd) {
+  const double r = std::hypot(xd, yd);
+  if (r < 1e-12) return {xd, yd, 1};
+  // Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to 89 degrees.
+  const double theta = std::min(undistort_angle(c, r), 89.0 * M_PI / 180.0);
+  const double k = std::tan(theta) / r;
+  return {k * xd, k * yd, 1};
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p) const {
+  if (!(p.z() > 0)) return std::nullopt;
+  const double x = p.x() / p.z(), y = p.y() / p.z();
+  Eigen::Vector2d d(x, y);
+  if (model == Model::kPinhole) {
+    if (has_distortion()) d = distort_pinhole(*this, x, y);
+  } else {
+    const double r = std::hypot(x, y);
+    if (r > 1e-12) d *= distort_angle(*this, std::atan(r)) / r;
+  }
+  return Eigen::Vector2d(fx * d.x() + cx, fy * d.y() + cy);
+}
+
+Eigen::Vector3d Camera::unproject(const Eigen::Vector2d& pixel) const {
+  const double x = (pixel.x() - cx) / fx, y = (pixel.y() - cy) / fy;
+  if (model == Model::kKannalaBrandt) return unproject_fisheye(*this, x, y);
+  return has_distortion() ? unproject_pinhole(*this, x, y) : Eigen::Vector3d(x, y, 1);
+}
+
+Eigen::Vector2d Camera::undistort(const Eigen::Vector2d& pixel) const {
+  return has_distortion() ? project_undistorted(unproject(pixel)) : pixel;
+}
+
+bool Camera::has_distortion() const {
+  return model == Model::kKannalaBrandt || k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0;
+}
+
+Camera Camera::scaled(double factor) const {
+  Camera c = *this;
+  c.width = static_cast<int>(std::lround(width * factor));
+  c.height = static_cast<int>(std::lround(height * factor));
+  c.fx = fx * factor;
+  c.fy = fy * factor;
+  c.cx = (cx + 0.5) * factor - 0.5;
+  c.cy = (cy + 0.5) * factor - 0.5;
+  return c;
+}
+
+std::string Camera::check() const {
+  std::ostringstream out;
+  const auto fail = [&out](const char* field, double value, const char* why) {
+    out << field << " is " << value << ": " << why;
+    return out.str();
+  };
+  const std::pair<const char*, double> numbers[] = {{"fx", fx}, {"fy", fy}, {"cx", cx}, {"cy", cy}, {"k1", k1},
+                                                    {"k2", k2}, {"p1", p1}, {"p2", p2}, {"k3", k3}, {"k4", k4}};
+  for (const auto& [name, value] : numbers)
+    if (!std::isfinite(value)) return fail(name, value, "must be a finite number");
+  if (width < 16 || width > 16384) return fail("width", width, "must be 16 to 16384 pixels");
+  if (height < 16 || height > 16384) return fail("height", height, "must be 16 to 16384 pixels");
+  if (fx <= 0 || fx > 100.0 * width) return fail("fx", fx, "must be positive and of the order of the image width");
+  if (fy <= 0 || fy > 100.0 * width) return fail("fy", fy, "must be positive and of the order of the image width");
+  if (cx < 0 || cx > width) return fail("cx", cx, "must lie in the image");
+  if (cy < 0 || cy > height) return fail("cy", cy, "must lie in the image");
+  return {};
+}
+
+}  // namespace rumi

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Camera models. Axes: x right, y down, z forward. Pixel (0, 0) is the centre of the upper-left pixel (OpenCV's way;
+// COLMAP's is that plus 0.5).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rumi {
+
+class Camera {
+ public:
+  enum class Model {
+    kPinhole,        // radial-tangential distortion k1 k2 p1 p2 k3 (OpenCV's plumb bob)
+    kKannalaBrandt,  // equidistant fisheye k1 k2 k3 k4 (OpenCV's fisheye)
+  };
+
+  Model model = Model::kPinhole;
+  int width = 0;   // pixels
+  int height = 0;  // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;               // pixels
+  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;  // k4: fisheye only; p1 p2: pinhole only
+  double fps = 0;                                      // nominal, 0 = unknown
+
+  // Pixel of a point in the camera's frame; nothing for a point behind the camera (z <= 0).
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam) const;
+  // Ray (x/z, y/z, 1) of a pixel, distortion removed (fixed-point iterations, < 1e-9 for sane lenses).
+  Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
+  // Where the pixel would be without distortion: (fx x/z + cx, fy y/z + cy).
+  Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;
+  // Ideal pinhole projection (no distortion), for undistorted pixels. Precondition: z > 0.
+  Eigen::Vector2d project_undistorted(const Eigen::Vector3d& point_cam) const {
+    return {fx * point_cam.x() / point_cam.z() + cx, fy * point_cam.y() / point_cam.z() + cy};
+  }
+  bool has_distortion() const;
+  bool contains(const Eigen::Vector2d& pixel, double border_px = 0) const {
+    return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&
+           pixel.y() <= height - 1 - border_px;
+  }
+  // The same camera for images scaled by `factor` (pixel centres kept right).
+  Camera scaled(double factor) const;
+  // What is wrong with it, naming the field and its value; empty if nothing.
+  std::string check() const;
+};
+
+}  // namespace rumi

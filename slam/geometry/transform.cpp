@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/geometry/transform.h"
+
+#include <cmath>
+
+namespace rumi {
+
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return m;
+}
+
+Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  const double half = 0.5 * angle;
+  // sin(x/2)/x by its series near zero, where the quotient loses digits.
+  const double k = angle < 1e-6 ? 0.5 - angle * angle / 48.0 : std::sin(half) / angle;
+  const Eigen::Vector3d v = k * rotation_vector;
+  return Eigen::Quaterniond(std::cos(half), v.x(), v.y(), v.z());
+}
+
+Eigen::Vector3d so3_log(const Eigen::Quaterniond& q) {
+  const double sign = q.w() < 0 ? -1.0 : 1.0;  // the shorter way round
+  const Eigen::Vector3d v = sign * q.vec();
+  const double n = v.norm();
+  if (n < 1e-9) return 2.0 * v;
+  return v * (2.0 * std::atan2(n, sign * q.w()) / n);
+}
+
+double SE3::angle_rad() const { return so3_log(rotation).norm(); }
+
+namespace {
+
+// V(w) with t = V(w) v, and its inverse (Barfoot, State Estimation for Robotics, eq. 7.37).
+Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
+  const double a2 = w.squaredNorm();
+  const double a = std::sqrt(a2);
+  const Eigen::Matrix3d s = skew(w);
+  if (a < 1e-6) return Eigen::Matrix3d::Identity() + 0.5 * s + s * s / 6.0;
+  return Eigen::Matrix3d::Identity() + (1 - std::cos(a)) / a2 * s + (a - std::sin(a)) / (a2 * a) * s * s;
+}
+
+}  // namespace
+
+SE3 SE3::exp(const Vector6d& twist) {
+  const Eigen::Vector3d w = twist.tail<3>();
+  return {so3_exp(w), left_jacobian(w) * twist.head<3>()};
+}
+
+Vector6d SE3::log() const {
+  const Eigen::Vector3d w = so3_log(rotation);
+  Vector6d twist;
+  twist << left_jacobian(w).inverse() * translation, w;
+  return twist;
+}
+
+SE3 interpolate(const SE3& a, const SE3& b, double fraction) {
+  return {a.rotation.slerp(fraction, b.rotation), (1 - fraction) * a.translation + fraction * b.translation};
+}
+
+}  // namespace rumi

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Rigid (SE3) and similarity (Sim3) transforms. Names read target_from_source: c_from_a = c_from_b * b_from_a.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace rumi {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+// x_target = rotation * x_source + translation.
+struct SE3 {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  SE3() = default;
+  SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : rotation(q.normalized()), translation(t) {}
+  SE3(const Eigen::Matrix3d& r, const Eigen::Vector3d& t) : SE3(Eigen::Quaterniond(r), t) {}
+
+  SE3 inverse() const {
+    const Eigen::Quaterniond q = rotation.conjugate();
+    return {q, -(q * translation)};
+  }
+  SE3 operator*(const SE3& b) const { return {rotation * b.rotation, rotation * b.translation + translation}; }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return rotation * p + translation; }
+  // Position of the source's origin seen as a camera: for cam_from_submap, the camera's centre in the submap.
+  Eigen::Vector3d center() const { return -(rotation.conjugate() * translation); }
+  // Angle of the rotation, radians, in [0, pi].
+  double angle_rad() const;
+  bool is_finite() const { return rotation.coeffs().allFinite() && translation.allFinite(); }
+
+  // Exponential map of the twist (translation part first, then rotation vector) and its inverse.
+  static SE3 exp(const Vector6d& twist);
+  Vector6d log() const;
+};
+
+// x_target = scale * rotation * x_source + translation.
+struct Sim3 {
+  double scale = 1.0;
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  Sim3() = default;
+  Sim3(double s, const Eigen::Quaterniond& q, const Eigen::Vector3d& t)
+      : scale(s), rotation(q.normalized()), translation(t) {}
+  explicit Sim3(const SE3& rigid) : rotation(rigid.rotation), translation(rigid.translation) {}
+
+  Sim3 inverse() const {
+    const Eigen::Quaterniond q = rotation.conjugate();
+    return {1.0 / scale, q, -(q * translation) / scale};
+  }
+  Sim3 operator*(const Sim3& b) const {
+    return {scale * b.scale, rotation * b.rotation, scale * (rotation * b.translation) + translation};
+  }
+  Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale * (rotation * p) + translation; }
+  bool is_finite() const {
+    return std::isfinite(scale) && rotation.coeffs().allFinite() && translation.allFinite();
+  }
+  // The pose cam_from_target of a camera whose pose cam_from_source is known, in the target's unit of length.
+  SE3 transform_camera(const SE3& cam_from_source) const {
+    const Eigen::Quaterniond q = cam_from_source.rotation * rotation.conjugate();
+    return {q, scale * cam_from_source.translation - q * translation};
+  }
+};
+
+// Rotation vector (angle * axis, radians) <-> quaternion.
+Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector);
+Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
+Eigen::Matrix3d skew(const Eigen::Vector3d& v);
+
+// From a between 0 (a) and 1 (b): rotation by slerp, camera-centre-like translation linearly.
+SE3 interpolate(const SE3& a, const SE3& b, double fraction);
+
+}  // namespace rumi

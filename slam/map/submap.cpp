@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/map/submap.h"
+
+#include <algorithm>
+
+namespace rumi {
+namespace {
+
+template <class Map, class Key>
+auto* find_in(Map& map, const Key& key) {
+  const auto it = map.find(key);
+  return it == map.end() ? nullptr : &it->second;
+}
+
+}  // namespace
+
+Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
+const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
+Landmark* Submap::landmark(int id) { return find_in(landmarks, id); }
+const Landmark* Submap::landmark(int id) const { return find_in(landmarks, id); }
+const FramePose* Submap::frame(int64_t utime_us) const { return find_in(frames, utime_us); }
+
+bool Submap::add_observation(int landmark_id, int keyframe_id, int keypoint_index) {
+  Landmark* lm = landmark(landmark_id);
+  Keyframe* kf = keyframe(keyframe_id);
+  if (!lm || !kf || keypoint_index < 0 || keypoint_index >= static_cast<int>(kf->landmark_ids.size())) return false;
+  const auto at = std::lower_bound(lm->observations.begin(), lm->observations.end(), keyframe_id,
+                                   [](const Observation& o, int id) { return o.keyframe_id < id; });
+  if (at != lm->observations.end() && at->keyframe_id == keyframe_id) return false;
+  const size_t position = at - lm->observations.begin();
+  const int previous = kf->landmark_ids[keypoint_index];
+  if (previous != kNone) remove_observation(previous, keyframe_id);
+  lm->observations.insert(lm->observations.begin() + position, {keyframe_id, keypoint_index});
+  kf->landmark_ids[keypoint_index] = landmark_id;
+  touch(*lm);
+  touch(*kf);
+  return true;
+}
+
+void Submap::remove_observation(int landmark_id, int keyframe_id) {
+  Landmark* lm = landmark(landmark_id);
+  Keyframe* kf = keyframe(keyframe_id);
+  if (!lm) return;
+  std::erase_if(lm->observations, [&](const Observation& o) {
+    if (o.keyframe_id != keyframe_id) return false;
+    if (kf) kf->landmark_ids[o.keypoint_index] = kNone;
+    return true;
+  });
+  touch(*lm);
+  if (kf) touch(*kf);
+}
+
+void Submap::remove_landmark(int id) {
+  Landmark* lm = landmark(id);
+  if (!lm) return;
+  for (const Observation& o : lm->observations) {
+    Keyframe* kf = keyframe(o.keyframe_id);
+    if (!kf) continue;
+    kf->landmark_ids[o.keypoint_index] = kNone;
+    touch(*kf);
+  }
+  landmarks.erase(id);
+  removed_landmarks[id] = revision;
+}
+
+void Submap::remove_keyframe(int id, int heir) {
+  Keyframe* kf = keyframe(id);
+  const Keyframe* next = keyframe(heir);
+  if (!kf || !next || id == heir) return;
+  for (int landmark_id : kf->landmark_ids) {
+    Landmark* lm = landmark_id == kNone ? nullptr : landmark(landmark_id);
+    if (!lm) continue;
+    std::erase_if(lm->observations, [id](const Observation& o) { return o.keyframe_id == id; });
+    touch(*lm);
+  }
+  const SE3 keyframe_from_heir = kf->cam_from_submap * next->cam_from_submap.inverse();
+  for (auto& [utime, frame] : frames) {
+    if (frame.reference_keyframe != id) continue;
+    frame.reference_keyframe = heir;
+    frame.cam_from_keyframe = frame.cam_from_keyframe * keyframe_from_heir;
+    frame.revision = revision;
+  }
+  keyframes.erase(id);
+  removed_keyframes[id] = revision;
+}
+
+void Submap::fuse_landmarks(int into, int from) {
+  const Landmark* source = landmark(from);
+  if (!source || !landmark(into) || into == from) return;
+  const std::vector<Observation> observations = source->observations;
+  remove_landmark(from);
+  for (const Observation& o : observations) add_observation(into, o.keyframe_id, o.keypoint_index);
+}
+
+SE3 Submap::cam_from_submap(const FramePose& frame) const {
+  const Keyframe* kf = keyframe(frame.reference_keyframe);
+  return kf ? frame.cam_from_keyframe * kf->cam_from_submap : frame.cam_from_keyframe;
+}
+
+std::vector<std::pair<int, int>> Submap::covisible_keyframes(int keyframe_id) const {
+  const Keyframe* kf = keyframe(keyframe_id);
+  if (!kf) return {};
+  std::map<int, int> shared;
+  for (int landmark_id : kf->landmark_ids) {
+    const Landmark* lm = landmark_id == kNone ? nullptr : landmark(landmark_id);
+    if (!lm) continue;
+    for (const Observation& o : lm->observations)
+      if (o.keyframe_id != keyframe_id) ++shared[o.keyframe_id];
+  }
+  std::vector<std::pair<int, int>> sorted(shared.begin(), shared.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return sorted;
+}
+
+}  // namespace rumi

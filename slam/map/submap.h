@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A submap: keyframes, landmarks and the frames whose poses hang on the keyframes. Plain data with the few operations that
+// keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and others.
+//
+// Revisions: every change raises `revision` and stamps the changed element with it, so that what changed since any earlier
+// revision can be sent (see bus/submap_update.h).
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slam/features/descriptor.h"
+#include "slam/geometry/camera.h"
+#include "slam/geometry/transform.h"
+
+namespace rumi {
+
+struct Keypoint {
+  Eigen::Vector2f pixel;  // as detected, lens distortion included
+  float angle_rad = 0;    // of the intensity centroid, x towards y
+  uint8_t octave = 0;     // pyramid level, 0 = full resolution
+};
+
+// What a keyframe saw: never changes.
+struct Features {
+  std::vector<Keypoint> keypoints;
+  std::vector<Descriptor> descriptors;
+};
+
+inline constexpr int kNone = -1;
+
+struct Keyframe {
+  int id = kNone;
+  int64_t utime_us = 0;
+  SE3 cam_from_submap;
+  std::shared_ptr<const Features> features;
+  std::vector<int> landmark_ids;  // per keypoint, kNone where it observes nothing
+  int64_t revision = 0;           // of the submap when this keyframe last changed
+  int64_t created_revision = 0;
+};
+
+struct Observation {
+  int keyframe_id = kNone;
+  int keypoint_index = kNone;
+};
+
+struct Landmark {
+  int id = kNone;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Descriptor descriptor{};
+  std::vector<Observation> observations;  // at most one per keyframe, in order of keyframe id
+  int64_t revision = 0;
+};
+
+// cam_from_submap = cam_from_keyframe * keyframe(reference_keyframe).cam_from_submap
+struct FramePose {
+  int64_t utime_us = 0;
+  int reference_keyframe = kNone;
+  SE3 cam_from_keyframe;
+  int64_t revision = 0;
+};
+
+struct SubmapKey {
+  int64_t session = 0;  // names the run of front_tracker that made it
+  int32_t id = kNone;   // front: 1, 2, 3, ...; back: -1, -2, ...
+  auto operator<=>(const SubmapKey&) const = default;
+};
+
+enum class SubmapKind : int8_t { kFront = 0, kBack = 1 };
+
+class Submap {
+ public:
+  SubmapKey key;
+  SubmapKind kind = SubmapKind::kFront;
+  Camera camera;
+  bool closed = false;
+  int64_t revision = 0;
+
+  std::map<int, Keyframe> keyframes;        // by id
+  std::map<int, Landmark> landmarks;        // by id
+  std::map<int64_t, FramePose> frames;      // by utime_us; keyframes have an entry too
+  std::map<int, int64_t> removed_keyframes; // id -> revision of the removal
+  std::map<int, int64_t> removed_landmarks;
+
+  Keyframe* keyframe(int id);
+  const Keyframe* keyframe(int id) const;
+  Landmark* landmark(int id);
+  const Landmark* landmark(int id) const;
+
+  // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if an
+  // id or index does not exist or the landmark is already observed in that keyframe.
+  bool add_observation(int landmark_id, int keyframe_id, int keypoint_index);
+  void remove_observation(int landmark_id, int keyframe_id);
+  void remove_landmark(int id);
+  // Frames that hang on the keyframe move to `heir` (which must exist), their poses unchanged.
+  void remove_keyframe(int id, int heir);
+
+  // Every observation of `from` passes to `into` unless the keyframe already observes `into`; `from` is removed.
+  void fuse_landmarks(int into, int from);
+
+  // cam_from_submap of a frame or nothing when it has no pose here.
+  const FramePose* frame(int64_t utime_us) const;
+  SE3 cam_from_submap(const FramePose& frame) const;
+
+  // Keyframes that share landmarks with this one: id -> number shared, strongest first (ties by id).
+  std::vector<std::pair<int, int>> covisible_keyframes(int keyframe_id) const;
+
+  void touch(Keyframe& keyframe) { keyframe.revision = revision; }
+  void touch(Landmark& landmark) { landmark.revision = revision; }
+};
+
+}  // namespace rumi
