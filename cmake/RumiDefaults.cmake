@@ -22,9 +22,12 @@ add_compile_options(-Wall -Wextra -Wpedantic -Wshadow=local)
 # The generated code is repeatable to the bit only if the compiler may not fuse or reorder floating point.
 add_compile_options(-ffp-contract=off)
 if(RUMI_SANITIZE)
-  add_compile_options(-fsanitize=${RUMI_SANITIZE} -fno-omit-frame-pointer)
+  add_compile_options(-fsanitize=${RUMI_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
 endif()
+
+add_custom_target(apps)        # every executable that is installed
+add_custom_target(unit_tests)  # every test that is fast enough to run under a sanitizer too
 
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
@@ -39,10 +42,12 @@ function(rumi_executable name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINK})
+  add_dependencies(apps ${name})
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# rumi_test(NAME SOURCES... LINK libs... [TIMEOUT s] [LABELS ...]): a GoogleTest binary, one CTest entry.
+# rumi_test(NAME SOURCES... LINK libs... [TIMEOUT s] [LABELS ...]): a GoogleTest binary, one CTest entry. Without the label
+# "slow" it is a unit test, which `make test` runs under sanitizers too.
 function(rumi_test name)
   cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINK;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
@@ -51,6 +56,10 @@ function(rumi_test name)
   add_test(NAME ${name} COMMAND ${name})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
+  endif()
+  if(NOT slow IN_LIST arg_LABELS)
+    list(APPEND arg_LABELS unit)
+    add_dependencies(unit_tests ${name})
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
 endfunction()

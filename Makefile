@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
+#   make demo      set up, build, then render a short sequence, run Rumi on it and measure the result
+#   make test      set up, build, run every test, and the unit tests again under sanitizers
+#   make build     set up and build everything
+#   make bench     benchmarks
+#   make install   into PREFIX (default /usr/local): programs, wire types, CMake package, pkg-config file
+#   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
+#   make clean     remove what the above made
+
+BUILD ?= build
+ASAN_BUILD ?= build-asan
+BENCH_BUILD ?= build-bench
+PREFIX ?= /usr/local
+JOBS ?= $(shell nproc)
+DEMO ?= out/demo
+
+SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
+
+.PHONY: all demo test build apps bench install format lint clean dependencies sanitized-test
+all: build
+
+dependencies:
+	@scripts/install_dependencies.sh
+
+$(BUILD)/build.ninja: | dependencies
+	cmake -S . -B $(BUILD) -G Ninja -DCMAKE_INSTALL_PREFIX=$(PREFIX)
+
+build: dependencies $(BUILD)/build.ninja
+	cmake --build $(BUILD) -j $(JOBS)
+
+apps: dependencies $(BUILD)/build.ninja
+	cmake --build $(BUILD) -j $(JOBS) --target apps
+
+demo: apps
+	scripts/demo.sh $(BUILD)/bin/rumi $(DEMO)
+
+test: build
+	ctest --test-dir $(BUILD) --output-on-failure
+	$(MAKE) sanitized-test
+
+sanitized-test: dependencies
+	cmake -S . -B $(ASAN_BUILD) -G Ninja -DRUMI_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1
+	cmake --build $(ASAN_BUILD) -j $(JOBS) --target unit_tests
+	ctest --test-dir $(ASAN_BUILD) --output-on-failure -L unit
+
+bench: dependencies
+	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF -DCMAKE_BUILD_TYPE=Release
+	cmake --build $(BENCH_BUILD) -j $(JOBS)
+	@set -e; for b in $(BENCH_BUILD)/bench/*; do if [ -f $$b ] && [ -x $$b ]; then echo "== $$b"; $$b; fi; done
+
+install: build
+	cmake --install $(BUILD) --prefix $(PREFIX)
+
+format:
+	@scripts/install_dependencies.sh clang-format
+	clang-format -i $(SOURCES)
+
+lint:
+	@scripts/install_dependencies.sh clang-format clang-tidy
+	clang-format --dry-run -Werror $(SOURCES)
+	$(MAKE) build
+	scripts/lint.sh $(BUILD)
+
+clean:
+	rm -rf $(BUILD) $(ASAN_BUILD) $(BENCH_BUILD) out
