@@ -14,6 +14,12 @@ auto* find_in(Map& map, const Key& key) {
 
 }  // namespace
 
+void Features::undistort(const Camera& camera) {
+  undistorted.resize(keypoints.size());
+  for (size_t i = 0; i < keypoints.size(); ++i)
+    undistorted[i] = camera.undistort(keypoints[i].pixel.cast<double>()).cast<float>();
+}
+
 Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
 const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
 Landmark* Submap::landmark(int id) { return find_in(landmarks, id); }

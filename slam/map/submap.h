@@ -25,10 +25,15 @@ struct Keypoint {
   uint8_t octave = 0;     // pyramid level, 0 = full resolution
 };
 
-// What a keyframe saw: never changes.
+// What a frame saw: never changes once made. All three have the same length.
 struct Features {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
+  // The keypoints' pixels without lens distortion (Camera::undistort): derived, never on the wire.
+  std::vector<Eigen::Vector2f> undistorted;
+
+  size_t size() const { return keypoints.size(); }
+  void undistort(const Camera& camera);
 };
 
 inline constexpr int kNone = -1;

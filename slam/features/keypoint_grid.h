@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Finds the keypoints near a place in the image without looking at all of them.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+namespace rumi {
+
+class KeypointGrid {
+ public:
+  KeypointGrid() = default;
+  // Points (pixels) may lie outside the image a little (undistorted ones do): they count to the border cells.
+  KeypointGrid(const std::vector<Eigen::Vector2f>& points, int width, int height);
+
+  // Calls visit(index) for every point whose cell touches the square of side 2 * radius_px around center; the caller
+  // checks the distance itself.
+  template <class Visit>
+  void for_each_near(const Eigen::Vector2f& center, float radius_px, Visit visit) const {
+    const int x0 = column(center.x() - radius_px), x1 = column(center.x() + radius_px);
+    const int y0 = row(center.y() - radius_px), y1 = row(center.y() + radius_px);
+    for (int y = y0; y <= y1; ++y)
+      for (int i = start_[y * columns_ + x0]; i < start_[y * columns_ + x1 + 1]; ++i) visit(index_[i]);
+  }
+
+ private:
+  static constexpr float kCell = 16;  // pixels
+  int column(float x) const { return std::clamp(static_cast<int>(x / kCell), 0, columns_ - 1); }
+  int row(float y) const { return std::clamp(static_cast<int>(y / kCell), 0, rows_ - 1); }
+  int columns_ = 1, rows_ = 1;
+  std::vector<int> start_{0, 0};  // per cell, where its points begin in index_; one past the end at the end
+  std::vector<int> index_;
+};
+
+}  // namespace rumi

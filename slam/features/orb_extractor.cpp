@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/features/orb_extractor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace rumi {
+namespace {
+
+constexpr int kPatchRadius = 15;  // of the intensity centroid and of BRIEF's pattern
+constexpr int kBorder = 19;       // the rotated pattern reaches this far, in pixels of the level
+
+// Half width of the circular patch in each row.
+const std::array<int, kPatchRadius + 1>& circle() {
+  static const std::array<int, kPatchRadius + 1> half_width = [] {
+    std::array<int, kPatchRadius + 1> u{};
+    for (int v = 0; v <= kPatchRadius; ++v)
+      u[v] = static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - v * v)) + 0.5);
+    return u;
+  }();
+  return half_width;
+}
+
+// Direction from the corner to the intensity centroid of the patch around it (Rosin 1999; ORB section 3.2).
+float centroid_angle(const cv::Mat& image, const cv::Point2f& at) {
+  const uchar* center = image.ptr<uchar>(cvRound(at.y)) + cvRound(at.x);
+  const int stride = static_cast<int>(image.step1());
+  int m01 = 0, m10 = 0;
+  for (int u = -kPatchRadius; u <= kPatchRadius; ++u) m10 += u * center[u];
+  for (int v = 1; v <= kPatchRadius; ++v) {
+    const uchar *below = center + v * stride, *above = center - v * stride;
+    const int d = circle()[v];
+    int row_difference = 0;
+    for (int u = -d; u <= d; ++u) {
+      row_difference += below[u] - above[u];
+      m10 += u * (below[u] + above[u]);
+    }
+    m01 += v * row_difference;
+  }
+  return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
+}
+
+bool stronger(const cv::KeyPoint& a, const cv::KeyPoint& b) {
+  if (a.response != b.response) return a.response > b.response;
+  if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
+  return a.pt.x < b.pt.x;
+}
+
+// The strongest of every cell in turns (first each cell's best, then each cell's second, ...) until there are `wanted`.
+std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> corners, int wanted, int cell_px, const cv::Size& size) {
+  if (static_cast<int>(corners.size()) <= wanted) return corners;
+  const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
+  std::sort(corners.begin(), corners.end(), stronger);
+  std::vector<int> taken(static_cast<size_t>(columns) * rows, 0);
+  // rank of a corner within its cell; a stable sort by rank keeps strength as the second criterion
+  std::vector<std::pair<int, int>> order(corners.size());
+  for (size_t i = 0; i < corners.size(); ++i) {
+    const int cell = static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px;
+    order[i] = {taken[cell]++, static_cast<int>(i)};
+  }
+  std::nth_element(order.begin(), order.begin() + wanted, order.end());
+  order.resize(wanted);
+  std::sort(order.begin(), order.end());
+  std::vector<cv::KeyPoint> kept;
+  kept.reserve(wanted);
+  for (const auto& [rank, index] : order) kept.push_back(corners[index]);
+  return kept;
+}
+
+// How many keypoints each level gets: in proportion to its area.
+std::vector<int> quotas(const OrbOptions& options, int keypoints) {
+  const double ratio = 1.0 / (options.scale_factor * options.scale_factor);
+  double share = (1 - ratio) / (1 - std::pow(ratio, options.levels));
+  if (options.levels == 1) share = 1;
+  std::vector<int> wanted(options.levels);
+  for (int& n : wanted) {
+    n = static_cast<int>(std::lround(keypoints * share));
+    share *= ratio;
+  }
+  return wanted;
+}
+
+}  // namespace
+
+std::vector<double> octave_scales(const OrbOptions& options) {
+  std::vector<double> scales(options.levels, 1.0);
+  for (int i = 1; i < options.levels; ++i) scales[i] = scales[i - 1] * options.scale_factor;
+  return scales;
+}
+
+OrbExtractor::OrbExtractor(const OrbOptions& options)
+    : options_(options),
+      describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.scale_factor), 1, kBorder, 0, 2,
+                                 cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
+
+std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted) const {
+  const int inset = kBorder - 3;  // FAST itself leaves 3 pixels
+  const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
+  std::vector<cv::KeyPoint> corners;
+  cv::FAST(level(inner), corners, options_.fast_threshold, true);
+  corners = spread(std::move(corners), wanted, options_.cell_px, inner.size());
+  for (cv::KeyPoint& k : corners) {
+    k.pt += cv::Point2f(static_cast<float>(inset), static_cast<float>(inset));
+    k.octave = 0;
+    k.size = 2 * kPatchRadius + 1;
+    k.angle = centroid_angle(level, k.pt) * static_cast<float>(180.0 / CV_PI);
+  }
+  return corners;
+}
+
+Features OrbExtractor::extract(const cv::Mat& grey, int keypoints) const {
+  Features features;
+  const std::vector<double> scales = octave_scales(options_);
+  const std::vector<int> wanted = quotas(options_, keypoints > 0 ? keypoints : options_.keypoints);
+  cv::Mat level = grey;
+  for (int octave = 0; octave < options_.levels; ++octave) {
+    const cv::Size size(cvRound(grey.cols / scales[octave]), cvRound(grey.rows / scales[octave]));
+    if (std::min(size.width, size.height) < 2 * kBorder + 8) break;
+    if (octave > 0) {
+      cv::Mat smaller;
+      cv::resize(level, smaller, size, 0, 0, cv::INTER_LINEAR);
+      level = smaller;
+    }
+    std::vector<cv::KeyPoint> corners = detect(level, wanted[octave]);
+    if (corners.empty()) continue;
+    cv::Mat descriptors;
+    describer_->compute(level, corners, descriptors);
+    // Pixel centres: x_full + 0.5 = (x_level + 0.5) * width ratio.
+    const float rx = static_cast<float>(grey.cols) / size.width, ry = static_cast<float>(grey.rows) / size.height;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const cv::Point2f p = corners[i].pt;
+      features.keypoints.push_back({{(p.x + 0.5f) * rx - 0.5f, (p.y + 0.5f) * ry - 0.5f},
+                                    corners[i].angle * static_cast<float>(CV_PI / 180.0),
+                                    static_cast<uint8_t>(octave)});
+      std::memcpy(features.descriptors.emplace_back().data(), descriptors.ptr(static_cast<int>(i)), sizeof(Descriptor));
+    }
+  }
+  return features;
+}
+
+}  // namespace rumi

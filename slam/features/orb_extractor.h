@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Oriented FAST keypoints with rotated BRIEF descriptors (Rublee et al., "ORB", ICCV 2011) over an image pyramid, spread
+// evenly over the image: the strongest corners of every grid cell rather than the strongest of all.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <opencv2/features2d.hpp>
+#include <vector>
+
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+struct OrbOptions {
+  int keypoints = 1000;       // wanted per image; fewer where the image has no more
+  int levels = 8;             // pyramid levels
+  double scale_factor = 1.2;  // between levels
+  int fast_threshold = 7;     // grey levels; the grid keeps the strongest, so a low one costs little
+  int cell_px = 24;           // side of a grid cell, at every level
+};
+
+// Size of a pixel of each pyramid level in pixels of the full image: the standard deviation of a keypoint there, too.
+std::vector<double> octave_scales(const OrbOptions& options);
+
+class OrbExtractor {
+ public:
+  explicit OrbExtractor(const OrbOptions& options);
+  // From an 8-bit grey image, no smaller than 64 x 64 pixels. `keypoints` overrides the wanted number if positive.
+  // Pixels are full-resolution ones. Deterministic.
+  Features extract(const cv::Mat& grey, int keypoints = 0) const;
+
+ private:
+  std::vector<cv::KeyPoint> detect(const cv::Mat& level, int wanted) const;
+  OrbOptions options_;
+  cv::Ptr<cv::ORB> describer_;
+};
+
+}  // namespace rumi

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "slam/optimization/pose_optimizer.h"
+
+namespace rumi {
+
+struct ResectionOptions {
+  int min_inliers = 12;
+  double max_error_px = 4.0;
+  int iterations = 200;   // RANSAC, at most
+};
+
+// Camera pose from point observations of which many may be wrong: P3P in RANSAC, then optimize_pose. Nothing if fewer than
+// min_inliers agree. Deterministic.
+std::optional<PoseResult> resect(const Camera& camera, const std::vector<PointObservation>& observations,
+                                 const ResectionOptions& options = {});
+
+}  // namespace rumi

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bundle adjustment with Ceres: camera poses and points that minimize the reprojection error (Huber loss). Indices, not
+// maps, so that a snapshot of part of a submap can be solved while the submap itself goes on changing.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "slam/geometry/camera.h"
+#include "slam/geometry/transform.h"
+
+namespace rumi {
+
+struct BundleProblem {
+  struct View {
+    SE3 cam_from_submap;
+    bool fixed = false;
+  };
+  struct Observation {
+    int view = 0;
+    int point = 0;
+    Eigen::Vector2d pixel;   // undistorted
+    double sigma_px = 1.0;
+  };
+  std::vector<View> views;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Observation> observations;
+};
+
+struct BundleOptions {
+  int iterations = 5;
+  double huber_chi2 = 5.991;   // where the loss turns from squared to linear, in sigma^2
+};
+
+struct BundleReport {
+  bool usable = false;         // false: nothing to solve or Ceres failed; the problem is unchanged
+  int iterations = 0;
+  double initial_cost = 0, final_cost = 0;
+};
+
+// At least one view should be fixed, or two where the scale shall not drift.
+BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
+
+// Squared reprojection error of an observation in units of sigma^2; infinite behind the camera.
+double reprojection_chi2(const Camera& camera, const BundleProblem& problem, const BundleProblem::Observation& o);
+
+}  // namespace rumi

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/pose_optimizer.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace rumi {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// Squared error in units of sigma; a point behind the camera is infinitely wrong.
+double chi2(const Camera& camera, const Eigen::Matrix3d& r, const Eigen::Vector3d& t, const PointObservation& o) {
+  const Eigen::Vector3d p = r * o.point + t;
+  if (!(p.z() > 1e-6)) return std::numeric_limits<double>::infinity();
+  return (camera.project_undistorted(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
+}
+
+double huber_cost(double e2, double delta2) {
+  return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2;
+}
+
+struct NormalEquations {
+  Matrix6d h = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double cost = 0;
+};
+
+NormalEquations linearize(const Camera& camera, const SE3& pose, const std::vector<PointObservation>& observations,
+                          const std::vector<bool>& use, bool robust, double delta2) {
+  NormalEquations n;
+  const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+  for (size_t i = 0; i < observations.size(); ++i) {
+    if (!use[i]) continue;
+    const PointObservation& o = observations[i];
+    const Eigen::Vector3d p = r * o.point + pose.translation;
+    if (!(p.z() > 1e-6)) continue;
+    const double iz = 1.0 / p.z(), x = p.x() * iz, y = p.y() * iz, s = 1.0 / o.sigma_px;
+    const Eigen::Vector2d e = s * (camera.project_undistorted(p) - o.pixel);
+    const double e2 = e.squaredNorm();
+    const double w = robust && e2 > delta2 ? std::sqrt(delta2 / e2) : 1.0;
+    n.cost += robust ? huber_cost(e2, delta2) : e2;
+    // d(pixel)/d(twist), twist applied on the left: exp(twist) * pose.
+    const double a = s * camera.fx, b = s * camera.fy;
+    Vector6d ju, jv;
+    ju << a * iz, 0, -a * x * iz, -a * x * y, a * (1 + x * x), -a * y;
+    jv << 0, b * iz, -b * y * iz, -b * (1 + y * y), b * x * y, b * x;
+    n.h.noalias() += w * (ju * ju.transpose() + jv * jv.transpose());
+    n.g.noalias() += w * (e.x() * ju + e.y() * jv);
+  }
+  return n;
+}
+
+// Levenberg-Marquardt steps until the cost stalls. False on a singular system.
+bool minimize(const Camera& camera, const std::vector<PointObservation>& observations, const std::vector<bool>& use,
+              bool robust, const PoseOptimizerOptions& options, SE3* pose) {
+  double lambda = 1e-6;
+  NormalEquations n = linearize(camera, *pose, observations, use, robust, options.inlier_chi2);
+  for (int i = 0; i < options.iterations; ++i) {
+    Matrix6d h = n.h;
+    h.diagonal() += lambda * n.h.diagonal() + Vector6d::Constant(1e-12);
+    const Eigen::LDLT<Matrix6d> ldlt(h);
+    const Vector6d step = -ldlt.solve(n.g);
+    if (!step.allFinite()) return false;
+    const SE3 moved = SE3::exp(step) * *pose;
+    const NormalEquations next = linearize(camera, moved, observations, use, robust, options.inlier_chi2);
+    if (next.cost > n.cost) {
+      lambda = std::max(lambda * 10, 1e-4);
+      if (lambda > 1e3) break;
+      continue;
+    }
+    const bool stalled = n.cost - next.cost < 1e-6 * n.cost;
+    *pose = moved;
+    n = next;
+    lambda = std::max(lambda * 0.1, 1e-9);
+    if (stalled) break;
+  }
+  return true;
+}
+
+}  // namespace
+
+PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::vector<PointObservation>& observations,
+                         const PoseOptimizerOptions& options) {
+  PoseResult result;
+  result.cam_from_submap = initial;
+  result.inlier.assign(observations.size(), true);
+  result.inliers = static_cast<int>(observations.size());
+  for (int round = 0; round < options.rounds; ++round) {
+    if (result.inliers < 6) return result;
+    // The last round trusts its inliers; the earlier ones need the robust loss.
+    const bool robust = round + 1 < options.rounds;
+    SE3 pose = result.cam_from_submap;
+    if (!minimize(camera, observations, result.inlier, robust, options, &pose) || !pose.is_finite()) return result;
+    result.cam_from_submap = pose;
+    const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+    result.inliers = 0;
+    double sum = 0;
+    for (size_t i = 0; i < observations.size(); ++i) {
+      const double e2 = chi2(camera, r, pose.translation, observations[i]);
+      result.inlier[i] = e2 <= options.inlier_chi2;
+      if (!result.inlier[i]) continue;
+      ++result.inliers;
+      sum += e2;
+    }
+    result.rmse_px = result.inliers ? std::sqrt(sum / result.inliers) : 0;
+  }
+  result.converged = result.inliers >= 6;
+  return result;
+}
+
+}  // namespace rumi
