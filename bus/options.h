@@ -15,17 +15,18 @@ namespace rumi {
 
 class OptionTable {
  public:
-  // key is "section.name"; the value that *field has now is the default. The field must outlive the table. Numbers outside
-  // [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "".
+  // key is "section.name"; the value that *field has now is the default. The field must outlive the table. Numbers
+  // outside [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "".
   void add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min, int max);
-  void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min, double max);
+  void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min,
+           double max);
   void add(const std::string& key, bool* field, const std::string& help);
   void add(const std::string& key, std::string* field, const std::string& help,
            const std::vector<std::string>& choices = {});
 
-  // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an unknown
-  // one). Nothing is changed by a file that has an error. Sections that this table knows nothing of are accepted, unknown
-  // keys in a known section are not.
+  // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an
+  // unknown one). Nothing is changed by a file that has an error. Sections that this table knows nothing of are
+  // accepted, unknown keys in a known section are not.
   std::string load_yaml(const std::string& file);
   std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
   std::string set(const std::string& key_equals_value);
@@ -45,6 +46,9 @@ class OptionTable {
   };
   std::string assign(const Entry& entry, const std::string& text, bool apply) const;
   const Entry* find(const std::string& key) const;
+  std::string unknown(const std::string& key) const;
+  std::string range_text(const Entry& entry) const;
+  std::string describe(const Entry& entry) const;
   void insert(Entry entry);
   std::vector<Entry> entries_;
 };
