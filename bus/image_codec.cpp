@@ -7,48 +7,12 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "bus/jpeg_decoder.h"
+
 namespace rumi {
 namespace {
 
 constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
-
-// Size of a JPEG from its frame header, without decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be
-// refused.
-struct JpegInfo {
-  int width = 0, height = 0;
-  std::string error;
-};
-
-JpegInfo inspect_jpeg(const std::vector<uint8_t>& data) {
-  JpegInfo info;
-  const auto corrupt = [&info](std::string why) {
-    info.error = "data is a corrupt JPEG (" + std::move(why) + ")";
-    return info;
-  };
-  size_t end = data.size();
-  while (end > 0 && data[end - 1] == 0) --end;  // some cameras pad with zeros
-  if (end < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker");
-  // libjpeg paints the missing part of a truncated image grey and calls it a success.
-  if (data[end - 2] != 0xFF || data[end - 1] != 0xD9) return corrupt("truncated: no end marker");
-  size_t at = 2;
-  while (at + 9 < end) {
-    if (data[at] != 0xFF) return corrupt("marker expected");
-    const uint8_t marker = data[at + 1];
-    if (marker == 0xFF) {  // fill byte
-      ++at;
-      continue;
-    }
-    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
-    if (is_frame) {
-      info.height = data[at + 5] << 8 | data[at + 6];
-      info.width = data[at + 7] << 8 | data[at + 8];
-      return info;
-    }
-    if (marker == 0xDA) break;  // pixel data before a frame header
-    at += 2 + static_cast<size_t>(data[at + 2] << 8 | data[at + 3]);
-  }
-  return corrupt("no frame header");
-}
 
 // Bytes per pixel of the raw formats, 0 for JPEG, negative for one we do not know.
 int bytes_per_pixel(int32_t pixelformat) {
@@ -93,29 +57,14 @@ std::string check_header(const image_t& image) {
   return {};
 }
 
-cv::Mat decode_jpeg(const image_t& image, int flags, std::string* error) {
-  const JpegInfo info = inspect_jpeg(image.data);
-  if (!info.error.empty()) {
-    *error = info.error;
-    return {};
-  }
-  if (info.width != image.width || info.height != image.height) {
-    *error = fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", info.width, info.height,
-                         image.width, image.height);
-    return {};
-  }
-  cv::Mat decoded;
-  try {
-    // A rotation noted by a phone must not turn the image away from its calibration.
-    decoded = cv::imdecode(image.data, flags | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    decoded.release();
-  }
-  if (decoded.cols != image.width || decoded.rows != image.height) {
-    *error = "data is a corrupt JPEG (cannot be decoded)";
-    return {};
-  }
-  return decoded;
+cv::Mat decode_mjpeg(const image_t& image, bool grey, std::string* error) {
+  JpegSize size;
+  if (!inspect_jpeg(image.data, &size, error)) return {};
+  // Before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
+  if (size.width == image.width && size.height == image.height) return decode_jpeg(image.data, grey, error);
+  *error = fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size.width, size.height, image.width,
+                       image.height);
+  return {};
 }
 
 // The message's pixels without a copy; valid as long as the message.
@@ -132,7 +81,7 @@ cv::Mat decode(const image_t& image, bool grey, std::string* error) {
   cv::Mat out;
   switch (image.pixelformat) {
     case image_t::PIXEL_FORMAT_MJPEG:
-      return decode_jpeg(image, grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR, error);
+      return decode_mjpeg(image, grey, error);
     case image_t::PIXEL_FORMAT_RGB:
       cv::cvtColor(view(image, CV_8UC3), out, grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
       return out;

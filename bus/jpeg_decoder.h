@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Strict and silent JPEG decoding. cv::imdecode prints to stderr and hands out images whose lower part is grey when the
+// data is broken; a tracker must know.
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <span>
+#include <string>
+
+namespace rumi {
+
+struct JpegSize {
+  int width = 0, height = 0;  // pixels
+};
+
+// Size from the frame header, without decoding. False, and why in *error: no JPEG, no end marker (truncated), no frame
+// header. Zeros after the end marker are allowed: some cameras pad.
+bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error);
+
+// 8-bit grey or BGR. An orientation noted in the file is not applied: it would turn the image away from its
+// calibration. On failure, also when libjpeg could go on with guessed pixels, an empty Mat and why in *error.
+cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error);
+
+}  // namespace rumi
