@@ -16,8 +16,8 @@ class App;
 namespace rumi {
 
 struct NodeStatus {
-  std::string detail;      // one line for a person
-  bool degraded = false;   // works, but detail says what does not
+  std::string detail;     // one line for a person
+  bool degraded = false;  // works, but detail says what does not
   int64_t last_utime_us = 0;
   double processing_ms = 0;  // mean per item since the last status
 };
@@ -52,6 +52,11 @@ struct ProcessDescription {
 // buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set KEY=VALUE, -v, -q, -h,
 // --version. Returns the exit code: 0, 1 for a failure, 2 for a wrong command line.
 int run_process(int argc, char** argv, const ProcessDescription& description);
+
+// The project's version, "0.1.0".
+const char* version();
+// Log lines to stderr with time and this name.
+void start_logging(const std::string& name, bool verbose, bool quiet);
 
 // The 1 Hz status of a node on any bus; call after every dispatch.
 class StatusPublisher {

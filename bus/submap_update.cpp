@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -12,6 +13,9 @@
 
 namespace rumi {
 namespace {
+
+// Descriptors travel as they lie in memory.
+static_assert(std::endian::native == std::endian::little);
 
 constexpr double kUnitTolerance = 1e-3;       // of a quaternion's length
 constexpr double kRoundingTolerance = 1e-12;  // below it a quaternion is left as it is: the round trip keeps every bit
@@ -44,8 +48,9 @@ keyframe_features_t features_to_wire(const Keyframe& keyframe) {
     wire.angle.push_back(keypoint.angle_rad);
     wire.octave.push_back(keypoint.octave);
   }
-  for (const Descriptor& d : keyframe.features->descriptors)
-    wire.descriptors.insert(wire.descriptors.end(), d.begin(), d.end());
+  wire.descriptors.resize(keyframe.features->descriptors.size() * sizeof(Descriptor));
+  if (!wire.descriptors.empty())
+    std::memcpy(wire.descriptors.data(), keyframe.features->descriptors.data(), wire.descriptors.size());
   wire.descriptor_bytes = static_cast<int32_t>(wire.descriptors.size());
   return wire;
 }
@@ -54,11 +59,8 @@ std::shared_ptr<const Features> features_from_wire(const keyframe_features_t& wi
   auto features = std::make_shared<Features>();
   features->keypoints.resize(wire.n);
   features->descriptors.resize(wire.n);
-  for (int i = 0; i < wire.n; ++i) {
-    features->keypoints[i] = {{wire.x[i], wire.y[i]}, wire.angle[i], wire.octave[i]};
-    std::copy_n(wire.descriptors.begin() + static_cast<ptrdiff_t>(i) * sizeof(Descriptor), sizeof(Descriptor),
-                features->descriptors[i].begin());
-  }
+  for (int i = 0; i < wire.n; ++i) features->keypoints[i] = {{wire.x[i], wire.y[i]}, wire.angle[i], wire.octave[i]};
+  if (wire.n > 0) std::memcpy(features->descriptors.data(), wire.descriptors.data(), wire.descriptors.size());
   return features;
 }
 
@@ -272,7 +274,7 @@ void apply_landmarks(const submap_update_t& update, Submap* s) {
     Landmark& landmark = s->landmarks[l.id];
     landmark.id = l.id;
     landmark.position = Eigen::Vector3d(l.position[0], l.position[1], l.position[2]);
-    std::copy(std::begin(l.descriptor), std::end(l.descriptor), landmark.descriptor.begin());
+    std::memcpy(landmark.descriptor.data(), l.descriptor, sizeof(Descriptor));
     landmark.revision = update.revision;
     s->removed_landmarks.erase(l.id);
   }
@@ -322,7 +324,7 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
     landmark_t& wire = u.landmarks.emplace_back();
     wire.id = id;
     std::copy_n(landmark.position.data(), 3, wire.position);
-    std::copy(landmark.descriptor.begin(), landmark.descriptor.end(), wire.descriptor);
+    std::memcpy(wire.descriptor, landmark.descriptor.data(), sizeof(Descriptor));
   }
   for (const auto& [utime, frame] : submap.frames) {
     if (frame.revision <= base_revision) continue;

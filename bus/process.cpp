@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/process.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+
+#include "bus/lcm_bus.h"
+#include "lcmtypes/rumi/process_status_t.hpp"
+
+namespace rumi {
+namespace {
+
+constexpr int kDispatchTimeoutMs = 20;
+constexpr std::chrono::seconds kFinishTimeout{5};
+constexpr int64_t kStatusPeriodUs = 1'000'000;
+enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
+
+std::atomic<int> g_stop_signals = 0;
+static_assert(std::atomic<int>::is_always_lock_free, "it is used in a signal handler");
+
+extern "C" void on_stop_signal(int signal) {
+  // The second one: whoever asks twice does not want to wait.
+  if (++g_stop_signals > 1) _exit(128 + signal);
+}
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = on_stop_signal;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+std::string host_name() {
+  char name[256] = "";
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+int64_t resident_bytes() {
+  int64_t total_pages = 0, resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
+  return resident_pages * sysconf(_SC_PAGESIZE);
+}
+
+struct CommonFlags {
+  std::string lcm_url = kDefaultLcmUrl;
+  ChannelNames names;
+  std::string config;
+  std::vector<std::string> settings;
+  bool verbose = false, quiet = false;
+};
+
+void add_common_flags(CLI::App& app, CommonFlags* flags) {
+  app.add_option("-l,--lcm-url", flags->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
+  app.add_option("--channel-prefix", flags->names.prefix, "put before every channel name (several robots on one bus)");
+  app.add_option("-c,--channel", flags->names.camera, "channel of the camera images")->capture_default_str();
+  app.add_option("--config", flags->config, "YAML file with options, see below")->type_name("FILE");
+  app.add_option("--set", flags->settings, "set one option, may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_flag("-v,--verbose", flags->verbose, "log more");
+  app.add_flag("-q,--quiet", flags->quiet, "log warnings and errors only");
+  app.set_version_flag("--version", std::string(version()));
+}
+
+// What is wrong with --config or --set, or an empty string.
+std::string load_options(const CommonFlags& flags, OptionTable* table) {
+  if (!flags.config.empty()) {
+    const std::string problem = table->load_yaml(flags.config);
+    if (!problem.empty()) return problem;
+  }
+  for (const std::string& setting : flags.settings) {
+    const std::string problem = table->set(setting);
+    if (!problem.empty()) return problem;
+  }
+  return "";
+}
+
+void run_node(Bus& bus, Node& node, StatusPublisher& status) {
+  const auto step = [&] {
+    bus.dispatch(kDispatchTimeoutMs);
+    node.tick(bus.now_us());
+  };
+  while (g_stop_signals == 0 && !node.done()) {
+    step();
+    status.tick(node, bus.now_us());
+  }
+  spdlog::debug("ending");
+  node.finish();
+  status.stopping(node, bus.now_us());
+  const auto deadline = std::chrono::steady_clock::now() + kFinishTimeout;
+  while (!node.finished() && std::chrono::steady_clock::now() < deadline) step();
+  if (!node.finished()) spdlog::warn("not everything could be handed on before the end");
+  status.stopping(node, bus.now_us());
+}
+
+int wrong_command_line(const std::string& name, const std::string& problem) {
+  fmt::print(stderr, "{}: {}\n", name, problem);
+  return kWrongCommandLine;
+}
+
+}  // namespace
+
+const char* version() { return RUMI_VERSION; }
+
+void start_logging(const std::string& name, bool verbose, bool quiet) {
+  // An earlier logger of that name may exist where several mains run in one process, as in tests.
+  spdlog::drop(name);
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  spdlog::set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
+  spdlog::set_level(quiet ? spdlog::level::warn : verbose ? spdlog::level::debug : spdlog::level::info);
+}
+
+int run_process(int argc, char** argv, const ProcessDescription& description) {
+  CLI::App app(description.summary, description.name);
+  CommonFlags flags;
+  OptionTable table;
+  add_common_flags(app, &flags);
+  if (description.add_flags) description.add_flags(app);
+  if (description.add_options) description.add_options(table);
+  const std::string usage = app.help();
+  if (const std::string options = table.help(); !options.empty())
+    app.footer("Options for --config and --set, with their defaults:\n" + options);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // -h, --version
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    return wrong_command_line(description.name, fmt::format("{}\n\n{}", e.what(), usage));
+  }
+  if (const std::string problem = load_options(flags, &table); !problem.empty())
+    return wrong_command_line(description.name, problem);
+
+  start_logging(description.name, flags.verbose, flags.quiet);
+  try {
+    std::string error;
+    const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
+    if (!bus) throw std::runtime_error(error);
+    catch_stop_signals();
+    const std::unique_ptr<Node> node = description.make_node(*bus);
+    StatusPublisher status(*bus, description.name);
+    run_node(*bus, *node, status);
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    return kFailure;
+  }
+  return kOk;
+}
+
+StatusPublisher::StatusPublisher(Bus& bus, std::string process_name) : bus_(bus), name_(std::move(process_name)) {}
+
+void StatusPublisher::tick(Node& node, int64_t now_us) {
+  if (started_us_ == 0) started_us_ = now_us;
+  // A clock that went back (a log played again) starts a new second.
+  if (last_us_ != 0 && now_us >= last_us_ && now_us - last_us_ < kStatusPeriodUs) return;
+  publish(node, now_us, process_status_t::RUNNING);
+}
+
+void StatusPublisher::stopping(Node& node, int64_t now_us) { publish(node, now_us, process_status_t::STOPPING); }
+
+void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
+  const NodeStatus node_status = node.status();
+  process_status_t message;
+  message.utime = now_us;
+  message.process = name_;
+  message.host = host_name();
+  message.pid = getpid();
+  message.version = version();
+  message.state = state == process_status_t::RUNNING && node_status.degraded ? process_status_t::DEGRADED : state;
+  message.detail = node_status.detail;
+  message.started_utime = started_us_;
+  message.last_utime = node_status.last_utime_us;
+  message.messages_in = 0;
+  message.messages_out = bus_.published();
+  for (const ChannelCounts& counts : bus_.counts()) {
+    message.messages_in += counts.received;
+    message.channels.push_back(
+        {counts.channel, counts.received, counts.dropped, counts.undecodable, counts.queue_depth});
+  }
+  message.nchannels = static_cast<int32_t>(message.channels.size());
+  message.processing_ms = static_cast<float>(node_status.processing_ms);
+  message.cpu_s = cpu_seconds();
+  message.rss_bytes = resident_bytes();
+  bus_.publish(channels::kStatus, message);
+  last_us_ = now_us;
+}
+
+std::string unique_process_name(const std::string& process_name) {
+  return fmt::format("{}@{}:{}", process_name, host_name(), getpid());
+}
+
+}  // namespace rumi
