@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/trajectory.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace rumi {
+namespace {
+
+using testing::HasSubstr;
+
+class TrajectoryTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              (std::string("trajectory_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& text) {
+    const auto file = folder_ / name;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file) << text;
+    return file.string();
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(TrajectoryTest, ReadsTumLinesToTheMicrosecondInOrderOfTime) {
+  const auto result = read_trajectory(write("t.txt",
+                                            "# comment\n"
+                                            "1400000000.033333 1 2 3 0 0 0 1\r\n"
+                                            "\n"
+                                            "1400000000.000001\t4 5 6 0 0.6 0 0.8\n"));
+  ASSERT_TRUE(result.ok()) << result.error;
+  ASSERT_EQ(result.poses.size(), 2u);
+  EXPECT_EQ(result.poses[0].utime_us, 1400000000000001);
+  EXPECT_EQ(result.poses[1].utime_us, 1400000000033333);
+  EXPECT_EQ(result.poses[0].map_from_cam.translation, Eigen::Vector3d(4, 5, 6));
+  EXPECT_NEAR(result.poses[0].map_from_cam.rotation.y(), 0.6, 1e-12);
+  EXPECT_NEAR(result.poses[0].map_from_cam.rotation.w(), 0.8, 1e-12);
+}
+
+TEST_F(TrajectoryTest, SkipsAndCountsBrokenLines) {
+  const auto result = read_trajectory(write("t.txt",
+                                            "1 nan 2 3 0 0 0 1\n"
+                                            "2 1 2 inf 0 0 0 1\n"
+                                            "3 1 2 3 0 0 0\n"
+                                            "4 1 2 3 0 0 0 0\n"
+                                            "5 1 2 3 x 0 0 1\n"
+                                            "6 1 2 3 0 0 0 1\n"
+                                            "6 9 9 9 0 0 0 1\n"));
+  ASSERT_TRUE(result.ok()) << result.error;
+  ASSERT_EQ(result.poses.size(), 1u);
+  EXPECT_EQ(result.poses[0].map_from_cam.translation.x(), 1) << "the first of two poses at one time stays";
+  EXPECT_EQ(result.skipped_lines, 6);
+}
+
+TEST_F(TrajectoryTest, AnEmptyTrajectoryIsNoErrorButAnEmptyTruthIs) {
+  const std::string file = write("t.txt", "# nothing was tracked\n");
+  EXPECT_TRUE(read_trajectory(file).ok());
+  EXPECT_THAT(read_groundtruth(file).error, HasSubstr("holds no poses"));
+}
+
+TEST_F(TrajectoryTest, NamesTheFileThatCannotBeUsed) {
+  EXPECT_THAT(read_trajectory((folder_ / "absent.txt").string()).error, HasSubstr("absent.txt"));
+  EXPECT_THAT(read_trajectory(folder_.string()).error, HasSubstr("cannot be read"));
+  EXPECT_THAT(read_trajectory(write("picture.png", "\x89PNG\nrubbish\n")).error, HasSubstr("none of 2 lines"));
+}
+
+TEST_F(TrajectoryTest, CountsFramesAtARate) {
+  TruthOptions options;
+  options.frames_per_second = 30;
+  const auto result = read_trajectory(write("t.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n"), options);
+  ASSERT_EQ(result.poses.size(), 2u);
+  EXPECT_EQ(result.poses[0].utime_us, 33333);
+  EXPECT_EQ(result.poses[1].utime_us, 66667);
+}
+
+constexpr const char* kEuroc =
+    "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+    "1403715886584058112,1.0,2.0,3.0,0.0,0.0,0.0,1.0,9,9,9\n";
+
+TEST_F(TrajectoryTest, EurocTruthBecomesThatOfTheCamera) {
+  write("mav0/cam0/sensor.yaml", "T_BS:\n  cols: 4\n  rows: 4\n  data: [1,0,0,0.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n");
+  const auto result = read_groundtruth(write("mav0/state_groundtruth_estimate0/data.csv", kEuroc));
+  ASSERT_TRUE(result.ok()) << result.error;
+  ASSERT_EQ(result.poses.size(), 1u);
+  EXPECT_EQ(result.poses[0].utime_us, 1403715886584058);
+  // The body is turned half a turn about z: the camera, half a metre along the body's x, is at smaller x.
+  EXPECT_NEAR(result.poses[0].map_from_cam.translation.x(), 0.5, 1e-9);
+  EXPECT_NEAR(result.poses[0].map_from_cam.translation.y(), 2.0, 1e-9);
+}
+
+TEST_F(TrajectoryTest, EurocTruthWithoutItsSensorFileIsRefused) {
+  EXPECT_THAT(read_groundtruth(write("a/b/data.csv", kEuroc)).error, HasSubstr("sensor.yaml"));
+}
+
+TEST_F(TrajectoryTest, ReadsFramesByColumnName) {
+  const auto result = read_frames(write("frames.csv", "utime,submap,state,in_map\n20,-1,LOST,0\n10,3,TRACKING,1\n"));
+  ASSERT_TRUE(result.ok()) << result.error;
+  ASSERT_EQ(result.frames.size(), 2u);
+  EXPECT_EQ(result.frames[0].utime_us, 10);
+  EXPECT_EQ(result.frames[0].state, "TRACKING");
+  EXPECT_EQ(result.frames[0].submap, 3);
+  EXPECT_TRUE(result.frames[0].in_map);
+  EXPECT_FALSE(result.frames[1].in_map);
+}
+
+TEST_F(TrajectoryTest, RefusesBrokenFramesWithTheLine) {
+  EXPECT_THAT(read_frames((folder_ / "absent.csv").string()).error, HasSubstr("absent.csv"));
+  EXPECT_THAT(read_frames(write("a.csv", "time,state\n")).error, HasSubstr("columns"));
+  EXPECT_THAT(read_frames(write("b.csv", "utime,state,submap,in_map\n1,LOST,-1,0\n2,LOST\n")).error,
+              HasSubstr("line 3"));
+  EXPECT_THAT(read_frames(write("c.csv", "utime,state,submap,in_map\n1.5,LOST,-1,0\n")).error, HasSubstr("line 2"));
+}
+
+}  // namespace
+}  // namespace rumi
