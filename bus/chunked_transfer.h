@@ -19,9 +19,9 @@
 namespace rumi {
 
 struct TransferOptions {
-  int chunk_bytes = 48000;       // 1000 .. 60000: one LCM datagram
-  int window_chunks = 16;        // sent ahead of the last acknowledged chunk
-  int64_t retry_us = 300'000;    // without news: the sender repeats, the receiver asks again
+  int chunk_bytes = 48000;          // 1000 .. 60000: one LCM datagram
+  int window_chunks = 16;           // sent ahead of the last acknowledged chunk
+  int64_t retry_us = 300'000;       // without news: the sender repeats, the receiver asks again
   int64_t give_up_us = 60'000'000;  // without any news: the sender reports failure, the receiver forgets
   int64_t max_payload_bytes = int64_t{4} << 30;
 };
@@ -29,8 +29,8 @@ struct TransferOptions {
 struct TransferResult {
   int64_t transfer_id = 0;
   bool ok = false;
-  std::string reason;     // when not ok
-  int64_t revision = 0;   // what the receiver said (see chunk_ack_t)
+  std::string reason;    // when not ok
+  int64_t revision = 0;  // what the receiver said (see chunk_ack_t)
 };
 
 class ChunkSender {
@@ -41,7 +41,8 @@ class ChunkSender {
               const TransferOptions& options = {});
 
   // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id.
-  int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload, DoneHandler done);
+  int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
+               DoneHandler done);
   void tick(int64_t now_us);
   // Payloads not yet acknowledged.
   int pending() const;
@@ -57,10 +58,12 @@ class ChunkSender {
     int32_t count = 0;
     int32_t next_to_send = 0;
     int32_t acknowledged = 0;  // all chunks below it
+    int repeats = 0;           // since the last news
     int64_t last_news_us = 0, last_sent_us = 0;
     DoneHandler done;
   };
   void on_ack(const chunk_ack_t& ack);
+  void start(Transfer& transfer);
   void send_window(Transfer& transfer);
   void send_chunk(Transfer& transfer, int32_t index);
   void finish(const std::string& receiver, const TransferResult& result);
@@ -68,7 +71,7 @@ class ChunkSender {
   std::string data_channel_, name_;
   TransferOptions options_;
   int64_t last_id_ = 0;
-  std::map<std::string, std::deque<Transfer>> queues_;  // by receiver
+  std::map<std::string, std::deque<Transfer>> queues_;  // by receiver; none is empty, the first in each is under way
 };
 
 class ChunkReceiver {
@@ -91,29 +94,36 @@ class ChunkReceiver {
   ChunkReceiver(Bus& bus, std::string data_channel, std::string ack_channel, std::string receiver_name,
                 bool accept_unaddressed, PayloadHandler handler, const TransferOptions& options = {});
   void tick(int64_t now_us);
-  // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the first.
+  // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the
+  // first.
   std::optional<std::pair<int, int>> progress(int32_t request_id) const;
 
  private:
   struct Assembly {
-    chunk_t first;  // header fields
-    std::vector<uint8_t> bytes;
-    std::vector<bool> have;
-    int32_t received = 0;
+    chunk_t header;                                  // of the first chunk that came, without data
+    std::map<int32_t, std::vector<uint8_t>> pieces;  // by index; grows with what arrives, not with what is announced
+    int32_t next_index = 0;                          // all below it are here
     int32_t unacknowledged = 0;
+    int restarts = 0;  // because of a wrong checksum
+    int requests = 0;  // since the last chunk
     int64_t last_chunk_us = 0, last_ack_us = 0;
+  };
+  struct Finished {
+    chunk_t header;
+    chunk_ack_t answer;  // repeated when asked again
   };
   using Id = std::pair<std::string, int64_t>;  // sender, transfer
   void on_chunk(const chunk_t& chunk);
-  void complete(const Id& id, Assembly& assembly);
-  void acknowledge(const Id& id, const Assembly& assembly);
+  Assembly& assembly_of(const Id& id, const chunk_t& chunk);
+  void complete(const Id& id);
+  void acknowledge(Assembly& assembly, int32_t end);
   Bus& bus_;
   std::string ack_channel_, name_;
   bool accept_unaddressed_;
   PayloadHandler handler_;
   TransferOptions options_;
   std::map<Id, Assembly> open_;
-  std::deque<std::pair<Id, chunk_ack_t>> recent_;  // answers to finished transfers, repeated when asked again
+  std::deque<Finished> recent_;
 };
 
 }  // namespace rumi
