@@ -116,12 +116,12 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
 }
 
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
-                        const std::vector<FrameRecord>& frames, const std::vector<TimedPose>& truth,
+                        const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
                         const MetricOptions& options) {
   RunMetrics metrics;
   metrics.map = evaluate_trajectory(map, truth, options);
   std::set<int64_t> times;
-  for (const FrameRecord& frame : frames) times.insert(frame.utime_us);
+  for (const InputFrame& frame : frames) times.insert(frame.utime_us);
   metrics.frames = static_cast<int>(times.size());
   if (times.empty()) return metrics;
 

@@ -60,7 +60,7 @@ struct RunMetrics {
 
 // submaps: the trajectories of all submaps, each in its own frame. Poses at times that are no frame's do not count.
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
-                        const std::vector<FrameRecord>& frames, const std::vector<TimedPose>& truth,
+                        const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
                         const MetricOptions& options = {});
 
 }  // namespace rumi

@@ -173,7 +173,7 @@ FramesFile read_frames(const std::string& file) {
   for (int number = 2; std::getline(in, line); ++number) {
     const auto fields = split(line, ",\r");
     if (fields.empty()) continue;
-    FrameRecord frame;
+    InputFrame frame;
     const auto parse = [&](size_t index, auto* value) {
       const std::string& text = fields[index];
       const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);

@@ -35,7 +35,7 @@ TrajectoryFile read_trajectory(const std::string& file, const TruthOptions& opti
 // camera by T_BS of ../cam0/sensor.yaml).
 TrajectoryFile read_groundtruth(const std::string& file, const TruthOptions& options = {});
 
-struct FrameRecord {
+struct InputFrame {
   int64_t utime_us = 0;
   std::string state;
   int submap = -1;  // -1: no pose
@@ -43,7 +43,7 @@ struct FrameRecord {
 };
 
 struct FramesFile {
-  std::vector<FrameRecord> frames;  // by time
+  std::vector<InputFrame> frames;  // by time
   std::string error;
   bool ok() const { return error.empty(); }
 };

@@ -34,8 +34,8 @@ std::vector<TimedPose> seen_from(const Sim3& other_from_map, std::vector<TimedPo
   return poses;
 }
 
-std::vector<FrameRecord> frames_of(const std::vector<TimedPose>& poses) {
-  std::vector<FrameRecord> frames;
+std::vector<InputFrame> frames_of(const std::vector<TimedPose>& poses) {
+  std::vector<InputFrame> frames;
   for (const TimedPose& pose : poses) frames.push_back({pose.utime_us, "TRACKING", 1, true});
   return frames;
 }

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/supervisor.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+
+namespace rumi {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLook{50};       // how often deaths are looked for
+constexpr size_t kLongestLine = 16384;  // a longer one is cut
+constexpr int kWrongCommandLine = 2;    // exit code of all Rumi processes: starting again would not help
+
+std::string describe_status(int status) {
+  if (WIFEXITED(status)) return fmt::format("ended with exit code {}", WEXITSTATUS(status));
+  if (WIFSIGNALED(status))
+    return fmt::format("was ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
+  return fmt::format("ended with status {}", status);
+}
+
+// In the child. Only async-signal-safe calls; the supervisor has one thread, so fork() is safe, and unlike posix_spawn
+// it lets the child ask to be told when the supervisor is killed.
+[[noreturn]] void execute(char* const* argv, int output, pid_t parent) {
+  setpgid(0, 0);  // Ctrl-C in a terminal is the supervisor's to handle
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(127);
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+  const int null = open("/dev/null", O_RDONLY);
+  dup2(null, STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
+  dup2(output, STDERR_FILENO);
+  execv(argv[0], argv);
+  const char* reason = strerror(errno);
+  if (write(STDERR_FILENO, "cannot be started: ", 19) < 0 || write(STDERR_FILENO, reason, strlen(reason)) < 0)
+    _exit(127);
+  _exit(127);
+}
+
+}  // namespace
+
+Supervisor::Supervisor(std::vector<ChildProcess> children, const SupervisorOptions& options, LineHandler on_line)
+    : options_(options), on_line_(std::move(on_line)) {
+  for (ChildProcess& process : children) {
+    Child child;
+    child.process = std::move(process);
+    child.delay = options_.restart_delay;
+    children_.push_back(std::move(child));
+  }
+}
+
+Supervisor::~Supervisor() {
+  for (Child& child : children_) {
+    if (child.pid > 0) {
+      kill(-child.pid, SIGKILL);
+      waitpid(child.pid, nullptr, 0);
+    }
+    if (child.output >= 0) close(child.output);
+  }
+}
+
+bool Supervisor::start(Child& child) {
+  std::vector<char*> argv;
+  for (std::string& argument : child.process.command) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC | O_NONBLOCK) != 0) return false;
+  fcntl(ends[1], F_SETFL, 0);  // the child must wait when we are slow to read, not lose output
+  const pid_t parent = getpid();
+  const pid_t pid = fork();
+  if (pid == 0) execute(argv.data(), ends[1], parent);
+  close(ends[1]);
+  if (pid < 0) {
+    close(ends[0]);
+    return false;
+  }
+  setpgid(pid, pid);  // in both, so that it holds whoever is first
+  child.pid = pid;
+  child.output = ends[0];
+  child.started = Clock::now();
+  return true;
+}
+
+void Supervisor::drain(Child& child) {
+  char buffer[4096];
+  for (ssize_t n; child.output >= 0 && (n = read(child.output, buffer, sizeof(buffer))) > 0;) {
+    child.partial.append(buffer, static_cast<size_t>(n));
+    size_t begin = 0;
+    for (size_t end; (end = child.partial.find('\n', begin)) != std::string::npos; begin = end + 1) {
+      on_line_(child.process.name, child.partial.substr(begin, end - begin));
+    }
+    child.partial.erase(0, begin);
+    if (child.partial.size() > kLongestLine) {
+      on_line_(child.process.name, child.partial);
+      child.partial.clear();
+    }
+  }
+}
+
+void Supervisor::read_output(milliseconds timeout) {
+  std::vector<pollfd> fds;
+  for (const Child& child : children_) {
+    if (child.output >= 0) fds.push_back({child.output, POLLIN, 0});
+  }
+  const auto begin = Clock::now();
+  poll(fds.data(), fds.size(), static_cast<int>(timeout.count()));
+  for (Child& child : children_) drain(child);
+  // A pipe at its end is always ready: without a rest, waiting for its process's death would be a busy loop.
+  const bool hung_up = std::any_of(fds.begin(), fds.end(), [](const pollfd& fd) { return fd.revents & POLLHUP; });
+  if (hung_up && Clock::now() - begin < timeout / 2) usleep(5000);
+}
+
+bool Supervisor::reap(Child& child, int* status) {
+  if (child.pid <= 0 || waitpid(child.pid, status, WNOHANG) != child.pid) return false;
+  kill(-child.pid, SIGKILL);  // what it may have left behind, such as COLMAP
+  drain(child);
+  if (!child.partial.empty()) on_line_(child.process.name, child.partial);
+  child.partial.clear();
+  close(child.output);
+  child.output = -1;
+  child.pid = 0;
+  return true;
+}
+
+// Returns why everything must be given up, or plans a restart.
+std::string Supervisor::on_death(Child& child, int status) {
+  const std::string what = fmt::format("{} {}", child.process.name, describe_status(status));
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kWrongCommandLine) return what + ": wrong command line or options";
+  const auto now = Clock::now();
+  child.failed_starts = now - child.started < options_.failed_start ? child.failed_starts + 1 : 0;
+  if (child.failed_starts >= options_.max_failed_starts) {
+    return fmt::format("{}, {} times in a row right after its start", what, child.failed_starts);
+  }
+  if (now - child.started > options_.restart_delay_max) child.delay = options_.restart_delay;
+  say(fmt::format("{}; starting it again in {:.1f} s", what, static_cast<double>(child.delay.count()) * 1e-3));
+  child.restart_at = now + child.delay;
+  child.delay = std::min(2 * child.delay, options_.restart_delay_max);
+  return "";
+}
+
+std::string Supervisor::watch(bool* source_ended) {
+  for (Child& child : children_) {
+    int status = 0;
+    if (reap(child, &status)) {
+      if (child.process.source && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        *source_ended = true;
+        continue;
+      }
+      if (std::string reason = on_death(child, status); !reason.empty()) return reason;
+    } else if (child.pid == 0 && !(child.process.source && *source_ended) && Clock::now() >= child.restart_at) {
+      if (!start(child)) return fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
+      ++restarts_;
+    }
+  }
+  return "";
+}
+
+void Supervisor::stop_stage(int stage, Clock::time_point deadline) {
+  const auto of_stage = [&](const Child& child) { return child.pid > 0 && child.process.stop_stage == stage; };
+  for (const Child& child : children_) {
+    if (of_stage(child)) kill(child.pid, SIGTERM);
+  }
+  while (std::any_of(children_.begin(), children_.end(), of_stage) && Clock::now() < deadline) {
+    read_output(kLook);
+    int status = 0;
+    for (Child& child : children_) {
+      if (reap(child, &status) && (!WIFEXITED(status) || WEXITSTATUS(status) != 0)) {
+        say(fmt::format("{} {} while stopping", child.process.name, describe_status(status)));
+      }
+    }
+  }
+}
+
+void Supervisor::stop_all(const std::function<void()>& before_last_stage) {
+  std::set<int> stages;
+  for (const Child& child : children_) stages.insert(child.process.stop_stage);
+  auto begin = Clock::now();
+  for (int stage : stages) {
+    const bool last = stage == *stages.rbegin();
+    if (last && before_last_stage) {
+      const auto before = Clock::now();
+      before_last_stage();
+      begin += Clock::now() - before;
+    }
+    stop_stage(stage, begin + (last ? options_.stop_timeout : options_.stage_timeout));
+  }
+  for (Child& child : children_) {
+    if (child.pid <= 0) continue;
+    say(fmt::format("{} did not end when asked to: killed", child.process.name));
+    kill(-child.pid, SIGKILL);
+    int status = 0;
+    while (!reap(child, &status)) usleep(1000);
+  }
+}
+
+std::string Supervisor::run(const std::atomic<bool>& stop, const std::function<void()>& before_last_stage) {
+  std::string reason;
+  for (Child& child : children_) {
+    if (!start(child)) reason = fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
+  }
+  bool source_ended = false;
+  while (!stop && !source_ended && reason.empty()) {
+    read_output(kLook);
+    reason = watch(&source_ended);
+  }
+  if (source_ended) {
+    const auto settled = Clock::now() + options_.settle;
+    while (!stop && reason.empty() && Clock::now() < settled) {
+      read_output(kLook);
+      reason = watch(&source_ended);
+    }
+  }
+  stop_all(reason.empty() ? before_last_stage : nullptr);
+  return reason;
+}
+
+}  // namespace rumi

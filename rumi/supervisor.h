@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Starts processes, prefixes their output with their names, starts those again that die, and stops all of them in
+// order.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rumi {
+
+struct ChildProcess {
+  std::string name;
+  std::vector<std::string> command;  // executable (path) and arguments
+  bool source = false;               // the input: when it ends with success, everything ends
+  int stop_stage = 0;                // stages are stopped one after another, lowest first
+};
+
+struct SupervisorOptions {
+  std::chrono::milliseconds restart_delay{500};  // before the first restart; doubles up to the next one
+  std::chrono::milliseconds restart_delay_max{10000};
+  std::chrono::milliseconds failed_start{2000};   // dead within this time: it did not start
+  int max_failed_starts = 3;                      // in a row, of one process: then all is given up
+  std::chrono::milliseconds settle{2000};         // from the end of the source to the stop of the others
+  std::chrono::milliseconds stage_timeout{5000};  // for all but the last stage together
+  std::chrono::milliseconds stop_timeout{6500};   // whoever still lives is killed
+};
+
+class Supervisor {
+ public:
+  using LineHandler = std::function<void(const std::string& name, const std::string& line)>;
+
+  Supervisor(std::vector<ChildProcess> children, const SupervisorOptions& options, LineHandler on_line);
+  ~Supervisor();  // kills what is left
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  // Runs until the source ends, *stop becomes true, or a process cannot be kept alive. before_last_stage runs while
+  // only the last stage is alive (to ask it for what it knows). Returns an empty string, or why it was given up.
+  std::string run(const std::atomic<bool>& stop, const std::function<void()>& before_last_stage = {});
+
+  int restarts() const { return restarts_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Child {
+    ChildProcess process;
+    pid_t pid = 0;        // 0: not running
+    int output = -1;      // our end of its stdout and stderr
+    std::string partial;  // a line without its end
+    Clock::time_point started, restart_at;
+    std::chrono::milliseconds delay{0};
+    int failed_starts = 0;
+  };
+
+  bool start(Child& child);
+  void read_output(std::chrono::milliseconds timeout);
+  void drain(Child& child);
+  std::string watch(bool* source_ended);
+  std::string on_death(Child& child, int status);
+  void stop_stage(int stage, Clock::time_point deadline);
+  void stop_all(const std::function<void()>& before_last_stage);
+  bool reap(Child& child, int* status);
+  void say(const std::string& line) { on_line_("rumi", line); }
+
+  std::vector<Child> children_;
+  SupervisorOptions options_;
+  LineHandler on_line_;
+  int restarts_ = 0;
+};
+
+}  // namespace rumi

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/supervisor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace rumi {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Pair;
+
+ChildProcess shell(const std::string& name, const std::string& script) {
+  return {name, {"/bin/sh", "-c", script}, false, 0};
+}
+
+SupervisorOptions quick() {
+  SupervisorOptions options;
+  options.restart_delay = milliseconds(20);
+  options.failed_start = milliseconds(0);  // every start counts as a good one
+  options.settle = milliseconds(50);
+  options.stage_timeout = milliseconds(1000);
+  options.stop_timeout = milliseconds(2000);
+  return options;
+}
+
+class SupervisorTest : public testing::Test {
+ protected:
+  // Runs until the end; `on_line` may set stop_.
+  std::string run(std::vector<ChildProcess> children, const SupervisorOptions& options = quick(),
+                  const std::function<void()>& before_last_stage = {}) {
+    Supervisor supervisor(std::move(children), options, [this](const std::string& name, const std::string& line) {
+      lines_.emplace_back(name, line);
+      if (line == "stop") stop_ = true;
+    });
+    const auto begin = steady_clock::now();
+    std::string reason = supervisor.run(stop_, before_last_stage);
+    duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
+    restarts_ = supervisor.restarts();
+    return reason;
+  }
+  std::atomic<bool> stop_ = false;
+  std::vector<std::pair<std::string, std::string>> lines_;
+  milliseconds duration_{0};
+  int restarts_ = 0;
+};
+
+TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
+  ChildProcess source = shell("camera", "echo one; echo two >&2; printf three");
+  source.source = true;
+  EXPECT_EQ(run({source, shell("server", "trap 'echo bye; exit 0' TERM; while :; do sleep 0.05; done")}), "");
+  EXPECT_THAT(lines_, Contains(Pair("camera", "one")));
+  EXPECT_THAT(lines_, Contains(Pair("camera", "two")));
+  EXPECT_THAT(lines_, Contains(Pair("camera", "three"))) << "a last line without an end";
+  EXPECT_THAT(lines_, Contains(Pair("server", "bye"))) << "it was asked to end, not killed";
+  EXPECT_EQ(restarts_, 0);
+}
+
+TEST_F(SupervisorTest, StartsWhatDiesAgain) {
+  const auto counter = std::filesystem::path(testing::TempDir()) / "supervisor_counter";
+  std::filesystem::remove(counter);
+  // Dies twice by a signal, then is content.
+  const std::string script = "echo x >> " + counter.string() + "; [ $(wc -l < " + counter.string() +
+                             ") -gt 2 ] || kill -9 $$; echo stop; sleep 10";
+  EXPECT_EQ(run({shell("server", script)}), "");
+  EXPECT_EQ(restarts_, 2);
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("signal 9"))));
+}
+
+TEST_F(SupervisorTest, GivesUpOnWhatNeverStarts) {
+  SupervisorOptions options = quick();
+  options.failed_start = milliseconds(60'000);
+  EXPECT_THAT(run({shell("server", "echo no luck; exit 1"), shell("other", "sleep 10")}, options),
+              HasSubstr("server ended with exit code 1, 3 times in a row"));
+  EXPECT_LT(duration_, milliseconds(3000));
+}
+
+TEST_F(SupervisorTest, GivesUpAtOnceOnAWrongCommandLine) {
+  EXPECT_THAT(run({shell("server", "exit 2")}), HasSubstr("wrong command line"));
+  EXPECT_EQ(restarts_, 0);
+}
+
+TEST_F(SupervisorTest, SaysThatAnExecutableIsMissing) {
+  SupervisorOptions options = quick();
+  options.failed_start = milliseconds(60'000);
+  EXPECT_THAT(run({{"server", {"/no/such/file"}, false, 0}}, options), HasSubstr("exit code 127"));
+  EXPECT_THAT(lines_, Contains(Pair("server", HasSubstr("No such file"))));
+}
+
+TEST_F(SupervisorTest, StopsInStagesWithWordInBetween) {
+  ChildProcess first =
+      shell("front", "trap 'sleep 0.2; echo front done; exit 0' TERM; echo stop; while :; do sleep 0.05; done");
+  ChildProcess last = shell("map", "trap 'echo map done; exit 0' TERM; while :; do sleep 0.05; done");
+  last.stop_stage = 1;
+  EXPECT_EQ(run({last, first}, quick(), [this] { lines_.emplace_back("test", "asked"); }), "");
+  std::vector<std::string> order;
+  for (const auto& [name, line] : lines_) {
+    if (line != "stop") order.push_back(line);
+  }
+  EXPECT_EQ(order, (std::vector<std::string>{"front done", "asked", "map done"}));
+}
+
+TEST_F(SupervisorTest, KillsWhatDoesNotEnd) {
+  SupervisorOptions options = quick();
+  options.stop_timeout = milliseconds(300);
+  EXPECT_EQ(run({shell("deaf", "trap '' TERM; echo stop; while :; do sleep 0.05; done")}, options), "");
+  EXPECT_LT(duration_, milliseconds(2000));
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("killed"))));
+}
+
+TEST_F(SupervisorTest, KillsGrandchildrenToo) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "supervisor_grandchild";
+  EXPECT_EQ(run({shell("parent", "sleep 1000 & echo $! > " + file.string() + "; echo stop; wait")}), "");
+  pid_t grandchild = 0;
+  std::ifstream(file) >> grandchild;
+  ASSERT_GT(grandchild, 0);
+  // It is init's to collect now, which may take a moment; a zombie counts as dead.
+  std::string state;
+  for (int i = 0; i < 100; ++i) {
+    std::ifstream stat("/proc/" + std::to_string(grandchild) + "/stat");
+    std::string id, name;
+    if (!(stat >> id >> name >> state) || state == "Z") return;
+    usleep(10'000);
+  }
+  FAIL() << "grandchild " << grandchild << " lives, state " << state;
+}
+
+TEST_F(SupervisorTest, CutsEndlessLines) {
+  ChildProcess source = shell("noisy", "head -c 100000 /dev/zero | tr '\\0' x");
+  source.source = true;
+  EXPECT_EQ(run({source}), "");
+  size_t total = 0;
+  for (const auto& [name, line] : lines_) total += line.size();
+  EXPECT_EQ(total, 100000u);
+  EXPECT_GT(lines_.size(), 3u);
+}
+
+}  // namespace
+}  // namespace rumi
