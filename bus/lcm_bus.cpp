@@ -11,6 +11,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "bus/handler.h"
+
 namespace rumi {
 namespace {
 
@@ -151,12 +153,7 @@ int LcmBus::dispatch(int timeout_ms) {
     --waiting_;
     ++handled;
     lock.unlock();
-    bool decoded = false;
-    try {
-      decoded = subscription->handler(message.data);
-    } catch (const std::exception& e) {
-      spdlog::error("a message on {} could not be handled: {}", subscription->counts.channel, e.what());
-    }
+    const bool decoded = handle_safely(subscription->handler, subscription->counts.channel, message.data);
     lock.lock();
     if (!decoded) ++subscription->counts.undecodable;
   }

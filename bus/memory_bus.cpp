@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/memory_bus.h"
 
-#include <spdlog/spdlog.h>
+#include "bus/handler.h"
 
 namespace rumi {
 
@@ -26,15 +26,8 @@ int MemoryBus::dispatch(int) {
     ++handled;
     Channel& channel = channels_[name];
     ++channel.counts.received;
-    for (const RawHandler& handler : channel.handlers) {
-      bool decoded = false;
-      try {
-        decoded = handler(data);
-      } catch (const std::exception& e) {
-        spdlog::error("a message on {} could not be handled: {}", name, e.what());
-      }
-      if (!decoded) ++channel.counts.undecodable;
-    }
+    for (const RawHandler& handler : channel.handlers)
+      if (!handle_safely(handler, name, data)) ++channel.counts.undecodable;
   }
   return handled;
 }

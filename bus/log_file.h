@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files in the format of lcm-logger, event by event.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rumi {
+
+struct LogEvent {
+  int64_t utime_us = 0;
+  std::string channel;
+  std::vector<uint8_t> data;
+};
+
+// Does the file begin like an lcm log? False if it cannot be read.
+bool is_lcm_log(const std::string& file);
+
+class LogReader {
+ public:
+  explicit LogReader(const std::string& file);  // see error()
+
+  // Nothing at the end; then error() tells a clean end from damage. All events before the damage are delivered.
+  std::optional<LogEvent> next();
+  // The same for one channel: the data of others is skipped unread.
+  std::optional<LogEvent> next_on(const std::string& channel);
+  // Empty, or why the file could not be opened or read on, with its name and the place.
+  const std::string& error() const { return error_; }
+
+ private:
+  std::optional<LogEvent> read(const std::string* only_channel);
+  std::nullopt_t fail(const std::string& reason);
+  struct Close {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  std::string name_, error_;
+  std::unique_ptr<std::FILE, Close> file_;
+  int64_t size_ = 0;      // bytes in the file
+  int64_t position_ = 0;  // of the next event
+  int64_t events_ = 0;    // read so far
+};
+
+class LogWriter {
+ public:
+  explicit LogWriter(const std::string& file);  // replaces a file of that name; see error()
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  // False from the first failure on (disk full): what was written before is a readable log.
+  bool write(int64_t utime_us, const std::string& channel, std::span<const uint8_t> data);
+  // True when everything has reached the file.
+  bool close();
+  const std::string& error() const { return error_; }
+
+ private:
+  std::string name_, error_;
+  std::unique_ptr<lcm::LogFile> log_;
+};
+
+}  // namespace rumi
