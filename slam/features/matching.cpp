@@ -40,7 +40,8 @@ std::vector<Match> match_features(const Features& first, const std::vector<int>&
   for (size_t r = 0; r < rows.size(); ++r) {
     const Descriptor& d = first.descriptors[rows[r]];
     for (size_t c = 0; c < columns.size(); ++c) {
-      if (max_shift2 > 0 && (first.undistorted[rows[r]] - second.undistorted[columns[c]]).squaredNorm() > max_shift2) continue;
+      if (max_shift2 > 0 && (first.undistorted[rows[r]] - second.undistorted[columns[c]]).squaredNorm() > max_shift2)
+        continue;
       const int distance = hamming_distance(d, second.descriptors[columns[c]]);
       best_row[r].offer(distance, static_cast<int>(c));
       best_column[c].offer(distance, static_cast<int>(r));

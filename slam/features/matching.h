@@ -11,14 +11,14 @@
 namespace rumi {
 
 struct MatchOptions {
-  int max_distance = 60;        // Hamming, of 256 bits
-  double max_ratio = 0.8;       // best over second best distance
-  double max_shift_px = 0;      // between the two undistorted pixels; 0 = anywhere
-  bool check_rotation = true;   // keep only the matches whose keypoints turned as most did
+  int max_distance = 60;       // Hamming, of 256 bits
+  double max_ratio = 0.8;      // best over second best distance
+  double max_shift_px = 0;     // between the two undistorted pixels; 0 = anywhere
+  bool check_rotation = true;  // keep only the matches whose keypoints turned as most did
 };
 
 struct Match {
-  int first = 0;    // indices into the two feature sets
+  int first = 0;  // indices into the two feature sets
   int second = 0;
   int distance = 0;
 };

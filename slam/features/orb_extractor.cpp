@@ -57,7 +57,8 @@ std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> corners, int wanted, 
   // rank of a corner within its cell; a stable sort by rank keeps strength as the second criterion
   std::vector<std::pair<int, int>> order(corners.size());
   for (size_t i = 0; i < corners.size(); ++i) {
-    const int cell = static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px;
+    const int cell =
+        static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px;
     order[i] = {taken[cell]++, static_cast<int>(i)};
   }
   std::nth_element(order.begin(), order.begin() + wanted, order.end());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Oriented FAST keypoints with rotated BRIEF descriptors (Rublee et al., "ORB", ICCV 2011) over an image pyramid, spread
-// evenly over the image: the strongest corners of every grid cell rather than the strongest of all.
+// Oriented FAST keypoints with rotated BRIEF descriptors (Rublee et al., "ORB", ICCV 2011) over an image pyramid,
+// spread evenly over the image: the strongest corners of every grid cell rather than the strongest of all.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

@@ -18,11 +18,11 @@ class Camera {
   };
 
   Model model = Model::kPinhole;
-  int width = 0;   // pixels
-  int height = 0;  // pixels
-  double fx = 0, fy = 0, cx = 0, cy = 0;               // pixels
+  int width = 0;                                          // pixels
+  int height = 0;                                         // pixels
+  double fx = 0, fy = 0, cx = 0, cy = 0;                  // pixels
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;  // k4: fisheye only; p1 p2: pinhole only
-  double fps = 0;                                      // nominal, 0 = unknown
+  double fps = 0;                                         // nominal, 0 = unknown
 
   // Pixel of a point in the camera's frame; nothing for a point behind the camera (z <= 0).
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam) const;

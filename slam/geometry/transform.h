@@ -55,9 +55,7 @@ struct Sim3 {
     return {scale * b.scale, rotation * b.rotation, scale * (rotation * b.translation) + translation};
   }
   Eigen::Vector3d operator*(const Eigen::Vector3d& p) const { return scale * (rotation * p) + translation; }
-  bool is_finite() const {
-    return std::isfinite(scale) && rotation.coeffs().allFinite() && translation.allFinite();
-  }
+  bool is_finite() const { return std::isfinite(scale) && rotation.coeffs().allFinite() && translation.allFinite(); }
   // The pose cam_from_target of a camera whose pose cam_from_source is known, in the target's unit of length.
   SE3 transform_camera(const SE3& cam_from_source) const {
     const Eigen::Quaterniond q = cam_from_source.rotation * rotation.conjugate();

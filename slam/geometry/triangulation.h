@@ -8,9 +8,9 @@
 
 namespace rumi {
 
-// Point seen along ray_a by camera a and along ray_b by camera b (rays (x/z, y/z, 1) in the cameras' frames): linear least
-// squares on the image-plane equations (Hartley and Zisserman, section 12.2, inhomogeneous). Nothing for (nearly) parallel
-// rays or a point that is not in front of both cameras.
+// Point seen along ray_a by camera a and along ray_b by camera b (rays (x/z, y/z, 1) in the cameras' frames): linear
+// least squares on the image-plane equations (Hartley and Zisserman, section 12.2, inhomogeneous). Nothing for (nearly)
+// parallel rays or a point that is not in front of both cameras.
 std::optional<Eigen::Vector3d> triangulate(const SE3& a_from_world, const Eigen::Vector3d& ray_a,
                                            const SE3& b_from_world, const Eigen::Vector3d& ray_b);
 

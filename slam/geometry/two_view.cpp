@@ -15,7 +15,8 @@ namespace {
 std::vector<cv::Point2d> normalized(const Camera& camera, const std::vector<Eigen::Vector2f>& pixels) {
   std::vector<cv::Point2d> points;
   points.reserve(pixels.size());
-  for (const Eigen::Vector2f& p : pixels) points.emplace_back((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy);
+  for (const Eigen::Vector2f& p : pixels)
+    points.emplace_back((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy);
   return points;
 }
 
@@ -110,7 +111,8 @@ TwoViewResult reconstruct_two_views(const Camera& camera, const std::vector<Eige
   else if (best.inliers < 0.6 * first.size())
     best.refusal = fmt::format("only {} of {} matches fit", best.inliers, first.size());
   else if (best.median_parallax_deg < options.min_median_parallax_deg)
-    best.refusal = fmt::format("parallax {:.2f} deg, {:.2f} needed", best.median_parallax_deg, options.min_median_parallax_deg);
+    best.refusal =
+        fmt::format("parallax {:.2f} deg, {:.2f} needed", best.median_parallax_deg, options.min_median_parallax_deg);
   else if (rival > options.max_rival_ratio * best.inliers)
     best.refusal = fmt::format("ambiguous: another pose explains {} of {} points", rival, best.inliers);
   return best;

@@ -15,18 +15,18 @@
 namespace rumi {
 
 struct TwoViewOptions {
-  int min_points = 60;               // triangulated with enough parallax
-  double max_error_px = 2.0;         // reprojection error of an inlier
+  int min_points = 60;        // triangulated with enough parallax
+  double max_error_px = 2.0;  // reprojection error of an inlier
   double min_median_parallax_deg = 1.0;
-  double max_rival_ratio = 0.75;     // points of the second-best pose over those of the best
+  double max_rival_ratio = 0.75;  // points of the second-best pose over those of the best
 };
 
 struct TwoViewResult {
-  SE3 second_from_first;                    // translation of unit length
+  SE3 second_from_first;                               // translation of unit length
   std::vector<std::optional<Eigen::Vector3d>> points;  // per match, in the first camera's frame; nothing for outliers
   int inliers = 0;
   double median_parallax_deg = 0;
-  std::string refusal;                      // empty: good
+  std::string refusal;  // empty: good
   bool ok() const { return refusal.empty(); }
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap: keyframes, landmarks and the frames whose poses hang on the keyframes. Plain data with the few operations that
-// keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and others.
+// A submap: keyframes, landmarks and the frames whose poses hang on the keyframes. Plain data with the few operations
+// that keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and
+// others.
 //
-// Revisions: every change raises `revision` and stamps the changed element with it, so that what changed since any earlier
-// revision can be sent (see bus/submap_update.h).
+// Revisions: every change raises `revision` and stamps the changed element with it, so that what changed since any
+// earlier revision can be sent (see bus/submap_update.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -59,6 +60,12 @@ struct Landmark {
   Descriptor descriptor{};
   std::vector<Observation> observations;  // at most one per keyframe, in order of keyframe id
   int64_t revision = 0;
+
+  // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never on the wire.
+  Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras to it
+  int visible = 0, found = 0;  // frames in which it should have been seen, and was; kept by whoever tracks with it
+  double octave0_distance =
+      0;  // from where it would be a keypoint of octave 0: octave = log_scale(octave0_distance / d)
 };
 
 // cam_from_submap = cam_from_keyframe * keyframe(reference_keyframe).cam_from_submap
@@ -85,10 +92,10 @@ class Submap {
   bool closed = false;
   int64_t revision = 0;
 
-  std::map<int, Keyframe> keyframes;        // by id
-  std::map<int, Landmark> landmarks;        // by id
-  std::map<int64_t, FramePose> frames;      // by utime_us; keyframes have an entry too
-  std::map<int, int64_t> removed_keyframes; // id -> revision of the removal
+  std::map<int, Keyframe> keyframes;         // by id
+  std::map<int, Landmark> landmarks;         // by id
+  std::map<int64_t, FramePose> frames;       // by utime_us; keyframes have an entry too
+  std::map<int, int64_t> removed_keyframes;  // id -> revision of the removal
   std::map<int, int64_t> removed_landmarks;
 
   Keyframe* keyframe(int id);
@@ -96,8 +103,8 @@ class Submap {
   Landmark* landmark(int id);
   const Landmark* landmark(int id) const;
 
-  // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if an
-  // id or index does not exist or the landmark is already observed in that keyframe.
+  // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if
+  // an id or index does not exist or the landmark is already observed in that keyframe.
   bool add_observation(int landmark_id, int keyframe_id, int keypoint_index);
   void remove_observation(int landmark_id, int keyframe_id);
   void remove_landmark(int id);

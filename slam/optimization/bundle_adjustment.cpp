@@ -8,8 +8,9 @@
 namespace rumi {
 namespace {
 
-// A pose as 7 numbers (x y z w of the quaternion, translation) that moves by exp(twist) on the left. Cost functions give
-// their derivative by the twist in the first six columns and leave the seventh zero, which saves a product per residual.
+// A pose as 7 numbers (x y z w of the quaternion, translation) that moves by exp(twist) on the left. Cost functions
+// give their derivative by the twist in the first six columns and leave the seventh zero, which saves a product per
+// residual.
 class PoseManifold final : public ceres::Manifold {
  public:
   int AmbientSize() const override { return 7; }

@@ -19,7 +19,7 @@ struct BundleProblem {
   struct Observation {
     int view = 0;
     int point = 0;
-    Eigen::Vector2d pixel;   // undistorted
+    Eigen::Vector2d pixel;  // undistorted
     double sigma_px = 1.0;
   };
   std::vector<View> views;
@@ -29,11 +29,11 @@ struct BundleProblem {
 
 struct BundleOptions {
   int iterations = 5;
-  double huber_chi2 = 5.991;   // where the loss turns from squared to linear, in sigma^2
+  double huber_chi2 = 5.991;  // where the loss turns from squared to linear, in sigma^2
 };
 
 struct BundleReport {
-  bool usable = false;         // false: nothing to solve or Ceres failed; the problem is unchanged
+  bool usable = false;  // false: nothing to solve or Ceres failed; the problem is unchanged
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
 };

@@ -16,9 +16,7 @@ double chi2(const Camera& camera, const Eigen::Matrix3d& r, const Eigen::Vector3
   return (camera.project_undistorted(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
 }
 
-double huber_cost(double e2, double delta2) {
-  return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2;
-}
+double huber_cost(double e2, double delta2) { return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2; }
 
 struct NormalEquations {
   Matrix6d h = Matrix6d::Zero();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Camera pose from known landmarks: Gauss-Newton on the reprojection error, robust, re-sorting inliers and outliers
-// between rounds. Written out rather than given to Ceres because it runs several times per frame (0.1 ms for 300 points).
+// between rounds. Written out rather than given to Ceres because it runs several times per frame (0.1 ms for 300
+// points).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,23 +13,23 @@
 namespace rumi {
 
 struct PointObservation {
-  Eigen::Vector3d point;   // in the submap
-  Eigen::Vector2d pixel;   // undistorted
-  double sigma_px = 1.0;   // standard deviation of the pixel
+  Eigen::Vector3d point;  // in the submap
+  Eigen::Vector2d pixel;  // undistorted
+  double sigma_px = 1.0;  // standard deviation of the pixel
 };
 
 struct PoseOptimizerOptions {
-  int rounds = 4;               // inliers are sorted out after each
-  int iterations = 10;          // at most, per round
-  double inlier_chi2 = 5.991;   // squared error over sigma^2, 95 % of a 2-D normal distribution
+  int rounds = 4;              // inliers are sorted out after each
+  int iterations = 10;         // at most, per round
+  double inlier_chi2 = 5.991;  // squared error over sigma^2, 95 % of a 2-D normal distribution
 };
 
 struct PoseResult {
   SE3 cam_from_submap;
-  std::vector<bool> inlier;     // per observation
+  std::vector<bool> inlier;  // per observation
   int inliers = 0;
-  double rmse_px = 0;           // of the inliers, in units of their sigma
-  bool converged = false;       // false: fewer than 6 inliers or a singular system; the pose is the last good one
+  double rmse_px = 0;      // of the inliers, in units of their sigma
+  bool converged = false;  // false: fewer than 6 inliers or a singular system; the pose is the last good one
 };
 
 PoseResult optimize_pose(const Camera& camera, const SE3& initial_cam_from_submap,

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/front_submap.h"
+
+#include <algorithm>
+
+#include "slam/map/landmark_view.h"
+
+namespace rumi {
+
+Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
+  const int id = next_keyframe_++;
+  Keyframe& kf = map.keyframes[id];
+  kf.id = id;
+  kf.utime_us = frame->utime_us;
+  kf.cam_from_submap = frame->cam_from_submap;
+  kf.features = frame->features;
+  kf.landmark_ids.assign(frame->features->size(), kNone);
+  kf.revision = kf.created_revision = map.revision;
+  grids[id] = frame->grid;
+  for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
+    if (frame->landmark_ids[i] == kNone) continue;
+    if (!map.add_observation(frame->landmark_ids[i], id, static_cast<int>(i))) frame->landmark_ids[i] = kNone;
+  }
+  for (int landmark_id : kf.landmark_ids)
+    if (landmark_id != kNone) update_landmark_view(map, octave_scales, map.landmark(landmark_id));
+  frame->reference_keyframe = id;
+  frame->cam_from_keyframe = SE3();
+  return kf;
+}
+
+Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
+  const int id = next_landmark_++;
+  Landmark& lm = map.landmarks[id];
+  lm.id = id;
+  lm.position = position;
+  lm.revision = map.revision;
+  return lm;
+}
+
+void FrontSubmap::remove_keyframe(int id, int heir) {
+  map.remove_keyframe(id, heir);
+  grids.erase(id);
+}
+
+double FrontSubmap::median_depth(int keyframe_id) const {
+  const Keyframe* kf = map.keyframe(keyframe_id);
+  std::vector<double> depths;
+  for (int landmark_id : kf->landmark_ids)
+    if (const Landmark* lm = landmark_id == kNone ? nullptr : map.landmark(landmark_id))
+      depths.push_back((kf->cam_from_submap * lm->position).z());
+  if (depths.empty()) return 1.0;
+  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
+  return depths[depths.size() / 2];
+}
+
+}  // namespace rumi

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "front_tracker/frame.h"
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+// A submap under construction: the submap itself and what only its maker needs.
+struct FrontSubmap {
+  Submap map;
+  std::vector<double> octave_scales;
+  std::map<int, KeypointGrid> grids;                  // of the keyframes, over undistorted pixels
+  std::vector<std::pair<int, int>> recent_landmarks;  // id, keyframe that made it: still on probation
+
+  // A keyframe at the frame's pose, observing what the frame is matched to; the frame hangs on it afterwards.
+  Keyframe& add_keyframe(Frame* frame);
+  Landmark& add_landmark(const Eigen::Vector3d& position);
+  void remove_keyframe(int id, int heir);
+  double median_depth(int keyframe_id) const;
+
+ private:
+  int next_keyframe_ = 0;
+  int next_landmark_ = 0;
+};
+
+}  // namespace rumi

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "front_tracker/front_submap.h"
+#include "front_tracker/options.h"
+#include "slam/optimization/bundle_adjustment.h"
+
+namespace rumi {
+
+// Local bundle adjustment in three steps, so that the submap need not be locked during the second: collect a copy of
+// the keyframe's surroundings, solve, write back what still exists.
+class LocalBundle {
+ public:
+  LocalBundle(const Camera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
+  void collect(const FrontSubmap& submap, int keyframe_id);
+  bool solve();
+  // Also removes the observations that do not fit and the landmarks left with fewer than two.
+  void apply(FrontSubmap& submap) const;
+
+ private:
+  Camera camera_;
+  MappingOptions options_;
+  BundleProblem problem_;
+  std::vector<int> keyframe_ids_;  // of the views
+  std::vector<int> landmark_ids_;  // of the points
+};
+
+}  // namespace rumi

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of Mapper that triangulates: keypoints without a landmark in two keyframes, matched along the epipolar line.
+#include <algorithm>
+
+#include "front_tracker/mapper.h"
+#include "slam/geometry/triangulation.h"
+#include "slam/map/landmark_view.h"
+
+namespace rumi {
+namespace {
+
+std::vector<int> free_keypoints(const Keyframe& kf) {
+  std::vector<int> free;
+  for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
+    if (kf.landmark_ids[i] == kNone) free.push_back(static_cast<int>(i));
+  return free;
+}
+
+// b_F_a in undistorted pixels: x_b^T F x_a = 0.
+Eigen::Matrix3d fundamental(const Camera& camera, const SE3& b_from_a) {
+  Eigen::Matrix3d k_inverse;
+  k_inverse << 1 / camera.fx, 0, -camera.cx / camera.fx, 0, 1 / camera.fy, -camera.cy / camera.fy, 0, 0, 1;
+  return k_inverse.transpose() * skew(b_from_a.translation) * b_from_a.rotation.toRotationMatrix() * k_inverse;
+}
+
+Eigen::Vector3d ray(const Camera& camera, const Eigen::Vector2f& undistorted) {
+  return {(undistorted.x() - camera.cx) / camera.fx, (undistorted.y() - camera.cy) / camera.fy, 1};
+}
+
+bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
+  return (camera.project_undistorted(point_cam) - pixel.cast<double>()).squaredNorm() < 5.991 * sigma * sigma;
+}
+
+}  // namespace
+
+void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
+  Submap& map = submap.map;
+  Keyframe& kf = *map.keyframe(keyframe_id);
+  const double depth = submap.median_depth(keyframe_id);
+  int used = 0;
+  for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
+    if (used++ == options_.neighbours) break;
+    Keyframe& neighbour = *map.keyframe(id);
+    const double baseline = (kf.cam_from_submap.center() - neighbour.cam_from_submap.center()).norm();
+    if (baseline > options_.min_baseline_ratio * depth) make_landmarks_between(submap, kf, neighbour);
+  }
+}
+
+void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
+  const std::vector<double>& scales = submap.octave_scales;
+  const Eigen::Matrix3f f = fundamental(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
+  const std::vector<int> free_b = free_keypoints(b);
+  std::vector<char> taken(b.landmark_ids.size(), 0);
+  const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
+  const Eigen::Vector3d center_a = a.cam_from_submap.center(), center_b = b.cam_from_submap.center();
+  for (int i : free_keypoints(a)) {
+    const Eigen::Vector2f pa = a.features->undistorted[i];
+    Eigen::Vector3f line = f * Eigen::Vector3f(pa.x(), pa.y(), 1);
+    line /= line.head<2>().norm();
+    int best = kNone, best_distance = options_.max_distance + 1;
+    for (int j : free_b) {
+      const Eigen::Vector2f& pb = b.features->undistorted[j];
+      const float off = line.x() * pb.x() + line.y() * pb.y() + line.z();
+      const float sigma = static_cast<float>(scales[b.features->keypoints[j].octave]);
+      if (off * off > 3.84f * sigma * sigma || taken[j]) continue;
+      const int distance = hamming_distance(a.features->descriptors[i], b.features->descriptors[j]);
+      if (distance < best_distance) {
+        best_distance = distance;
+        best = j;
+      }
+    }
+    if (best == kNone) continue;
+    const Eigen::Vector2f pb = b.features->undistorted[best];
+    const auto point = triangulate(a.cam_from_submap, ray(camera_, pa), b.cam_from_submap, ray(camera_, pb));
+    if (!point) continue;
+    const double sa = scales[a.features->keypoints[i].octave], sb = scales[b.features->keypoints[best].octave];
+    const Eigen::Vector3d to_a = *point - center_a, to_b = *point - center_b;
+    if (to_a.normalized().dot(to_b.normalized()) > max_cosine) continue;
+    if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
+      continue;
+    // The ratio of the distances must go with that of the octaves.
+    const double distance_ratio = to_b.norm() / to_a.norm(), octave_ratio = sa / sb, slack = 1.5 * scales[1];
+    if (distance_ratio * slack < octave_ratio || distance_ratio > octave_ratio * slack) continue;
+    Landmark& lm = submap.add_landmark(*point);
+    submap.map.add_observation(lm.id, a.id, i);
+    submap.map.add_observation(lm.id, b.id, best);
+    taken[best] = 1;
+    update_landmark_view(submap.map, scales, &lm);
+    submap.recent_landmarks.emplace_back(lm.id, a.id);
+  }
+}
+
+}  // namespace rumi

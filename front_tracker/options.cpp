@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/options.h"
+
+#include "bus/options.h"
+
+namespace rumi {
+
+void describe(OptionTable& t, FrontTrackerOptions& o) {
+  const std::string s = "front_tracker.";
+  t.add(s + "keypoints", &o.orb.keypoints, "", "ORB keypoints per image", 100, 20000);
+  t.add(s + "levels", &o.orb.levels, "", "levels of the image pyramid", 1, 12);
+  t.add(s + "scale_factor", &o.orb.scale_factor, "", "between two levels", 1.05, 2.0);
+  t.add(s + "fast_threshold", &o.orb.fast_threshold, "grey levels", "contrast of a corner", 1, 100);
+  t.add(s + "cell_px", &o.orb.cell_px, "px", "keypoints are spread over cells of this size", 8, 200);
+
+  InitializerOptions& i = o.initializer;
+  t.add(s + "init_keypoints", &i.keypoints, "", "keypoints per image while there is no submap to track", 200, 20000);
+  t.add(s + "init_min_matches", &i.min_matches, "", "between the two images that begin a submap", 20, 10000);
+  t.add(s + "init_max_shift", &i.max_shift, "of image width", "largest shift of a match", 0.02, 1.0);
+  t.add(s + "init_max_frames", &i.max_frames, "frames", "buffered until a submap stands; they get poses afterwards", 3,
+        1000);
+  t.add(s + "init_accept_parallax", &i.accept_parallax_deg, "deg", "median parallax at which a pair is taken at once",
+        0.1, 30.0);
+  t.add(s + "init_min_parallax", &i.min_parallax_deg, "deg", "median parallax below which a pair is refused", 0.1,
+        30.0);
+  t.add(s + "init_max_rmse", &i.max_rmse_px, "px", "reprojection error after the first bundle adjustment", 0.1, 10.0);
+  t.add(s + "init_min_points", &i.two_view.min_points, "", "triangulated by the first pair", 10, 5000);
+
+  TrackingOptions& r = o.tracking;
+  t.add(s + "search_radius", &r.search_radius_px, "px",
+        "around a landmark's predicted place, for images 640 px wide (Th_p)", 2.0, 200.0);
+  t.add(s + "local_radius", &r.local_radius_px, "px", "the same once the pose is nearly known", 1.0, 100.0);
+  t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
+  t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
+  t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
+  t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
+  t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
+        10, 1000);
+  t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
+  t.add(s + "local_keyframes", &r.local_keyframes, "", "whose landmarks are looked for in a frame", 1, 200);
+
+  KeyframeOptions& k = o.keyframes;
+  t.add(s + "keyframe_ratio", &k.min_tracked_ratio, "",
+        "a keyframe is due below this share of the reference's landmarks", 0.1, 1.0);
+  t.add(s + "keyframe_min_interval", &k.min_interval_frames, "frames", "between keyframes", 0, 100);
+  t.add(s + "keyframe_max_interval", &k.max_interval_frames, "frames", "a keyframe is due after so many", 1, 1000);
+  t.add(s + "keyframe_min_inliers", &k.min_inliers, "", "fewer matches: a keyframe is due sooner", 0, 5000);
+
+  MappingOptions& m = o.mapping;
+  t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
+  t.add(s + "min_parallax", &m.min_parallax_deg, "deg", "of a new landmark", 0.1, 20.0);
+  t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
+  t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
+  t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);
+  t.add(s + "redundant_ratio", &m.redundant_ratio, "", "of a keyframe's landmarks seen by three others: it is dropped",
+        0.5, 1.0);
+
+  t.add(s + "mapping_thread", &o.mapping_thread, "map in a thread of its own (replay: never)");
+  t.add(s + "publish_interval_s", &o.publish_interval_s, "s", "between two updates of a submap, at least", 0.0, 60.0);
+}
+
+}  // namespace rumi

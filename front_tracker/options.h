@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "slam/features/orb_extractor.h"
+#include "slam/geometry/two_view.h"
+
+namespace rumi {
+
+class OptionTable;
+
+struct InitializerOptions {
+  int keypoints = 2000;              // per image while there is no submap to track
+  int min_matches = 100;             // with the reference image; fewer: a later reference
+  double max_shift = 0.3;            // of a match, as a fraction of the image width
+  int max_frames = 60;               // buffered; they get their poses once the submap stands
+  int max_keyframes = 6;             // of the first bundle adjustment
+  double accept_parallax_deg = 2.5;  // median, at which the first good pair is taken at once
+  double min_parallax_deg = 1.5;  // below it a pair is refused; between the two it is taken if no better one can come
+  double max_rmse_px = 1.2;       // after the first bundle adjustment
+  TwoViewOptions two_view;
+};
+
+struct TrackingOptions {
+  double search_radius_px = 15;  // around a landmark's predicted pixel, at octave 0, for images 640 pixels wide
+  double local_radius_px = 4;    // the same for the local map, once the pose is nearly known
+  int max_distance = 64;         // Hamming distance of a match
+  double max_ratio = 0.9;        // best over second-best distance at the same octave
+  int min_inliers = 25;          // fewer: lost
+  int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
+  int local_keyframes = 25;      // whose landmarks are looked for
+  double recently_lost_s = 1.0;  // only relocalization is tried; after it a new submap is begun
+  int relocalization_min_inliers = 40;
+  int relocalization_candidates = 5;  // keyframes that are compared in full, per frame
+};
+
+struct KeyframeOptions {
+  double min_tracked_ratio = 0.85;  // of the reference keyframe's landmarks; fewer: a keyframe is due
+  int min_interval_frames = 2;
+  int max_interval_frames = 30;
+  int min_inliers = 100;  // fewer: a keyframe is due sooner
+};
+
+struct MappingOptions {
+  int neighbours = 10;               // keyframes to triangulate with and to fuse into
+  double min_parallax_deg = 1.0;     // of a new landmark
+  double min_baseline_ratio = 0.01;  // of two keyframes, over the median depth
+  int max_distance = 50;             // Hamming distance of a new pair
+  int bundle_keyframes = 12;         // free in the local bundle adjustment
+  int bundle_fixed_keyframes = 12;   // that hold it in place, at most
+  int bundle_iterations = 5;
+  double redundant_ratio = 0.9;  // of a keyframe's landmarks seen by three others: it is dropped
+};
+
+struct FrontTrackerOptions {
+  OrbOptions orb;
+  InitializerOptions initializer;
+  TrackingOptions tracking;
+  KeyframeOptions keyframes;
+  MappingOptions mapping;
+  bool mapping_thread = true;       // false: mapping is done before the next frame (replay: repeatable)
+  double publish_interval_s = 0.5;  // between two updates of a submap, at least (frame time)
+  std::string camera_file;          // overrides the calibration that comes with the images
+};
+
+void describe(OptionTable& table, FrontTrackerOptions& options);
+
+}  // namespace rumi

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/relocalizer.h"
+
+#include <set>
+
+#include "front_tracker/projection_search.h"
+#include "slam/features/matching.h"
+#include "slam/geometry/resection.h"
+
+namespace rumi {
+namespace {
+
+std::vector<int> keypoints_with_landmarks(const Keyframe& kf) {
+  std::vector<int> indices;
+  for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
+    if (kf.landmark_ids[i] != kNone) indices.push_back(static_cast<int>(i));
+  return indices;
+}
+
+constexpr int kSubmapShift = 32;  // a keyframe's number in the index: submap above, keyframe below
+
+}  // namespace
+
+void Relocalizer::add_keyframe(size_t submap_index, const Keyframe& keyframe) {
+  std::vector<Descriptor> descriptors;
+  for (int i : keypoints_with_landmarks(keyframe)) descriptors.push_back(keyframe.features->descriptors[i]);
+  index_.add(static_cast<int64_t>(submap_index) << kSubmapShift | keyframe.id, descriptors);
+}
+
+std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) const {
+  std::vector<Candidate> result;
+  for (const auto& c : index_.query(frame.features->descriptors, options_.relocalization_candidates))
+    result.push_back({static_cast<size_t>(c.keyframe >> kSubmapShift), static_cast<int>(c.keyframe & 0xffffffff)});
+  return result;
+}
+
+bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* frame) const {
+  const Keyframe* kf = submap.map.keyframe(keyframe_id);
+  if (!kf) return false;  // culled since
+  const std::vector<int> known = keypoints_with_landmarks(*kf);
+  if (known.empty()) return false;
+  Frame found = *frame;
+  found.clear_matches();
+  std::vector<PointObservation> observations;
+  std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
+  for (const Match& m :
+       match_features(*kf->features, known, *frame->features, {}, {options_.max_distance, 0.85, 0, true})) {
+    const Landmark* lm = submap.map.landmark(kf->landmark_ids[m.first]);
+    if (!lm) continue;
+    observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
+                            submap.octave_scales[frame->features->keypoints[m.second].octave]});
+    pairs.emplace_back(m.second, lm->id);
+  }
+  const auto pose = resect(camera_, observations);
+  if (!pose) return false;
+  found.cam_from_submap = pose->cam_from_submap;
+  for (size_t i = 0; i < pairs.size(); ++i)
+    if (pose->inlier[i]) found.landmark_ids[pairs[i].first] = pairs[i].second;
+
+  // More landmarks of the neighbourhood settle whether it is true.
+  std::set<int> near;
+  const auto collect = [&](int id) {
+    for (int lm : submap.map.keyframe(id)->landmark_ids)
+      if (lm != kNone) near.insert(lm);
+  };
+  collect(keyframe_id);
+  int neighbours = 0;
+  for (const auto& [id, shared] : submap.map.covisible_keyframes(keyframe_id)) {
+    if (neighbours++ == 10) break;
+    collect(id);
+  }
+  for (const double radius : {2.0 * options_.local_radius_px, options_.local_radius_px}) {
+    std::set<int> matched(found.landmark_ids.begin(), found.landmark_ids.end());
+    std::vector<const Landmark*> landmarks;
+    for (int id : near)
+      if (!matched.contains(id)) landmarks.push_back(submap.map.landmark(id));
+    search_by_projection(camera_, landmarks, {.radius_px = radius, .max_distance = options_.max_distance},
+                         submap.octave_scales, &found);
+    if (refine_pose(camera_, submap.map, submap.octave_scales, &found) == 0) return false;
+  }
+  if (found.matches() < options_.relocalization_min_inliers) return false;
+  found.reference_keyframe = keyframe_id;
+  *frame = std::move(found);
+  return true;
+}
+
+}  // namespace rumi

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of Tracker that finds a frame's pose: short-term association with the last frame, then mid-term association
+// with the landmarks nearby (equation 5 of the paper).
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "front_tracker/projection_search.h"
+#include "front_tracker/tracker.h"
+#include "slam/features/matching.h"
+#include "slam/geometry/resection.h"
+
+namespace rumi {
+
+bool Tracker::track(Frame* frame) {
+  const Keyframe* reference = active().map.keyframe(last_.reference_keyframe);
+  if (!reference) {
+    // Culled since: its frames hang on another keyframe now.
+    const FramePose* pose = active().map.frame(last_.utime_us);
+    last_.reference_keyframe = pose->reference_keyframe;
+    last_.cam_from_keyframe = pose->cam_from_keyframe;
+    reference = active().map.keyframe(last_.reference_keyframe);
+  }
+  // Mapping may have moved the keyframe that the last frame hangs on.
+  last_.cam_from_submap = last_.cam_from_keyframe * reference->cam_from_submap;
+  const int64_t dt_us = frame->utime_us - last_.utime_us;
+  const SE3 before = last_.cam_from_submap;
+  SE3 motion = velocity_;
+  if (velocity_dt_us_ > 0 && dt_us != velocity_dt_us_) {
+    const double ratio = std::min(3.0, static_cast<double>(dt_us) / static_cast<double>(velocity_dt_us_));
+    motion = SE3::exp(ratio * velocity_.log());
+  }
+  frame->cam_from_submap = motion * before;
+  frame->reference_keyframe = last_.reference_keyframe;
+  if (!match_last_frame(frame) && !match_by_brute_force(frame)) return false;
+  if (!match_local_map(frame)) return false;
+  velocity_ = frame->cam_from_submap * before.inverse();
+  velocity_dt_us_ = dt_us;
+  return true;
+}
+
+bool Tracker::match_last_frame(Frame* frame) {
+  std::vector<const Landmark*> landmarks;
+  for (int id : last_.landmark_ids)
+    if (const Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) landmarks.push_back(lm);
+  const double radius = options_.tracking.search_radius_px * camera_.width / 640.0;
+  const SE3 predicted = frame->cam_from_submap;
+  for (const double widen : {1.0, 2.5}) {
+    frame->clear_matches();
+    frame->cam_from_submap = predicted;
+    ProjectionSearch search{.radius_px = widen * radius, .max_distance = options_.tracking.max_distance};
+    search.max_ratio = options_.tracking.max_ratio;
+    if (search_by_projection(camera_, landmarks, search, scales_, frame) < 20) continue;
+    if (refine_pose(camera_, active().map, scales_, frame) >= options_.tracking.min_first_inliers) return true;
+  }
+  return false;
+}
+
+// The motion model failed (a fast turn, dropped frames): compare descriptors regardless of place.
+bool Tracker::match_by_brute_force(Frame* frame) {
+  frame->clear_matches();
+  std::vector<int> known;
+  for (size_t i = 0; i < last_.landmark_ids.size(); ++i)
+    if (last_.landmark_ids[i] != kNone && active().map.landmark(last_.landmark_ids[i]))
+      known.push_back(static_cast<int>(i));
+  if (known.empty()) return false;
+  std::vector<PointObservation> observations;
+  std::vector<std::pair<int, int>> pairs;
+  for (const Match& m :
+       match_features(*last_.features, known, *frame->features, {}, {options_.tracking.max_distance, 0.85, 0, true})) {
+    const Landmark* lm = active().map.landmark(last_.landmark_ids[m.first]);
+    observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
+                            scales_[frame->features->keypoints[m.second].octave]});
+    pairs.emplace_back(m.second, lm->id);
+  }
+  const auto pose = resect(camera_, observations, {options_.tracking.min_first_inliers, 4.0, 300});
+  if (!pose) return false;
+  frame->cam_from_submap = pose->cam_from_submap;
+  for (size_t i = 0; i < pairs.size(); ++i)
+    if (pose->inlier[i]) frame->landmark_ids[pairs[i].first] = pairs[i].second;
+  return true;
+}
+
+// Landmarks of the keyframes that share most with the frame, and of their neighbours. Sets the reference keyframe.
+std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
+  const Submap& map = active().map;
+  std::map<int, int> votes;
+  std::set<int> matched;
+  for (int id : frame->landmark_ids) {
+    const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
+    if (!lm) continue;
+    matched.insert(id);
+    for (const Observation& o : lm->observations) ++votes[o.keyframe_id];
+  }
+  std::vector<std::pair<int, int>> ranked(votes.begin(), votes.end());
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (!ranked.empty()) frame->reference_keyframe = ranked.front().first;
+  const size_t wanted = options_.tracking.local_keyframes;
+  if (ranked.size() > wanted) ranked.resize(wanted);
+  std::set<int> keyframes;
+  for (const auto& [id, count] : ranked) keyframes.insert(id);
+  if (keyframes.size() < wanted && !ranked.empty())
+    for (const auto& [id, shared] : map.covisible_keyframes(ranked.front().first)) {
+      if (keyframes.size() >= wanted) break;
+      keyframes.insert(id);
+    }
+  std::set<int> ids;
+  for (int id : keyframes)
+    for (int lm : map.keyframe(id)->landmark_ids)
+      if (lm != kNone && !matched.contains(lm)) ids.insert(lm);
+  std::vector<const Landmark*> landmarks;
+  for (int id : ids) landmarks.push_back(map.landmark(id));
+  return landmarks;
+}
+
+bool Tracker::match_local_map(Frame* frame) {
+  std::vector<int> visible;
+  ProjectionSearch search{.radius_px = options_.tracking.local_radius_px * camera_.width / 640.0,
+                          .max_distance = options_.tracking.max_distance,
+                          .max_ratio = options_.tracking.max_ratio};
+  for (int id : frame->landmark_ids)
+    if (id != kNone) visible.push_back(id);
+  search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
+  const int inliers = refine_pose(camera_, active().map, scales_, frame);
+  for (int id : visible)
+    if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
+  for (int id : frame->landmark_ids)
+    if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
+  return inliers >= options_.tracking.min_inliers;
+}
+
+// Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
+void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : submap->map.landmarks) landmarks.push_back(&lm);
+  const ProjectionSearch search{.radius_px = options_.tracking.search_radius_px * camera_.width / 640.0,
+                                .max_distance = options_.tracking.max_distance};
+  const auto try_frame = [&](size_t from, size_t to) {
+    Frame& frame = (*frames)[to];
+    const Frame& neighbour = (*frames)[from];
+    frame.clear_matches();
+    frame.cam_from_submap = neighbour.cam_from_submap;
+    search_by_projection(camera_, landmarks, search, scales_, &frame);
+    if (refine_pose(camera_, submap->map, scales_, &frame) < options_.tracking.min_inliers) return;
+    frame.reference_keyframe = neighbour.reference_keyframe;
+    frame.cam_from_keyframe =
+        frame.cam_from_submap * submap->map.keyframe(frame.reference_keyframe)->cam_from_submap.inverse();
+    (*posed)[to] = true;
+    record_pose(submap, frame);
+  };
+  for (size_t i = frames->size(); i-- > 1;)
+    if ((*posed)[i] && !(*posed)[i - 1]) try_frame(i, i - 1);
+  for (size_t i = 1; i < frames->size(); ++i)
+    if ((*posed)[i - 1] && !(*posed)[i]) try_frame(i - 1, i);
+}
+
+}  // namespace rumi

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/tracker.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include "slam/map/landmark_view.h"
+
+namespace rumi {
+
+Tracker::Tracker(const Camera& camera, const FrontTrackerOptions& options, int64_t session)
+    : camera_(camera),
+      options_(options),
+      session_(session),
+      extractor_(options.orb),
+      scales_(octave_scales(options.orb)),
+      initializer_(camera, options.initializer, scales_),
+      relocalizer_(camera, options.tracking),
+      mapper_(camera, options.mapping),
+      mapping_(mapper_, map_mutex_, options.mapping_thread) {}
+
+std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
+  if (utime_us <= last_utime_us_) return std::nullopt;
+  last_utime_us_ = utime_us;
+  const bool tracking = state_ == TrackingState::kTracking;
+  Frame frame = make_frame(
+      utime_us, extractor_.extract(grey, tracking ? options_.orb.keypoints : options_.initializer.keypoints), camera_);
+
+  TrackResult result;
+  result.utime_us = utime_us;
+  result.keypoints = static_cast<int>(frame.features->size());
+  {
+    const std::scoped_lock lock(map_mutex_);
+    if (!submaps_.empty()) ++active().map.revision;
+    if (tracking && !track(&frame)) lose(frame);
+    const bool found = state_ == TrackingState::kTracking || recover(&frame) || begin_submap(&frame);
+    if (found) accept(std::move(frame), &result);
+    result.state = state_;
+  }
+  for (const auto& [submap, keyframe] : tasks_) mapping_.post(submap, keyframe);
+  tasks_.clear();
+  return result;
+}
+
+void Tracker::lose(const Frame& frame) {
+  state_ = TrackingState::kRecentlyLost;
+  lost_since_us_ = frame.utime_us;
+  initializer_.clear();
+  spdlog::info("lost track of submap {} with {} keyframes at {}", active().map.key.id, active().map.keyframes.size(),
+               frame.utime_us);
+}
+
+// Finds the camera again: first where it was last seen, then wherever it looks alike.
+bool Tracker::recover(Frame* frame) {
+  if (submaps_.empty()) return false;
+  const auto found_in = [&](size_t submap_index) {
+    if (submap_index != active_) initializer_.clear();
+    active_ = submap_index;
+    state_ = TrackingState::kTracking;
+    velocity_ = SE3();
+    velocity_dt_us_ = 0;
+    spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
+                 frame->matches());
+    return true;
+  };
+  if (state_ == TrackingState::kRecentlyLost) {
+    if (relocalizer_.relocalize(active(), last_.reference_keyframe, frame)) return found_in(active_);
+    const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - lost_since_us_);
+    if (lost_s > options_.tracking.recently_lost_s) state_ = TrackingState::kLost;
+  }
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame))
+    if (relocalizer_.relocalize(*submaps_[c.submap_index], c.keyframe_id, frame)) return found_in(c.submap_index);
+  return false;
+}
+
+bool Tracker::begin_submap(Frame* frame) {
+  if (state_ == TrackingState::kRecentlyLost) {
+    initializer_.buffer(*frame);
+    return false;
+  }
+  auto initial = initializer_.add(*frame);
+  if (!initial) {
+    spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
+    return false;
+  }
+  auto submap = std::make_unique<FrontSubmap>();
+  submap->map.key = {session_, static_cast<int32_t>(submaps_.size()) + 1};
+  submap->map.camera = camera_;
+  submap->map.revision = 1;
+  submap->octave_scales = scales_;
+  submaps_.push_back(std::move(submap));
+  active_ = submaps_.size() - 1;
+  add_initial_map(std::move(*initial), &active());
+  *frame = last_;
+  state_ = TrackingState::kTracking;
+  velocity_ = SE3();
+  velocity_dt_us_ = 0;
+  spdlog::info("submap {} begins at {} with {} keyframes, {} landmarks, {} frames", active().map.key.id,
+               frame->utime_us, active().map.keyframes.size(), active().map.landmarks.size(),
+               active().map.frames.size());
+  return true;
+}
+
+void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
+  std::vector<bool> posed(initial.frames.size(), false);
+  std::vector<InitialMap::View> views = initial.views;
+  std::vector<int> keyframe_of_view(views.size(), kNone);
+  std::vector<size_t> in_time(views.size());
+  for (size_t v = 0; v < views.size(); ++v) in_time[v] = v;
+  std::sort(in_time.begin(), in_time.end(), [&](size_t a, size_t b) { return views[a].frame < views[b].frame; });
+  for (size_t v : in_time) {
+    Frame& frame = initial.frames[views[v].frame];
+    frame.clear_matches();
+    frame.cam_from_submap = views[v].cam_from_submap;
+    posed[views[v].frame] = true;
+    if (views[v].keyframe) keyframe_of_view[v] = submap->add_keyframe(&frame).id;
+  }
+  for (const InitialMap::Point& point : initial.points) {
+    const int id = submap->add_landmark(point.position).id;
+    for (const auto& [view, keypoint] : point.observations) {
+      submap->map.add_observation(id, keyframe_of_view[view], keypoint);
+      initial.frames[views[view].frame].landmark_ids[keypoint] = id;
+    }
+    update_landmark_view(submap->map, scales_, submap->map.landmark(id));
+  }
+  // Views that are no keyframes hang on the nearest one before them.
+  int keyframe = kNone;
+  for (size_t v : in_time) {
+    Frame& frame = initial.frames[views[v].frame];
+    if (keyframe_of_view[v] != kNone) keyframe = keyframe_of_view[v];
+    frame.reference_keyframe = keyframe;
+    frame.cam_from_keyframe = frame.cam_from_submap * submap->map.keyframe(keyframe)->cam_from_submap.inverse();
+    record_pose(submap, frame);
+  }
+  give_poses_afterwards(&initial.frames, &posed, submap);
+  last_ = initial.frames.back();
+  frames_since_keyframe_ = 0;
+  for (const auto& [id, kf] : submap->map.keyframes) {
+    relocalizer_.add_keyframe(active_, kf);
+    tasks_.emplace_back(submap, id);
+  }
+}
+
+void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
+  submap->map.frames[frame.utime_us] = {frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe,
+                                        submap->map.revision};
+}
+
+bool Tracker::needs_keyframe(const Frame& frame) const {
+  const FrontSubmap& submap = *submaps_[active_];
+  if (frames_since_keyframe_ < options_.keyframes.min_interval_frames || mapping_.pending() > 2) return false;
+  const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
+  int established = 0;
+  for (int id : reference->landmark_ids) {
+    const Landmark* lm = id == kNone ? nullptr : submap.map.landmark(id);
+    if (lm && (lm->observations.size() >= 3 || submap.map.keyframes.size() < 4)) ++established;
+  }
+  const int inliers = frame.matches();
+  if (inliers < options_.keyframes.min_tracked_ratio * established) return true;
+  if (inliers < options_.keyframes.min_inliers && frames_since_keyframe_ >= 3 * options_.keyframes.min_interval_frames)
+    return true;
+  return frames_since_keyframe_ >= options_.keyframes.max_interval_frames;
+}
+
+void Tracker::accept(Frame frame, TrackResult* result) {
+  FrontSubmap& submap = active();
+  state_ = TrackingState::kTracking;
+  initializer_.clear();
+  ++frames_since_keyframe_;
+  const bool already = submap.map.frame(frame.utime_us) != nullptr;  // it began the submap
+  if (!already) {
+    const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
+    frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
+    if (needs_keyframe(frame)) {
+      const Keyframe& kf = submap.add_keyframe(&frame);
+      relocalizer_.add_keyframe(active_, kf);
+      tasks_.emplace_back(&submap, kf.id);
+      frames_since_keyframe_ = 0;
+      result->is_keyframe = true;
+    }
+    record_pose(&submap, frame);
+  }
+  result->submap_id = submap.map.key.id;
+  result->submap_revision = submap.map.revision;
+  result->reference_keyframe = frame.reference_keyframe;
+  result->cam_from_keyframe = frame.cam_from_keyframe;
+  result->cam_from_submap = frame.cam_from_submap;
+  result->inliers = frame.matches();
+  last_ = std::move(frame);
+}
+
+}  // namespace rumi

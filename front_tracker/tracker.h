@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "front_tracker/front_submap.h"
+#include "front_tracker/initializer.h"
+#include "front_tracker/mapping_worker.h"
+#include "front_tracker/relocalizer.h"
+
+namespace rumi {
+
+enum class TrackingState : int8_t { kNotInitialized = 0, kTracking = 1, kRecentlyLost = 2, kLost = 3 };
+
+struct TrackResult {
+  int64_t utime_us = 0;
+  TrackingState state = TrackingState::kNotInitialized;
+  int submap_id = kNone;  // kNone: no pose
+  int64_t submap_revision = 0;
+  int reference_keyframe = kNone;
+  SE3 cam_from_keyframe, cam_from_submap;
+  bool is_keyframe = false;
+  int keypoints = 0, inliers = 0;
+};
+
+class Tracker {
+ public:
+  // The camera is that of the images given to process(). `session` goes into the submaps' keys.
+  Tracker(const Camera& camera, const FrontTrackerOptions& options, int64_t session);
+
+  // Images in order of time; one that is not newer than the last is refused (nothing). 8-bit grey, of the camera's
+  // size.
+  std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey);
+
+  // All submaps, oldest first; the pointers stay valid. Hold the mutex while looking at them.
+  const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
+  std::mutex& mutex() { return map_mutex_; }
+  void wait_for_mapping() { mapping_.wait_until_idle(); }
+  const Camera& camera() const { return camera_; }
+
+ private:
+  // A keyframe that the mapper has to be told of, once the map's mutex is free.
+  using MappingTask = std::pair<FrontSubmap*, int>;
+
+  bool track(Frame* frame);
+  bool match_last_frame(Frame* frame);
+  bool match_by_brute_force(Frame* frame);
+  bool match_local_map(Frame* frame);
+  std::vector<const Landmark*> local_landmarks(Frame* frame);
+  bool needs_keyframe(const Frame& frame) const;
+  bool recover(Frame* frame);
+  bool begin_submap(Frame* frame);
+  void add_initial_map(InitialMap map, FrontSubmap* submap);
+  void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap);
+  void lose(const Frame& frame);
+  void accept(Frame frame, TrackResult* result);
+  void record_pose(FrontSubmap* submap, const Frame& frame);
+  FrontSubmap& active() { return *submaps_[active_]; }
+
+  Camera camera_;
+  FrontTrackerOptions options_;
+  int64_t session_;
+  OrbExtractor extractor_;
+  std::vector<double> scales_;
+  Initializer initializer_;
+  Relocalizer relocalizer_;
+  Mapper mapper_;
+  std::mutex map_mutex_;
+  std::vector<std::unique_ptr<FrontSubmap>> submaps_;
+  std::vector<MappingTask> tasks_;
+
+  TrackingState state_ = TrackingState::kNotInitialized;
+  size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST
+  Frame last_;         // last tracked frame
+  SE3 velocity_;       // this_cam_from_last_cam
+  int64_t velocity_dt_us_ = 0;
+  int64_t last_utime_us_ = INT64_MIN;
+  int64_t lost_since_us_ = 0;
+  int frames_since_keyframe_ = 0;
+  MappingWorker mapping_;  // last: its thread ends first
+};
+
+}  // namespace rumi

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/map/landmark_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rumi {
+namespace {
+
+constexpr size_t kMostDescriptors = 12;  // the median needs no more, and the cost grows with the square
+
+Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
+  size_t best = 0;
+  int best_median = 1 << 20;
+  std::vector<int> distances(seen.size());
+  for (size_t i = 0; i < seen.size(); ++i) {
+    for (size_t j = 0; j < seen.size(); ++j) distances[j] = hamming_distance(*seen[i], *seen[j]);
+    std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
+    if (distances[distances.size() / 2] < best_median) {
+      best_median = distances[distances.size() / 2];
+      best = i;
+    }
+  }
+  return *seen[best];
+}
+
+}  // namespace
+
+void update_landmark_view(const Submap& submap, const std::vector<double>& scales, Landmark* landmark) {
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  std::vector<const Descriptor*> descriptors;
+  double distance = 0;
+  // Newest first: the latest looks matter most to what comes next.
+  for (auto o = landmark->observations.rbegin(); o != landmark->observations.rend(); ++o) {
+    const Keyframe* kf = submap.keyframe(o->keyframe_id);
+    if (!kf) continue;
+    const Eigen::Vector3d ray = landmark->position - kf->cam_from_submap.center();
+    const double d = ray.norm();
+    if (!(d > 0)) continue;
+    direction += ray / d;
+    const size_t octave = std::min<size_t>(kf->features->keypoints[o->keypoint_index].octave, scales.size() - 1);
+    distance = d * scales[octave];  // in the end that of the oldest observation, which made the landmark
+    if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
+  }
+  if (descriptors.empty()) return;
+  landmark->view_direction = direction.normalized();
+  landmark->octave0_distance = distance;
+  landmark->descriptor = median_descriptor(descriptors);
+}
+
+int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& scales) {
+  if (scales.size() < 2 || !(distance > 0) || !(landmark.octave0_distance > 0)) return 0;
+  const double octave = std::log(landmark.octave0_distance / distance) / std::log(scales[1] / scales[0]);
+  return std::clamp(static_cast<int>(std::ceil(octave)), 0, static_cast<int>(scales.size()) - 1);
+}
+
+}  // namespace rumi

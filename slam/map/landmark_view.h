@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+// Recomputes what is derived from a landmark's observations: viewing direction, distance of octave 0 and the descriptor
+// (the observed one with the least median distance to the others). octave_scales: size of a pixel per octave.
+void update_landmark_view(const Submap& submap, const std::vector<double>& octave_scales, Landmark* landmark);
+
+// The octave at which a landmark should appear from this distance, clamped to the pyramid.
+int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& octave_scales);
+
+}  // namespace rumi
