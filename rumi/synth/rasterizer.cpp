@@ -125,9 +125,9 @@ void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba)
   glClearColor(0.1f, 0.1f, 0.1f, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
-  // The image is drawn upside down, which turns the triangles around.
+  // Fronts are clockwise, but the image is drawn upside down.
   glEnable(GL_CULL_FACE);
-  glFrontFace(GL_CW);
+  glFrontFace(GL_CCW);
   glUseProgram(program_);
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
   view.topLeftCorner<3, 3>() = cam_from_room.rotation.toRotationMatrix();
