@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All submaps, what became of every frame, and which submaps form the map that is served. Knows no LCM and no files.
+//
+// In this version the served map is one submap, the one with most frames, in its own gauge. Merging will put more
+// submaps into it: everything that reads an atlas already asks in_map and map_from_submap.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slam/geometry/transform.h"
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+// As in track_t; kUnknown: the frame is known from a submap only, its RUMI_TRACK message was lost.
+enum class FrameState : int8_t { kUnknown = -1, kNotInitialized = 0, kTracking = 1, kRecentlyLost = 2, kLost = 3 };
+
+const char* to_string(FrameState state);
+
+// What front_tracker said of a frame when it saw it. Whether the frame has a pose now is the submaps' to say: poses are
+// added to earlier frames, and corrected, after the fact.
+struct FrameRecord {
+  int64_t session = 0;
+  FrameState state = FrameState::kUnknown;
+  int32_t submap_id = kNone;  // that it was tracked in, kNone: in none
+  bool operator==(const FrameRecord&) const = default;
+};
+
+struct AtlasSubmap {
+  Submap submap;
+  bool in_map = false;   // part of the served map
+  Sim3 map_from_submap;  // meaningful where in_map
+};
+
+// Where a frame is: the pose that counts, if several submaps have one.
+struct LocatedFrame {
+  const AtlasSubmap* owner = nullptr;
+  SE3 cam_from_submap;
+};
+
+class Atlas {
+ public:
+  // Runs `change` on a submap (a new one if the key is new). It returns what is wrong, or an empty string; if something
+  // is wrong it must have left the submap as it was. An unknown submap is kept only if the change raised its revision.
+  std::string change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change);
+  // Takes what a RUMI_TRACK message says. True if that is news.
+  bool record_frame(int64_t utime_us, const FrameRecord& record);
+  // For loading: puts a submap as it was, with its place in the map.
+  void restore_submap(AtlasSubmap submap);
+  void restore_revision(int64_t revision) { revision_ = revision; }
+
+  const std::map<SubmapKey, AtlasSubmap>& submaps() const { return submaps_; }
+  const AtlasSubmap* find(SubmapKey key) const;
+  const std::map<int64_t, FrameRecord>& frames() const { return frames_; }  // all ever heard of, by utime_us
+  int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed
+  int64_t frames_in_map() const;
+
+  // A pose in the served map comes first, then one in the submap that the frame was tracked in, then front before back.
+  std::optional<LocatedFrame> locate(int64_t utime_us) const;
+  // map_from_cam of every frame with a pose in the served map, by utime_us. Lengths are the map's.
+  std::map<int64_t, SE3> map_trajectory() const;
+
+ private:
+  void note_frames(const Submap& submap, int64_t after_revision);
+  bool choose_map();  // true if the served map is now made of other submaps than before
+
+  std::map<SubmapKey, AtlasSubmap> submaps_;
+  std::map<int64_t, FrameRecord> frames_;
+  int64_t revision_ = 0;
+};
+
+// map_from_cam for a camera whose cam_from_submap is known.
+SE3 map_from_camera(const AtlasSubmap& owner, const SE3& cam_from_submap);
+
+}  // namespace rumi

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/colmap_model.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "map_server/output_file.h"
+#include "map_server/writers.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kPixelShift = 0.5;  // COLMAP's pixel coordinates minus ours
+constexpr int64_t kNoPoint = -1;
+
+struct ColmapCamera {
+  uint32_t id = 0;
+  int32_t model = 0;
+  std::string name;
+  uint64_t width = 0, height = 0;
+  std::vector<double> params;
+};
+
+struct ColmapImage {
+  uint32_t id = 0, camera = 0;
+  SE3 cam_from_map;
+  std::string name;
+  std::vector<std::pair<Eigen::Vector2d, int64_t>> points;  // pixel, point id or kNoPoint
+};
+
+struct ColmapPoint {
+  int64_t id = 0;
+  Eigen::Vector3d position;
+  Colour colour;
+  double error_px = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> track;  // image, index in its points
+};
+
+struct ColmapModel {
+  std::vector<ColmapCamera> cameras;
+  std::vector<ColmapImage> images;
+  std::vector<ColmapPoint> points;
+};
+
+ColmapCamera make_camera(const Camera& c, uint32_t id) {
+  ColmapCamera out{.id = id,
+                   .model = 4,
+                   .name = "OPENCV",
+                   .width = static_cast<uint64_t>(c.width),
+                   .height = static_cast<uint64_t>(c.height),
+                   .params = {c.fx, c.fy, c.cx + kPixelShift, c.cy + kPixelShift, c.k1, c.k2}};
+  if (c.model == Camera::Model::kKannalaBrandt) {
+    out.model = 5, out.name = "OPENCV_FISHEYE";
+    out.params.insert(out.params.end(), {c.k3, c.k4});
+    return out;
+  }
+  out.params.insert(out.params.end(), {c.p1, c.p2});
+  if (c.k3 != 0) {
+    out.model = 6, out.name = "FULL_OPENCV";
+    out.params.insert(out.params.end(), {c.k3, 0.0, 0.0, 0.0});
+  }
+  return out;
+}
+
+bool same_camera(const ColmapCamera& a, const ColmapCamera& b) {
+  return a.model == b.model && a.width == b.width && a.height == b.height && a.params == b.params;
+}
+
+uint32_t camera_id(const Camera& camera, ColmapModel* model) {
+  ColmapCamera made = make_camera(camera, static_cast<uint32_t>(model->cameras.size() + 1));
+  for (const ColmapCamera& known : model->cameras)
+    if (same_camera(known, made)) return known.id;
+  model->cameras.push_back(std::move(made));
+  return model->cameras.back().id;
+}
+
+double mean_error_px(const Submap& submap, const Landmark& landmark) {
+  double sum = 0;
+  int count = 0;
+  for (const Observation& o : landmark.observations) {
+    const Keyframe& keyframe = *submap.keyframe(o.keyframe_id);
+    const auto pixel = submap.camera.project(keyframe.cam_from_submap * landmark.position);
+    if (!pixel) continue;
+    sum += (*pixel - keyframe.features->keypoints[o.keypoint_index].pixel.cast<double>()).norm();
+    ++count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+void add_submap(const AtlasSubmap& owner, ColmapModel* model) {
+  const Submap& submap = owner.submap;
+  const uint32_t camera = camera_id(submap.camera, model);
+  std::map<int, int64_t> point_ids;
+  for (const auto& [id, landmark] : submap.landmarks)
+    if (landmark.observations.size() >= 2)
+      point_ids[id] = static_cast<int64_t>(model->points.size() + point_ids.size() + 1);
+  std::map<int, uint32_t> image_ids;
+  for (const auto& [id, keyframe] : submap.keyframes) {
+    ColmapImage& image = model->images.emplace_back();
+    image.id = image_ids[id] = static_cast<uint32_t>(model->images.size());
+    image.camera = camera;
+    image.cam_from_map = owner.map_from_submap.transform_camera(keyframe.cam_from_submap);
+    image.name = seconds_text(keyframe.utime_us) + ".jpg";
+    for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
+      const auto point = point_ids.find(keyframe.landmark_ids[i]);
+      const Eigen::Vector2d pixel = keyframe.features->keypoints[i].pixel.cast<double>();
+      image.points.emplace_back(pixel.array() + kPixelShift, point == point_ids.end() ? kNoPoint : point->second);
+    }
+  }
+  for (const auto& [id, point_id] : point_ids) {
+    const Landmark& landmark = *submap.landmark(id);
+    ColmapPoint& point = model->points.emplace_back();
+    point.id = point_id;
+    point.position = owner.map_from_submap * landmark.position;
+    point.colour = submap_colour(submap.key);
+    point.error_px = mean_error_px(submap, landmark);
+    for (const Observation& o : landmark.observations)
+      point.track.emplace_back(image_ids.at(o.keyframe_id), static_cast<uint32_t>(o.keypoint_index));
+  }
+}
+
+ColmapModel make_model(const Atlas& atlas) {
+  ColmapModel model;
+  for (const auto& [key, owner] : atlas.submaps())
+    if (owner.in_map) add_submap(owner, &model);
+  return model;
+}
+
+std::string write_text(const ColmapModel& model, const fs::path& folder) {
+  OutputFile cameras((folder / "cameras.txt").string());
+  cameras.write("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n");
+  for (const ColmapCamera& c : model.cameras)
+    cameras.write(fmt::format("{} {} {} {} {:.17g}\n", c.id, c.name, c.width, c.height, fmt::join(c.params, " ")));
+
+  OutputFile images((folder / "images.txt").string());
+  images.write("# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of X Y POINT3D_ID\n");
+  for (const ColmapImage& i : model.images) {
+    const Eigen::Quaterniond& q = i.cam_from_map.rotation;
+    const Eigen::Vector3d& t = i.cam_from_map.translation;
+    images.write(fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {}\n", i.id, q.w(), q.x(),
+                             q.y(), q.z(), t.x(), t.y(), t.z(), i.camera, i.name));
+    std::string line;
+    for (const auto& [pixel, point] : i.points)
+      fmt::format_to(std::back_inserter(line), "{}{:.9g} {:.9g} {}", line.empty() ? "" : " ", pixel.x(), pixel.y(),
+                     point);
+    images.write(line + "\n");
+  }
+
+  OutputFile points((folder / "points3D.txt").string());
+  points.write("# POINT3D_ID X Y Z R G B ERROR TRACK[] as IMAGE_ID POINT2D_IDX\n");
+  for (const ColmapPoint& p : model.points) {
+    std::string line = fmt::format("{} {:.17g} {:.17g} {:.17g} {} {} {} {:.9g}", p.id, p.position.x(), p.position.y(),
+                                   p.position.z(), p.colour.red, p.colour.green, p.colour.blue, p.error_px);
+    for (const auto& [image, index] : p.track) fmt::format_to(std::back_inserter(line), " {} {}", image, index);
+    points.write(line + "\n");
+  }
+  for (OutputFile* file : {&cameras, &images, &points})
+    if (std::string problem = file->commit(); !problem.empty()) return problem;
+  return {};
+}
+
+void write_image(const ColmapImage& image, OutputFile* out) {
+  out->write_value(image.id);
+  const Eigen::Quaterniond& q = image.cam_from_map.rotation;
+  for (const double value : {q.w(), q.x(), q.y(), q.z()}) out->write_value(value);
+  for (int k = 0; k < 3; ++k) out->write_value(image.cam_from_map.translation[k]);
+  out->write_value(image.camera);
+  out->write({image.name.c_str(), image.name.size() + 1});
+  out->write_value(static_cast<uint64_t>(image.points.size()));
+  for (const auto& [pixel, point] : image.points) {
+    out->write_value(pixel.x());
+    out->write_value(pixel.y());
+    out->write_value(static_cast<uint64_t>(point));
+  }
+}
+
+std::string write_binary(const ColmapModel& model, const fs::path& folder) {
+  OutputFile cameras((folder / "cameras.bin").string());
+  cameras.write_value(static_cast<uint64_t>(model.cameras.size()));
+  for (const ColmapCamera& c : model.cameras) {
+    cameras.write_value(c.id);
+    cameras.write_value(c.model);
+    cameras.write_value(c.width);
+    cameras.write_value(c.height);
+    for (const double value : c.params) cameras.write_value(value);
+  }
+  OutputFile images((folder / "images.bin").string());
+  images.write_value(static_cast<uint64_t>(model.images.size()));
+  for (const ColmapImage& image : model.images) write_image(image, &images);
+
+  OutputFile points((folder / "points3D.bin").string());
+  points.write_value(static_cast<uint64_t>(model.points.size()));
+  for (const ColmapPoint& p : model.points) {
+    points.write_value(static_cast<uint64_t>(p.id));
+    for (int k = 0; k < 3; ++k) points.write_value(p.position[k]);
+    for (const uint8_t channel : {p.colour.red, p.colour.green, p.colour.blue}) points.write_value(channel);
+    points.write_value(p.error_px);
+    points.write_value(static_cast<uint64_t>(p.track.size()));
+    for (const auto& [image, index] : p.track) {
+      points.write_value(image);
+      points.write_value(index);
+    }
+  }
+  for (OutputFile* file : {&cameras, &images, &points})
+    if (std::string problem = file->commit(); !problem.empty()) return problem;
+  return {};
+}
+
+std::string with_folder(const std::string& folder, const Atlas& atlas,
+                        std::string (*write)(const ColmapModel&, const fs::path&)) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return fmt::format("cannot create {}: {}", folder, error.message());
+  return write(make_model(atlas), folder);
+}
+
+}  // namespace
+
+std::string write_colmap_text(const Atlas& atlas, const std::string& folder) {
+  return with_folder(folder, atlas, write_text);
+}
+
+std::string write_colmap_binary(const Atlas& atlas, const std::string& folder) {
+  return with_folder(folder, atlas, write_binary);
+}
+
+}  // namespace rumi

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_server_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <ctime>
+
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_status_t.hpp"
+
+namespace rumi {
+namespace {
+
+constexpr int64_t kStatusPeriodUs = 1'000'000;
+constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
+
+double cpu_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+// True when a period has gone by, also when the clock was set back (a log played again).
+bool is_due(int64_t now_us, int64_t last_us, int64_t period_us) {
+  return now_us - last_us >= period_us || now_us < last_us;
+}
+
+submap_summary_t summarize(const AtlasSubmap& owner) {
+  const Submap& s = owner.submap;
+  submap_summary_t summary;
+  summary.session = s.key.session;
+  summary.submap_id = s.key.id;
+  summary.kind = static_cast<int8_t>(s.kind);
+  summary.closed = s.closed;
+  summary.in_map = owner.in_map;
+  summary.revision = s.revision;
+  summary.keyframes = static_cast<int32_t>(s.keyframes.size());
+  summary.landmarks = static_cast<int32_t>(s.landmarks.size());
+  summary.frames = static_cast<int32_t>(s.frames.size());
+  summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
+  summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
+  summary.map_from_submap = to_wire(owner.map_from_submap);
+  return summary;
+}
+
+}  // namespace
+
+MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
+    : bus_(bus),
+      options_(options),
+      store_(options.database),
+      atlas_(store_.load()),
+      sender_(bus, channels::kMapChunk, channels::kMapAck, unique_process_name("map_server")),
+      receiver_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("map_server"), true,
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+  if (!atlas_.submaps().empty())
+    spdlog::info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
+                 atlas_.frames().size());
+  bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
+                         [this](const track_t& track) { on_track(track); });
+  bus.subscribe<map_request_t>(channels::kMapRequest, {.capacity = 64, .drop = DropPolicy::kDropNewest},
+                               [this](const map_request_t& request) { on_request(request); });
+}
+
+ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& payload) {
+  const double start_ms = cpu_ms();
+  submap_update_t update;
+  if (payload.kind != chunk_t::SUBMAP_UPDATE || !Bus::decode(payload.bytes, &update)) {
+    ++rejected_;
+    return {.ok = false, .reason = fmt::format("payload of kind {} is no submap update", payload.kind)};
+  }
+  const SubmapKey key{update.session, update.submap_id};
+  std::string reason =
+      atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
+  if (reason.empty()) {
+    // Also when the update brought nothing new: it may have been applied before but not stored.
+    reason = save();
+  } else {
+    ++rejected_;
+    spdlog::warn("a submap update from {} is rejected: {}", payload.sender, reason);
+  }
+  busy_ms_ += cpu_ms() - start_ms;
+  ++handled_;
+  return {.ok = reason.empty(), .reason = reason, .revision = store_.stored_revision(key)};
+}
+
+void MapServerNode::on_track(const track_t& track) {
+  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST) {
+    ++rejected_;
+    return;
+  }
+  const FrameRecord record{
+      .session = track.session, .state = static_cast<FrameState>(track.state), .submap_id = track.submap_id};
+  if (atlas_.record_frame(track.utime, record)) unsaved_frames_.insert(track.utime);
+  last_utime_us_ = track.utime;
+}
+
+std::string MapServerNode::save() {
+  last_save_us_ = bus_.now_us();
+  std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()});
+  if (reason.empty()) unsaved_frames_.clear();
+  if (reason != trouble_) {
+    if (reason.empty())
+      spdlog::info("{} can be written again, nothing is missing in it", store_.file());
+    else
+      spdlog::error("{}", reason);
+  }
+  trouble_ = reason;
+  return reason;
+}
+
+void MapServerNode::tick(int64_t now_us) {
+  receiver_.tick(now_us);
+  sender_.tick(now_us);
+  const auto commit_period_us = static_cast<int64_t>(options_.frame_commit_s * 1e6);
+  const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
+  if (must_save && is_due(now_us, last_save_us_, commit_period_us)) save();
+  if (is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
+}
+
+void MapServerNode::finish() {
+  save();
+  publish_map_status();
+}
+
+NodeStatus MapServerNode::status() {
+  NodeStatus status;
+  status.degraded = !trouble_.empty();
+  status.detail = status.degraded ? trouble_
+                                  : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
+                                                atlas_.submaps().size(), atlas_.frames_in_map(), atlas_.frames().size(),
+                                                rejected_, refused_);
+  status.last_utime_us = last_utime_us_;
+  status.processing_ms = handled_ > 0 ? busy_ms_ / static_cast<double>(handled_) : 0;
+  busy_ms_ = 0;
+  handled_ = 0;
+  return status;
+}
+
+void MapServerNode::publish_map_status() {
+  last_status_us_ = bus_.now_us();
+  map_status_t message;
+  message.utime = bus_.now_us();
+  message.map_revision = atlas_.revision();
+  message.frames = static_cast<int64_t>(atlas_.frames().size());
+  message.frames_in_map = atlas_.frames_in_map();
+  message.database_bytes = store_.bytes();
+  for (const auto& [key, owner] : atlas_.submaps()) message.submaps.push_back(summarize(owner));
+  message.nsubmaps = static_cast<int32_t>(message.submaps.size());
+  bus_.publish(channels::kMapStatus, message);
+}
+
+void MapServerNode::on_request(const map_request_t& request) {
+  if (request.requester.empty()) {
+    ++rejected_;
+    return;
+  }
+  // Who hears nothing asks again; the answer is on its way already.
+  if (answering_.contains({request.requester, request.request_id})) return;
+  switch (request.what) {
+    case map_request_t::SUBMAP:
+      return answer_submap(request);
+    case map_request_t::SNAPSHOT:
+      return answer_snapshot(request);
+    case map_request_t::STATUS:
+      return publish_map_status();
+    default:
+      return refuse(request, fmt::format("what = {}: this map_server knows 0 (submap), 1 (snapshot), 2 (status)",
+                                         static_cast<int>(request.what)));
+  }
+}
+
+void MapServerNode::answer_submap(const map_request_t& request) {
+  const AtlasSubmap* owner = atlas_.find({request.session, request.submap_id});
+  if (!owner)
+    return refuse(request, fmt::format("no submap {} of session {} here; RUMI_MAP_STATUS lists the {} there are",
+                                       request.submap_id, request.session, atlas_.submaps().size()));
+  if (request.base_revision < 0 || request.base_revision > owner->submap.revision)
+    return refuse(request, fmt::format("base_revision {} of submap {}: it is at revision {}", request.base_revision,
+                                       request.submap_id, owner->submap.revision));
+  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
+  answer(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
+}
+
+void MapServerNode::answer_snapshot(const map_request_t& request) {
+  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
+  std::string problem = save();  // a snapshot of everything heard so far, frame states included
+  std::vector<uint8_t> bytes;
+  if (problem.empty()) bytes = store_.copy_bytes(&problem);
+  if (!problem.empty()) return refuse(request, problem);
+  answer(request, chunk_t::DATABASE, std::move(bytes));
+}
+
+void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload) {
+  const std::pair<std::string, int32_t> id{request.requester, request.request_id};
+  const bool is_large = kind != chunk_t::REFUSED;
+  answering_.insert(id);
+  large_answers_ += is_large;
+  sender_.send(request.requester, kind, request.request_id, std::move(payload),
+               [this, id, is_large](const TransferResult& result) {
+                 answering_.erase(id);
+                 large_answers_ -= is_large;
+                 if (!result.ok) spdlog::warn("the answer to {} did not arrive: {}", id.first, result.reason);
+               });
+}
+
+void MapServerNode::refuse(const map_request_t& request, const std::string& why) {
+  ++refused_;
+  if (sender_.pending() >= kMaxSmallAnswers) return;
+  answer(request, chunk_t::REFUSED, {why.begin(), why.end()});
+}
+
+}  // namespace rumi

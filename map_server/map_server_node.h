@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map_server: takes submaps in, stores them before it acknowledges them, and answers questions about the map.
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include "bus/bus.h"
+#include "bus/chunked_transfer.h"
+#include "bus/process.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
+#include "map_server/atlas.h"
+#include "map_server/map_store.h"
+#include "map_server/options.h"
+
+namespace rumi {
+
+class MapServerNode : public Node {
+ public:
+  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore).
+  MapServerNode(Bus& bus, const MapServerOptions& options);
+
+  void tick(int64_t now_us) override;
+  NodeStatus status() override;
+  void finish() override;
+  bool finished() const override { return sender_.pending() == 0; }
+
+  const Atlas& atlas() const { return atlas_; }
+  MapStore& store() { return store_; }
+
+ private:
+  ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  void on_track(const track_t& track);
+  void on_request(const map_request_t& request);
+  void answer_submap(const map_request_t& request);
+  void answer_snapshot(const map_request_t& request);
+  void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload);
+  void refuse(const map_request_t& request, const std::string& why);
+  std::string
+  save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
+  void publish_map_status();
+
+  Bus& bus_;
+  MapServerOptions options_;
+  MapStore store_;
+  Atlas atlas_;
+  ChunkSender sender_;
+  ChunkReceiver receiver_;
+  std::set<int64_t> unsaved_frames_;
+  std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
+  int large_answers_ = 0;                                // of those under way
+  std::string trouble_;                                  // why the last save failed
+  int64_t last_save_us_ = 0, last_status_us_ = 0;
+  int64_t last_utime_us_ = 0;
+  int64_t rejected_ = 0;  // updates and messages that made no sense
+  int64_t refused_ = 0;   // requests
+  double busy_ms_ = 0;
+  int64_t handled_ = 0;
+};
+
+}  // namespace rumi

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writing: only what carries a later revision than the file has.
+#include <algorithm>
+
+#include "map_server/blob.h"
+#include "map_server/map_store.h"
+
+namespace rumi {
+namespace {
+
+bool same_place(const AtlasSubmap& a, const AtlasSubmap& b) {
+  return a.in_map == b.in_map && similarity_numbers(a.map_from_submap) == similarity_numbers(b.map_from_submap);
+}
+
+std::vector<int32_t> observation_pairs(const Keyframe& keyframe) {
+  std::vector<int32_t> pairs;
+  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
+    if (keyframe.landmark_ids[i] == kNone) continue;
+    pairs.push_back(static_cast<int32_t>(i));
+    pairs.push_back(keyframe.landmark_ids[i]);
+  }
+  return pairs;
+}
+
+void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
+  std::vector<float> keypoints;
+  std::vector<uint8_t> octaves;
+  for (const Keypoint& k : keyframe.features->keypoints) {
+    keypoints.insert(keypoints.end(), {k.pixel.x(), k.pixel.y(), k.angle_rad});
+    octaves.push_back(k.octave);
+  }
+  insert.bind(row, keyframe.id, as_blob(keypoints), as_blob(octaves), as_blob(keyframe.features->descriptors)).run();
+}
+
+}  // namespace
+
+std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+  try {
+    Transaction transaction(db_);
+    std::map<SubmapKey, Stored> rows = stored_;
+    for (const auto& [key, owner] : atlas.submaps())
+      if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
+    save_place(atlas, rows);
+    save_frames(atlas, frame_utimes_us);
+    transaction.commit();
+    stored_ = std::move(rows);
+    for (const auto& [key, owner] : atlas.submaps())
+      placed_[key] = {.submap = {}, .in_map = owner.in_map, .map_from_submap = owner.map_from_submap};
+    return {};
+  } catch (const SqliteError& error) {
+    return explain(error);
+  }
+}
+
+MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
+  const Submap& s = owner.submap;
+  Statement upsert(db_,
+                   "INSERT INTO submaps (session, id, kind, closed, revision, camera) VALUES (?, ?, ?, ?, ?, ?) "
+                   "ON CONFLICT (session, id) DO UPDATE SET kind = excluded.kind, closed = excluded.closed, "
+                   "revision = excluded.revision, camera = excluded.camera RETURNING submap");
+  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera));
+  upsert.step();
+  const Stored since{upsert.integer(0), before.revision};
+  while (upsert.step()) {
+  }
+  save_keyframes(s, since);
+  save_landmarks(s, since);
+  save_poses(s, since);
+  return {since.row, s.revision};
+}
+
+void MapStore::save_keyframes(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO keyframes VALUES (?, ?, ?, ?, ?, ?)");
+  Statement features(db_, "INSERT OR REPLACE INTO features VALUES (?, ?, ?, ?, ?)");
+  Statement observations(db_, "INSERT OR REPLACE INTO observations VALUES (?, ?, ?)");
+  Statement back_again(db_, "DELETE FROM removed WHERE submap = ? AND what = 0 AND id = ?");
+  Statement removed(db_, "INSERT OR REPLACE INTO removed VALUES (?, 0, ?, ?)");
+  for (const auto& [id, keyframe] : s.keyframes) {
+    if (keyframe.revision <= since.revision) continue;
+    const PoseNumbers pose = pose_numbers(keyframe.cam_from_submap);
+    insert.bind(since.row, id, keyframe.utime_us, as_blob(pose), keyframe.revision, keyframe.created_revision).run();
+    if (keyframe.created_revision > since.revision) insert_features(features, since.row, keyframe);
+    const std::vector<int32_t> pairs = observation_pairs(keyframe);
+    observations.bind(since.row, id, as_blob(pairs)).run();
+    back_again.bind(since.row, id).run();
+  }
+  for (const auto& [id, revision] : s.removed_keyframes) {
+    if (revision <= since.revision) continue;
+    removed.bind(since.row, id, revision).run();
+    if (s.keyframes.contains(id)) continue;
+    for (const char* sql :
+         {"DELETE FROM keyframes WHERE submap = ? AND id = ?", "DELETE FROM features WHERE submap = ? AND keyframe = ?",
+          "DELETE FROM observations WHERE submap = ? AND keyframe = ?"})
+      Statement(db_, sql).bind(since.row, id).run();
+  }
+}
+
+void MapStore::save_landmarks(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO landmarks VALUES (?, ?, ?, ?, ?)");
+  Statement back_again(db_, "DELETE FROM removed WHERE submap = ? AND what = 1 AND id = ?");
+  Statement removed(db_, "INSERT OR REPLACE INTO removed VALUES (?, 1, ?, ?)");
+  Statement erase(db_, "DELETE FROM landmarks WHERE submap = ? AND id = ?");
+  for (const auto& [id, landmark] : s.landmarks) {
+    if (landmark.revision <= since.revision) continue;
+    const std::array<double, 3> position{landmark.position.x(), landmark.position.y(), landmark.position.z()};
+    insert.bind(since.row, id, as_blob(position), as_blob(landmark.descriptor), landmark.revision).run();
+    back_again.bind(since.row, id).run();
+  }
+  for (const auto& [id, revision] : s.removed_landmarks) {
+    if (revision <= since.revision) continue;
+    removed.bind(since.row, id, revision).run();
+    if (!s.landmarks.contains(id)) erase.bind(since.row, id).run();
+  }
+}
+
+void MapStore::save_poses(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?)");
+  for (const auto& [utime_us, frame] : s.frames) {
+    if (frame.revision <= since.revision) continue;
+    const PoseNumbers pose = pose_numbers(frame.cam_from_keyframe);
+    insert.bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision).run();
+  }
+}
+
+void MapStore::save_place(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows) {
+  Statement(db_, "UPDATE atlas SET map_revision = ?1 WHERE map_revision <> ?1").bind(atlas.revision()).run();
+  Statement update(db_, "UPDATE submaps SET in_map = ?, map_from_submap = ? WHERE submap = ?");
+  for (const auto& [key, owner] : atlas.submaps()) {
+    const auto before = placed_.find(key);
+    if (before != placed_.end() && same_place(before->second, owner)) continue;
+    const SimilarityNumbers numbers = similarity_numbers(owner.map_from_submap);
+    update.bind(owner.in_map, as_blob(numbers), rows.at(key).row).run();
+  }
+}
+
+void MapStore::save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+  Statement insert(db_, "INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?)");
+  for (const int64_t utime_us : frame_utimes_us) {
+    const auto it = atlas.frames().find(utime_us);
+    if (it == atlas.frames().end() || it->second.state == FrameState::kUnknown) continue;
+    insert.bind(utime_us, it->second.session, static_cast<int>(it->second.state), it->second.submap_id).run();
+  }
+}
+
+int64_t MapStore::camera_row(const Camera& c) {
+  Statement find(
+      db_,
+      "SELECT camera FROM cameras WHERE model = ? AND width = ? AND height = ? AND fx = ? AND fy = ? AND cx = ? "
+      "AND cy = ? AND k1 = ? AND k2 = ? AND p1 = ? AND p2 = ? AND k3 = ? AND k4 = ? AND fps = ?");
+  const auto bind = [&c](Statement& s) -> Statement& {
+    return s.bind(static_cast<int>(c.model), c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3,
+                  c.k4, c.fps);
+  };
+  if (bind(find).step()) return find.integer(0);
+  Statement insert(db_, "INSERT INTO cameras VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  bind(insert).run();
+  return sqlite3_last_insert_rowid(db_.handle());
+}
+
+}  // namespace rumi

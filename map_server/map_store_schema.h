@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The schema of map.db, version 1. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+//
+// Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
+// kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
+#pragma once
+
+namespace rumi {
+
+inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
+inline constexpr int kMapSchemaVersion = 1;           // PRAGMA user_version; raise it with every change of the schema
+
+inline constexpr const char* kMapSchema = R"sql(
+CREATE TABLE atlas (                      -- one row
+  map_revision INTEGER NOT NULL           -- rises whenever anything of the served map changed
+);
+INSERT INTO atlas VALUES (0);
+
+CREATE TABLE cameras (
+  camera INTEGER PRIMARY KEY,
+  model INTEGER NOT NULL,                 -- 0 pinhole (k1 k2 p1 p2 k3), 1 Kannala-Brandt fisheye (k1 k2 k3 k4)
+  width INTEGER NOT NULL, height INTEGER NOT NULL,                                                 -- pixels
+  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,                          -- pixels
+  k1 REAL NOT NULL, k2 REAL NOT NULL, p1 REAL NOT NULL, p2 REAL NOT NULL, k3 REAL NOT NULL, k4 REAL NOT NULL,
+  fps REAL NOT NULL                       -- nominal, 0 = unknown
+);
+
+CREATE TABLE submaps (
+  submap INTEGER PRIMARY KEY,
+  session INTEGER NOT NULL,               -- the run of front_tracker that made it
+  id INTEGER NOT NULL,                    -- front: 1, 2, ...; back: -1, -2, ...
+  kind INTEGER NOT NULL,                  -- 0 front, 1 back
+  closed INTEGER NOT NULL,                -- 1: its maker adds nothing more
+  revision INTEGER NOT NULL,
+  camera INTEGER NOT NULL REFERENCES cameras,
+  in_map INTEGER NOT NULL DEFAULT 0,      -- 1: part of the served map
+  map_from_submap BLOB,                   -- similarity, where in_map
+  UNIQUE (session, id)
+);
+
+CREATE TABLE keyframes (
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  utime INTEGER NOT NULL,
+  cam_from_submap BLOB NOT NULL,          -- pose
+  revision INTEGER NOT NULL,              -- of the submap when this last changed
+  created_revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE features (                   -- of a keyframe; written once
+  submap INTEGER NOT NULL REFERENCES submaps,
+  keyframe INTEGER NOT NULL,
+  keypoints BLOB NOT NULL,                -- n x 3 float32: x, y (pixels as detected), angle (radians)
+  octaves BLOB NOT NULL,                  -- n uint8
+  descriptors BLOB NOT NULL,              -- n x 32 bytes
+  PRIMARY KEY (submap, keyframe)
+);
+
+CREATE TABLE observations (               -- of a keyframe
+  submap INTEGER NOT NULL REFERENCES submaps,
+  keyframe INTEGER NOT NULL,
+  pairs BLOB NOT NULL,                    -- m x 2 int32: this keypoint (index) sees this landmark (id)
+  PRIMARY KEY (submap, keyframe)
+);
+
+CREATE TABLE landmarks (
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  position BLOB NOT NULL,                 -- 3 float64, in the submap
+  descriptor BLOB NOT NULL,               -- 32 bytes
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE removed (                    -- so that a copy elsewhere can be told
+  submap INTEGER NOT NULL REFERENCES submaps,
+  what INTEGER NOT NULL,                  -- 0 keyframe, 1 landmark
+  id INTEGER NOT NULL,
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, what, id)
+) WITHOUT ROWID;
+
+CREATE TABLE frame_poses (                -- cam_from_submap = cam_from_keyframe * keyframe.cam_from_submap
+  submap INTEGER NOT NULL REFERENCES submaps,
+  utime INTEGER NOT NULL,
+  reference_keyframe INTEGER NOT NULL,
+  cam_from_keyframe BLOB NOT NULL,        -- pose
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, utime)
+) WITHOUT ROWID;
+
+CREATE TABLE frames (                     -- what front_tracker said when it saw the frame
+  utime INTEGER PRIMARY KEY,
+  session INTEGER NOT NULL,
+  state INTEGER NOT NULL,                 -- 0 NOT_INITIALIZED, 1 TRACKING, 2 RECENTLY_LOST, 3 LOST
+  submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, -1: in none
+);
+)sql";
+
+}  // namespace rumi

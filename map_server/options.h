@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "bus/options.h"
+
+namespace rumi {
+
+struct MapServerOptions {
+  std::string database = "map.db";  // file, or ":memory:"
+  double frame_commit_s = 1.0;      // frame states (unacknowledged) are written this often at the latest
+  int max_answers = 4;              // large answers under way at the same time; more are refused
+};
+
+inline void describe(OptionTable& table, MapServerOptions& o) {
+  table.add("map_server.database", &o.database,
+            "SQLite file of the map, created when missing and continued when not; :memory: keeps nothing");
+  table.add("map_server.frame_commit_s", &o.frame_commit_s, "s", "write the tracking states of frames this often", 0,
+            60);
+  table.add("map_server.max_answers", &o.max_answers, "", "map requests answered at the same time, more are refused", 1,
+            64);
+}
+
+}  // namespace rumi
