@@ -17,6 +17,9 @@ void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
 void add_view_command(CLI::App& app, std::function<int()>* chosen);
 void add_export_map_command(CLI::App& app, std::function<int()>* chosen);
+void add_synth_command(CLI::App& app, std::function<int()>* chosen);
+void add_export_command(CLI::App& app, std::function<int()>* chosen);
+void add_import_command(CLI::App& app, std::function<int()>* chosen);
 void add_config_command(CLI::App& app, std::function<int()>* chosen);
 
 }  // namespace rumi

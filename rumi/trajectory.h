@@ -38,7 +38,7 @@ TrajectoryFile read_groundtruth(const std::string& file, const TruthOptions& opt
 struct InputFrame {
   int64_t utime_us = 0;
   std::string state;
-  int submap = -1;  // -1: no pose
+  int submap = 0;  // 0: no pose
   bool in_map = false;
 };
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `rumi`: the one command of the user.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include "bus/process.h"
+#include "rumi/commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("Monocular visual SLAM of small LCM processes.", "rumi");
+  app.set_version_flag("--version", std::string(rumi::version()));
+  app.require_subcommand(1);
+  std::function<int()> chosen;
+  rumi::add_replay_command(app, &chosen);
+  rumi::add_up_command(app, &chosen);
+  rumi::add_snapshot_command(app, &chosen);
+  rumi::add_evaluate_command(app, &chosen);
+  rumi::add_view_command(app, &chosen);
+  rumi::add_export_map_command(app, &chosen);
+  rumi::add_synth_command(app, &chosen);
+  rumi::add_export_command(app, &chosen);
+  rumi::add_import_command(app, &chosen);
+  rumi::add_config_command(app, &chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // -h, --version
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", e.what());
+    return 2;
+  }
+  try {
+    return chosen();
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "rumi: {}\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/map_file.h"
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "map_server/output_file.h"
+#include "map_server/writers.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder() : name_((fs::temp_directory_path() / "rumi-map-XXXXXX").string()) {
+    if (!mkdtemp(name_.data())) throw std::runtime_error(fmt::format("{}: cannot be made", name_));
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(name_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string file(const char* name) const { return (fs::path(name_) / name).string(); }
+
+ private:
+  std::string name_;
+};
+
+// A consistent copy, whoever else reads or writes the file.
+void copy_database(const std::string& from, const std::string& to) {
+  sqlite3* handle = nullptr;
+  int code = sqlite3_open_v2(from.c_str(), &handle, SQLITE_OPEN_READONLY, nullptr);
+  const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(handle, &sqlite3_close);
+  if (code == SQLITE_OK) {
+    sqlite3_busy_timeout(handle, 5000);
+    const std::unique_ptr<char, decltype(&sqlite3_free)> sql(sqlite3_mprintf("VACUUM INTO %Q", to.c_str()),
+                                                             &sqlite3_free);
+    code = sqlite3_exec(handle, sql.get(), nullptr, nullptr, nullptr);
+  }
+  if (code != SQLITE_OK)
+    throw std::runtime_error(fmt::format("{}: cannot be read as a map: {}", from, sqlite3_errmsg(handle)));
+}
+
+}  // namespace
+
+Atlas load_map(const std::string& file) {
+  if (!fs::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such file", file));
+  const TemporaryFolder folder;
+  const std::string copy = folder.file("map.db");
+  copy_database(file, copy);
+  return MapStore(copy).load();
+}
+
+Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to) {
+  const TemporaryFolder folder;
+  const std::string received = folder.file("map.db");
+  OutputFile file(received);
+  file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);
+  MapStore store(received);
+  if (const std::string error = store.write_copy(copy_to); !error.empty()) throw std::runtime_error(error);
+  return store.load();
+}
+
+std::string write_run_outputs(const Atlas& atlas, const std::string& folder) { return write_outputs(atlas, folder); }
+
+AtlasCounts count(const Atlas& atlas) {
+  AtlasCounts counts;
+  counts.frames = static_cast<int64_t>(atlas.frames().size());
+  counts.frames_in_map = atlas.frames_in_map();
+  for (const auto& [utime_us, frame] : atlas.frames()) counts.tracked_frames += atlas.locate(utime_us).has_value();
+  counts.submaps = static_cast<int>(atlas.submaps().size());
+  for (const auto& [key, owner] : atlas.submaps()) {
+    counts.keyframes += static_cast<int>(owner.submap.keyframes.size());
+    counts.landmarks += static_cast<int>(owner.submap.landmarks.size());
+  }
+  return counts;
+}
+
+}  // namespace rumi

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map.db as a file that somebody else may be using, and an atlas as the outputs of a run.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "map_server/atlas.h"
+#include "map_server/map_store.h"
+
+namespace rumi {
+
+// Reads a map without locking or changing it, also while a map_server has it open. Throws std::runtime_error with a
+// message for the user.
+Atlas load_map(const std::string& file);
+
+// A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
+Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);
+
+// trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
+std::string write_run_outputs(const Atlas& atlas, const std::string& folder);
+
+// What there is to say about an atlas in numbers: as run.json has it.
+struct AtlasCounts {
+  int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;
+  int submaps = 0, keyframes = 0, landmarks = 0;
+};
+AtlasCounts count(const Atlas& atlas);
+
+}  // namespace rumi

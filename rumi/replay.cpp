@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/replay.h"
+
+#include <algorithm>
+
+#include "camera_driver/camera_node.h"
+#include "front_tracker/front_tracker_node.h"
+#include "rumi/metered_bus.h"
+#include "ruminator/ruminator_node.h"
+#include "viewer_offscreen/viewer_node.h"
+
+namespace rumi {
+namespace {
+
+constexpr int64_t kFinishStepUs = 100'000;
+constexpr int64_t kFinishTimeoutUs = 60'000'000;
+
+}  // namespace
+
+template <class NodeType, class... Arguments>
+NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
+  auto component = std::make_unique<Component>();
+  component->name = name;
+  component->bus = std::make_unique<MeteredBus>(bus_, &component->cpu_s);
+  auto node = std::make_unique<NodeType>(*component->bus, arguments...);
+  NodeType* result = node.get();
+  component->node = std::move(node);
+  components_.push_back(std::move(component));
+  return result;
+}
+
+Replay::Replay(const AllOptions& options, const std::string& input) {
+  FrontTrackerOptions front_tracker = options.front_tracker;
+  front_tracker.mapping_thread = false;
+  MapServerOptions map_server = options.map_server;
+  map_server.database = ":memory:";
+  camera_ = add<CameraNode>("camera_driver", input, options.camera_driver);
+  front_tracker_ = add<FrontTrackerNode>("front_tracker", front_tracker);
+  add<RuminatorNode>("ruminator", options.ruminator);
+  map_server_ = add<MapServerNode>("map_server", map_server);
+  add<ViewerNode>("viewer_offscreen", options.viewer_offscreen);
+}
+
+Replay::~Replay() = default;
+
+// Every component does what time and messages ask of it, and so on until no message is under way.
+void Replay::settle() {
+  bus_.dispatch();
+  for (const auto& component : components_) {
+    {
+      const CpuTimer timer(&component->cpu_s);
+      component->node->tick(bus_.now_us());
+    }
+    bus_.dispatch();
+  }
+}
+
+bool Replay::step() {
+  Component& camera = *components_.front();
+  std::optional<int64_t> utime_us;
+  {
+    const CpuTimer timer(&camera.cpu_s);
+    utime_us = camera_->next_utime_us();
+    if (!utime_us) return false;
+    bus_.set_now_us(*utime_us);
+    camera_->publish_next();
+  }
+  ++frames_;
+  last_utime_us_ = *utime_us;
+  settle();
+  return true;
+}
+
+bool Replay::finish() {
+  const int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
+  bool all_finished = true;
+  for (const auto& component : components_) {
+    {
+      const CpuTimer timer(&component->cpu_s);
+      component->node->finish();
+    }
+    settle();
+    // One after another: what a component hands on at its end must find the next one at work.
+    while (!component->node->finished() && bus_.now_us() < deadline_us) {
+      bus_.set_now_us(bus_.now_us() + kFinishStepUs);
+      settle();
+    }
+    all_finished &= component->node->finished();
+  }
+  return all_finished;
+}
+
+ReplayProgress Replay::progress() { return {frames_, last_utime_us_, front_tracker_->status().detail}; }
+
+std::map<std::string, double> Replay::cpu_s() const {
+  std::map<std::string, double> cpu_s;
+  for (const auto& component : components_) cpu_s[component->name] = component->cpu_s;
+  return cpu_s;
+}
+
+}  // namespace rumi

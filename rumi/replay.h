@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All five components on one bus in one thread, in lockstep with the images: as fast as the machine goes, and with the
+// same result to the bit however fast that is.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/memory_bus.h"
+#include "bus/process.h"
+#include "map_server/map_server_node.h"
+#include "rumi/all_options.h"
+
+namespace rumi {
+
+class CameraNode;
+class MeteredBus;
+
+struct ReplayProgress {
+  int64_t frames = 0;    // images published
+  int64_t utime_us = 0;  // of the last one
+  std::string state;     // what front_tracker says of itself
+};
+
+class Replay {
+ public:
+  // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
+  // to a live system are overruled: no mapping thread, no database file.
+  Replay(const AllOptions& options, const std::string& input);
+  ~Replay();
+
+  // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
+  bool step();
+  // Ends everything in order and returns when nothing is left to do. False if somebody was not finished after a minute
+  // of logical time.
+  bool finish();
+
+  ReplayProgress progress();
+  const Atlas& atlas() const { return map_server_->atlas(); }
+  MapStore& store() { return map_server_->store(); }
+  // CPU seconds of each component so far.
+  std::map<std::string, double> cpu_s() const;
+  std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
+
+ private:
+  struct Component {
+    std::string name;
+    double cpu_s = 0;
+    std::unique_ptr<MeteredBus> bus;
+    std::unique_ptr<Node> node;
+  };
+  template <class NodeType, class... Arguments>
+  NodeType* add(const std::string& name, const Arguments&... arguments);
+  void settle();
+
+  MemoryBus bus_;
+  std::vector<std::unique_ptr<Component>> components_;  // in the order in which they are ended
+  CameraNode* camera_ = nullptr;
+  Node* front_tracker_ = nullptr;
+  MapServerNode* map_server_ = nullptr;
+  int64_t frames_ = 0;
+  int64_t last_utime_us_ = 0;
+};
+
+}  // namespace rumi

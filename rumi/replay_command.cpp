@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi replay INPUT -o OUT
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "camera_driver/options.h"
+#include "rumi/all_options.h"
+#include "rumi/commands.h"
+#include "rumi/metered_bus.h"
+#include "rumi/output_folder.h"
+#include "rumi/replay.h"
+#include "rumi/run_record.h"
+
+namespace rumi {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::ordered_json;
+
+struct Arguments {
+  std::string input, out, config;
+  std::vector<std::string> settings;
+  bool quiet = false, verbose = false;
+};
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
+}
+
+// One line on a terminal, over and over; nothing where it would fill a log.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet) : show_(!quiet && isatty(STDERR_FILENO)) {}
+  ~ProgressLine() {
+    if (shown_) fmt::print(stderr, "\n");
+  }
+  void update(Replay& replay) {
+    if (!show_ || seconds_since(last_) < 0.5) return;
+    const ReplayProgress progress = replay.progress();
+    fmt::print(stderr, "\r{} frames, {:.1f} per second, {}\x1b[K", progress.frames,
+               static_cast<double>(progress.frames) / seconds_since(begin_), progress.state);
+    last_ = Clock::now();
+    shown_ = true;
+  }
+
+ private:
+  bool show_, shown_ = false;
+  Clock::time_point begin_ = Clock::now(), last_ = begin_;
+};
+
+// All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
+ordered_json run_record(const Arguments& arguments, const OptionTable& table, Replay& replay, double wall_s) {
+  const int64_t frames = replay.progress().frames;
+  ordered_json run{{"finished", true},
+                   {"command", "replay"},
+                   {"input", arguments.input},
+                   {"options", options_to_json(table.to_yaml())},
+                   {"images", frames}};
+  run["counts"] = counts_to_json(count(replay.atlas()));
+  run["channels"] = ordered_json::object();
+  for (const ChannelCounts& channel : replay.channel_counts()) {
+    run["channels"][channel.channel] = {
+        {"received", channel.received}, {"dropped", channel.dropped}, {"undecodable", channel.undecodable}};
+  }
+  run["cpu_ms_per_frame"] = ordered_json::object();
+  for (const auto& [name, cpu_s] : replay.cpu_s()) {
+    run["cpu_ms_per_frame"][name] =
+        frames > 0 ? ordered_json(cpu_s * 1e3 / static_cast<double>(frames)) : ordered_json();
+  }
+  run["cpu_s"] = process_cpu_s();
+  run["wall_s"] = wall_s;
+  run["peak_rss_mb"] = peak_rss_mb();
+  return run;
+}
+
+std::string write_everything(Replay& replay, const std::string& out) {
+  if (std::string error = write_run_outputs(replay.atlas(), out); !error.empty()) return error;
+  return replay.store().write_copy((std::filesystem::path(out) / "map.db").string());
+}
+
+int replay(const Arguments& arguments) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = options.camera_driver.check();
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi replay: {}\n", error);
+    return 2;
+  }
+  start_logging("rumi", arguments.verbose, arguments.quiet);
+  const auto begin = Clock::now();
+  Replay replay(options, arguments.input);
+  error = prepare_output_folder(arguments.out);
+  if (error.empty()) {
+    ProgressLine line(arguments.quiet);
+    while (replay.step()) line.update(replay);
+    if (!replay.finish()) fmt::print(stderr, "rumi replay: not everything could be handed on at the end\n");
+  }
+  if (error.empty()) error = write_everything(replay, arguments.out);
+  const double wall_s = seconds_since(begin);
+  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, table, replay, wall_s));
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi replay: {}\n", error);
+    return 1;
+  }
+  if (!arguments.quiet) {
+    print_summary(count(replay.atlas()), arguments.out);
+    fmt::print("{} images in {:.1f} s\n", replay.progress().frames, wall_s);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
+  command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")
+      ->allow_extra_args(false);
+  command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
+  command->add_flag("-v,--verbose", arguments->verbose, "log more");
+  // The flags that camera_driver has too are short for options of its section.
+  const auto shorthand = [&](const char* flag, const char* key, const char* help) {
+    command->add_option_function<std::string>(
+        flag,
+        [arguments, key](const std::string& value) { arguments->settings.push_back(fmt::format("{}={}", key, value)); },
+        help);
+  };
+  shorthand("--camera", "camera_driver.camera_file", "calibration file, instead of the one beside the data");
+  shorthand("--every", "camera_driver.every", "every Nth frame only");
+  shorthand("--start", "camera_driver.start", "leave out so much at the beginning, s");
+  shorthand("--duration", "camera_driver.duration", "end after so much, s; 0: all");
+  shorthand("--rate", "camera_driver.rate", "new times at this rate, Hz (needed for images without times)");
+  shorthand("--encoding", "camera_driver.encoding", "grey, rgb, jpeg or auto");
+  command->callback([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
+}
+
+}  // namespace rumi

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a run says about itself, in run.json and on the terminal.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "rumi/map_file.h"
+
+namespace rumi {
+
+nlohmann::ordered_json counts_to_json(const AtlasCounts& counts);
+// Where everything is, for a person.
+void print_summary(const AtlasCounts& counts, const std::string& folder);
+
+}  // namespace rumi

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi up CONFIG: the five processes on LCM, started, watched and stopped together.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+#include "rumi/all_options.h"
+#include "rumi/commands.h"
+#include "rumi/supervisor.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string config, input, lcm_url, snapshot;
+  std::vector<std::string> settings, camera_flags;
+};
+
+std::atomic<bool> g_stop = false;
+
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// The options as all processes are to have them, in a file that lives as long as this object.
+class SharedConfig {
+ public:
+  // Throws std::runtime_error.
+  explicit SharedConfig(const std::string& yaml) {
+    std::string name = (fs::temp_directory_path() / "rumi-up-XXXXXX").string();
+    const int fd = mkstemp(name.data());
+    file_ = name;
+    const bool written = fd >= 0 && write(fd, yaml.data(), yaml.size()) == static_cast<ssize_t>(yaml.size());
+    if (fd >= 0) close(fd);
+    if (!written) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+  }
+  ~SharedConfig() { unlink(file_.c_str()); }
+  SharedConfig(const SharedConfig&) = delete;
+  SharedConfig& operator=(const SharedConfig&) = delete;
+  const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+};
+
+fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+std::vector<std::string> bus_flags(const UpOptions& up) {
+  std::vector<std::string> flags;
+  if (!up.lcm_url.empty()) flags.insert(flags.end(), {"--lcm-url", up.lcm_url});
+  if (!up.channel_prefix.empty()) flags.insert(flags.end(), {"--channel-prefix", up.channel_prefix});
+  flags.insert(flags.end(), {"--channel", up.channel});
+  return flags;
+}
+
+// map_server is stopped after the others, so that what they hand on at their end still arrives.
+std::vector<ChildProcess> processes(const UpOptions& up, const std::string& config_file,
+                                    const std::vector<std::string>& camera_flags) {
+  std::vector<ChildProcess> children;
+  const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
+    ChildProcess child{name, {(own_folder() / name).string()}, false, stop_stage};
+    child.command.insert(child.command.end(), more.begin(), more.end());
+    child.command.insert(child.command.end(), {"--config", config_file});
+    for (const std::string& flag : bus_flags(up)) child.command.push_back(flag);
+    children.push_back(std::move(child));
+  };
+  // Listeners first, the source last.
+  add("map_server", 1);
+  add("ruminator", 0);
+  if (up.viewer) add("viewer_offscreen", 0);
+  add("front_tracker", 0);
+  if (!up.input.empty()) {
+    std::vector<std::string> arguments{up.input};
+    arguments.insert(arguments.end(), camera_flags.begin(), camera_flags.end());
+    add("camera_driver", 0, arguments);
+    children.back().source = true;
+  }
+  return children;
+}
+
+void take_snapshot(const UpOptions& up, const std::string& out) {
+  std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
+  if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
+  if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
+  ChildProcess child{"snapshot", command, true, 0};
+  SupervisorOptions once;
+  once.max_failed_starts = 1;
+  once.failed_start = std::chrono::hours(1);
+  once.settle = std::chrono::milliseconds(0);
+  Supervisor supervisor({child}, once, [](const std::string& name, const std::string& line) {
+    fmt::print(stderr, "{:>16}| {}\n", name, line);
+  });
+  const std::atomic<bool> never = false;
+  if (const std::string reason = supervisor.run(never); !reason.empty()) throw std::runtime_error(reason);
+}
+
+int up(const Arguments& arguments) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = options.camera_driver.check();
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi up: {}\n", error);
+    return 2;
+  }
+  if (!arguments.input.empty()) options.up.input = arguments.input;
+  if (!arguments.lcm_url.empty()) options.up.lcm_url = arguments.lcm_url;
+  if (options.up.input.empty() && !arguments.camera_flags.empty()) {
+    fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n", arguments.camera_flags[0]);
+    return 2;
+  }
+  stop_on_signals();
+  try {
+    const SharedConfig config(table.to_yaml());
+    SupervisorOptions supervision;
+    supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
+    Supervisor supervisor(
+        processes(options.up, config.file(), arguments.camera_flags), supervision,
+        [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
+    std::function<void()> snapshot;
+    std::string snapshot_error;
+    if (!arguments.snapshot.empty()) {
+      snapshot = [&] {
+        try {
+          take_snapshot(options.up, arguments.snapshot);
+        } catch (const std::exception& e) {
+          snapshot_error = e.what();
+        }
+      };
+    }
+    error = supervisor.run(g_stop, snapshot);
+    if (error.empty()) error = snapshot_error;
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) return 0;
+  fmt::print(stderr, "rumi up: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_up_command(CLI::App& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("up", "Run the five processes on LCM and watch over them until the input ends");
+  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_option("INPUT", arguments->input,
+                      "for camera_driver; without it up.input of CONFIG, or images from elsewhere (lcm-logplayer)");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")
+      ->allow_extra_args(false);
+  command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
+  command->footer("Whatever follows that is not known here, such as --speed 2, goes to camera_driver.");
+  command->allow_extras();
+  command->callback([arguments, chosen, command] {
+    arguments->camera_flags = command->remaining();
+    *chosen = [arguments] { return up(*arguments); };
+  });
+}
+
+}  // namespace rumi
