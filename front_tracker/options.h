@@ -34,8 +34,8 @@ struct TrackingOptions {
 };
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.85;  // of the reference keyframe's landmarks; fewer: a keyframe is due
-  int min_interval_frames = 2;
+  double min_tracked_ratio = 0.7;  // of the reference keyframe's landmarks; fewer: a keyframe is due
+  int min_interval_frames = 3;
   int max_interval_frames = 30;
   int min_inliers = 100;  // fewer: a keyframe is due sooner
 };

@@ -31,7 +31,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   result.keypoints = static_cast<int>(frame.features->size());
   {
     const std::scoped_lock lock(map_mutex_);
-    if (!submaps_.empty()) ++active().map.revision;
+    if (tracking) ++active().map.revision;
     if (tracking && !track(&frame)) lose(frame);
     const bool found = state_ == TrackingState::kTracking || recover(&frame) || begin_submap(&frame);
     if (found) accept(std::move(frame), &result);
@@ -56,6 +56,7 @@ bool Tracker::recover(Frame* frame) {
   const auto found_in = [&](size_t submap_index) {
     if (submap_index != active_) initializer_.clear();
     active_ = submap_index;
+    ++active().map.revision;
     state_ = TrackingState::kTracking;
     velocity_ = SE3();
     velocity_dt_us_ = 0;
@@ -168,6 +169,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
   initializer_.clear();
   ++frames_since_keyframe_;
   const bool already = submap.map.frame(frame.utime_us) != nullptr;  // it began the submap
+  result->is_keyframe = already;
   if (!already) {
     const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
     frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();

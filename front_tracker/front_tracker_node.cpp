@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/front_tracker_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <charconv>
+#include <ctime>
+#include <opencv2/core/utility.hpp>
+#include <stdexcept>
+
+#include "bus/camera_file.h"
+#include "bus/image_codec.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/track_t.hpp"
+
+namespace rumi {
+namespace {
+
+// Images waiting while one is worked on: a third of a second at 30 Hz, to ride out a short stall of the machine.
+constexpr QueueOptions kImageQueue{10, DropPolicy::kDropOldest};
+// So many images in a row older than what was seen: a recording that was started again, not a hiccup.
+constexpr int kBackwardImagesOfNewSession = 10;
+
+const char* name_of(TrackingState state) {
+  switch (state) {
+    case TrackingState::kNotInitialized:
+      return "NOT_INITIALIZED";
+    case TrackingState::kTracking:
+      return "TRACKING";
+    case TrackingState::kRecentlyLost:
+      return "RECENTLY_LOST";
+    case TrackingState::kLost:
+      return "LOST";
+  }
+  return "";
+}
+
+double thread_cpu_ms() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
+}
+
+// From publication to pose where the driver says when it published, else from capture.
+float latency_ms(const image_t& image, int64_t now_us) {
+  const std::string published = metadata(image, "published_utime");
+  int64_t from_us = image.utime;
+  std::from_chars(published.data(), published.data() + published.size(), from_us);
+  return static_cast<float>(1e-3 * static_cast<double>(now_us - from_us));
+}
+
+}  // namespace
+
+FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
+    : bus_(bus), options_(options), publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s) {
+  cv::setNumThreads(1);  // more would take COLMAP's core, and make runs differ
+  if (!options.camera_file.empty()) {
+    const CameraFileResult file = read_camera_file(options.camera_file);
+    if (!file.ok()) throw std::runtime_error(file.error);
+    camera_from_file_ = file.camera;
+  }
+  bus.subscribe<image_t>(channels::kCamera, kImageQueue, [this](const image_t& image) { on_image(image); });
+  bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
+}
+
+void FrontTrackerNode::refuse(const std::string& kind, const std::string& problem) {
+  problem_ = problem;
+  if (refused_[kind]++ == 0) spdlog::warn("image not used: {} (further images like it are only counted)", problem);
+}
+
+bool FrontTrackerNode::begin_session(const image_t& image) {
+  Camera camera;
+  if (camera_from_file_) {
+    camera = *camera_from_file_;
+  } else {
+    const std::string text = metadata(image, kCalibrationKey);
+    if (text.empty()) {
+      refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
+      return false;
+    }
+    const CameraFileResult parsed = parse_camera(text, "calibration of the image");
+    if (!parsed.ok()) {
+      refuse("calibration", parsed.error);
+      return false;
+    }
+    camera = parsed.camera;
+  }
+  if (camera.width != image.width || camera.height != image.height) {
+    refuse("size", fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height, camera.width,
+                               camera.height));
+    return false;
+  }
+  session_ = std::max(bus_.now_us(), session_ + 1);
+  sequence_ = 0;
+  tracker_ = std::make_unique<Tracker>(camera, options_, session_);
+  publisher_ =
+      std::make_unique<SubmapPublisher>(bus_, unique_process_name("front_tracker"), options_.publish_interval_s);
+  return true;
+}
+
+void FrontTrackerNode::retire_session() {
+  if (!tracker_) return;
+  tracker_->wait_for_mapping();
+  publisher_.publish(*tracker_, bus_.now_us(), true);
+  retired_.push_back(std::move(tracker_));
+}
+
+bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
+  if (utime_us > last_utime_us_) {
+    backward_images_ = 0;
+    return true;
+  }
+  if (++backward_images_ >= kBackwardImagesOfNewSession && tracker_) {
+    spdlog::warn("the camera's time went back by {:.3f} s: a new session begins",
+                 1e-6 * static_cast<double>(last_utime_us_ - utime_us));
+    retire_session();
+    backward_images_ = 0;
+    return true;
+  }
+  refuse("time", fmt::format("its utime {} is not newer than the last, {}", utime_us, last_utime_us_));
+  return false;
+}
+
+cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
+  if (!time_is_usable(image.utime)) return {};
+  std::string error;
+  cv::Mat grey = decode_grey(image, &error);
+  if (grey.empty()) {
+    refuse("decode", error);
+    return {};
+  }
+  if (!tracker_ && !begin_session(image)) return {};
+  const Camera& camera = tracker_->camera();
+  if (grey.cols != camera.width || grey.rows != camera.height) {
+    refuse("size", fmt::format("it is {}x{} but the calibration is for {}x{}", grey.cols, grey.rows, camera.width,
+                               camera.height));
+    return {};
+  }
+  return grey;
+}
+
+void FrontTrackerNode::on_image(const image_t& image) {
+  if (finishing_) return;
+  const cv::Mat grey = usable_image(image);
+  if (grey.empty()) return;
+  problem_.clear();
+  last_utime_us_ = image.utime;
+  const double before_ms = thread_cpu_ms();
+  const auto result = tracker_->process(image.utime, grey);
+  if (!result) return;
+  const double cpu_ms = thread_cpu_ms() - before_ms;
+  cpu_ms_ += cpu_ms;
+  ++cpu_count_;
+  state_ = result->state;
+  publish(image, *result, cpu_ms);
+  publisher_.publish(*tracker_, bus_.now_us(), false);
+}
+
+void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, double cpu_ms) {
+  track_t track;
+  track.utime = r.utime_us;
+  track.session = session_;
+  track.sequence = sequence_++;
+  track.state = static_cast<int8_t>(r.state);
+  track.submap_id = r.submap_id;
+  track.submap_revision = r.submap_revision;
+  track.reference_keyframe = r.reference_keyframe;
+  track.cam_from_keyframe = to_wire(r.cam_from_keyframe);
+  track.cam_from_submap = to_wire(r.cam_from_submap);
+  track.is_keyframe = r.is_keyframe;
+  track.keypoints = r.keypoints;
+  track.inliers = r.inliers;
+  track.processing_ms = static_cast<float>(cpu_ms);
+  track.latency_ms = latency_ms(image, bus_.now_us());
+  bus_.publish(channels::kTrack, track);
+  if (r.submap_id == kNone) return;
+  bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
+  const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
+  if (map_from_submap == map_from_submap_.end()) return;
+  const SE3 cam_from_map = map_from_submap->second.transform_camera(r.cam_from_submap);
+  bus_.publish(channels::kCameraToMap, to_wire(r.utime_us, cam_from_map.inverse()));
+}
+
+void FrontTrackerNode::on_map_status(const map_status_t& status) {
+  map_from_submap_.clear();
+  for (const submap_summary_t& s : status.submaps) {
+    const auto map_from_submap = from_wire(s.map_from_submap);
+    if (s.in_map && map_from_submap) map_from_submap_[{s.session, s.submap_id}] = *map_from_submap;
+  }
+}
+
+void FrontTrackerNode::tick(int64_t now_us) {
+  publisher_.tick(now_us);
+  std::erase_if(retired_, [&](const std::unique_ptr<Tracker>& tracker) {
+    if (publisher_.complete(*tracker)) return true;
+    publisher_.publish(*tracker, now_us, true);
+    return false;
+  });
+}
+
+void FrontTrackerNode::finish() {
+  finishing_ = true;
+  retire_session();
+}
+
+bool FrontTrackerNode::finished() const { return retired_.empty(); }
+
+NodeStatus FrontTrackerNode::status() {
+  NodeStatus s;
+  s.last_utime_us = last_utime_us_ == INT64_MIN ? 0 : last_utime_us_;
+  s.processing_ms = cpu_count_ ? cpu_ms_ / cpu_count_ : 0;
+  cpu_ms_ = 0;
+  cpu_count_ = 0;
+  s.detail = fmt::format("{}, {} submaps", name_of(state_), tracker_ ? tracker_->submaps().size() : 0);
+  for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
+  if (!publisher_.failure().empty()) {
+    s.detail += ", map_server: " + publisher_.failure();
+    s.degraded = true;
+  }
+  if (!problem_.empty()) {
+    s.detail += ", last image: " + problem_;
+    s.degraded = true;
+  }
+  return s;
+}
+
+}  // namespace rumi

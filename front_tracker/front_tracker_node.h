@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/process.h"
+#include "front_tracker/submap_publisher.h"
+#include "front_tracker/tracker.h"
+#include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/map_status_t.hpp"
+
+namespace rumi {
+
+// CAMERA and RUMI_MAP_STATUS in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP and RUMI_SUBMAP out. The calibration comes
+// with the images unless an option names a file; a camera_file that cannot be read throws std::runtime_error.
+class FrontTrackerNode : public Node {
+ public:
+  FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options);
+
+  void tick(int64_t now_us) override;
+  NodeStatus status() override;
+  void finish() override;
+  bool finished() const override;
+
+  // Nothing before the first usable image.
+  Tracker* tracker() { return tracker_.get(); }
+
+ private:
+  void on_image(const image_t& image);
+  void on_map_status(const map_status_t& status);
+  // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
+  cv::Mat usable_image(const image_t& image);
+  void retire_session();
+  bool begin_session(const image_t& image);
+  bool time_is_usable(int64_t utime_us);
+  void publish(const image_t& image, const TrackResult& result, double cpu_ms);
+  // Notes what is wrong for the status; says it in the log once per kind of problem.
+  void refuse(const std::string& kind, const std::string& problem);
+
+  Bus& bus_;
+  FrontTrackerOptions options_;
+  std::optional<Camera> camera_from_file_;
+  std::unique_ptr<Tracker> tracker_;
+  std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
+  SubmapPublisher publisher_;
+  std::map<SubmapKey, Sim3> map_from_submap_;  // of the submaps in the served map
+  int64_t session_ = 0;
+  int64_t sequence_ = 0;
+  int64_t last_utime_us_ = INT64_MIN;
+  int backward_images_ = 0;
+  bool finishing_ = false;
+
+  std::string problem_;                     // of the last image, empty if it was good
+  std::map<std::string, int64_t> refused_;  // images, by kind of problem
+  TrackingState state_ = TrackingState::kNotInitialized;
+  double cpu_ms_ = 0;
+  int cpu_count_ = 0;
+};
+
+}  // namespace rumi

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+
+#include "bus/process.h"
+#include "front_tracker/front_tracker_node.h"
+
+int main(int argc, char** argv) {
+  rumi::FrontTrackerOptions options;
+  rumi::ProcessDescription process;
+  process.name = "front_tracker";
+  process.summary =
+      "Tracks the camera in real time: images come in on CAMERA, a state and a pose for each go out on RUMI_TRACK, the "
+      "submaps on RUMI_SUBMAP.";
+  process.add_flags = [&options](CLI::App& app) {
+    app.add_option("--camera", options.camera_file, "calibration (default: the one that comes with the images)");
+  };
+  process.add_options = [&options](rumi::OptionTable& table) { rumi::describe(table, options); };
+  process.make_node = [&options](rumi::Bus& bus) { return std::make_unique<rumi::FrontTrackerNode>(bus, options); };
+  return rumi::run_process(argc, argv, process);
+}

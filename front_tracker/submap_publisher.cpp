@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/submap_publisher.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "bus/submap_update.h"
+
+namespace rumi {
+
+SubmapPublisher::SubmapPublisher(Bus& bus, const std::string& sender_name, double interval_s)
+    : sender_(bus, channels::kSubmap, channels::kSubmapAck, sender_name), interval_s_(interval_s) {}
+
+void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
+  const std::scoped_lock lock(tracker.mutex());
+  for (const auto& submap : tracker.submaps()) {
+    Progress& progress = progress_[submap->map.key];
+    if (progress.in_flight) continue;
+    if (all && !submap->map.closed) {
+      submap->map.closed = true;
+      ++submap->map.revision;
+    }
+    // The revision rises after every update that is made: an unchanged submap is one ahead of what is stored.
+    if (submap->map.revision <= progress.stored_revision + 1 && progress.stored_revision > 0) continue;
+    const bool due =
+        progress.last_sent_us == INT64_MIN || static_cast<double>(now_us - progress.last_sent_us) >= 1e6 * interval_s_;
+    if (!due && !all) continue;
+    progress.last_sent_us = now_us;
+    send(*submap, &progress);
+  }
+}
+
+bool SubmapPublisher::complete(Tracker& tracker) const {
+  const std::scoped_lock lock(tracker.mutex());
+  return std::all_of(tracker.submaps().begin(), tracker.submaps().end(), [this](const auto& submap) {
+    const auto progress = progress_.find(submap->map.key);
+    return submap->map.closed && progress != progress_.end() && !progress->second.in_flight &&
+           submap->map.revision <= progress->second.stored_revision + 1;
+  });
+}
+
+void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
+  const submap_update_t update = make_submap_update(submap.map, progress->stored_revision);
+  // What changes from now on is newer than what was sent.
+  ++submap.map.revision;
+  progress->in_flight = true;
+  sender_.send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(update), [this, progress](const TransferResult& result) {
+    progress->in_flight = false;
+    // A rejected update tells what the server has: the next one begins there.
+    if (result.ok || result.revision < progress->stored_revision) progress->stored_revision = result.revision;
+    failure_ = result.ok ? "" : result.reason;
+    if (!result.ok) spdlog::warn("map_server did not take a submap update: {}", result.reason);
+  });
+}
+
+}  // namespace rumi
