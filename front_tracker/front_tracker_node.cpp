@@ -94,8 +94,6 @@ bool FrontTrackerNode::begin_session(const image_t& image) {
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   tracker_ = std::make_unique<Tracker>(camera, options_, session_);
-  publisher_ =
-      std::make_unique<SubmapPublisher>(bus_, unique_process_name("front_tracker"), options_.publish_interval_s);
   return true;
 }
 
