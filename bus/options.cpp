@@ -63,6 +63,7 @@ std::string value_text(const std::variant<int*, double*, bool*, std::string*>& f
 
 struct FlatValue {
   std::string key, text;
+  bool is_empty = false;  // `key:` with nothing behind it
   int line = 0;
 };
 
@@ -79,8 +80,8 @@ std::string flatten(const YAML::Node& node, const std::string& key, std::vector<
     return "";
   }
   if (key.empty()) return fmt::format("line {}: expected `section:` with `name: value` lines below it", line);
-  // A list or nothing at all is only a fault where the key is ours, so it is kept as a text that fits no option.
-  out->push_back({key, node.IsScalar() ? node.Scalar() : std::string(), line});
+  // A list is only a fault where the key is ours.
+  out->push_back({key, node.IsScalar() ? node.Scalar() : std::string(), node.IsNull(), line});
   return "";
 }
 
@@ -159,9 +160,9 @@ std::string OptionTable::unknown(const std::string& key) const {
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {
+  errno = 0;
   std::ifstream stream(file);
   std::stringstream text;
-  errno = 0;
   if (stream) text << stream.rdbuf();
   // An empty file sets failbit on `text`, a folder errno on reading.
   if (!stream.is_open() || errno != 0)
@@ -188,7 +189,7 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
       const Entry* entry = find(value.key);
       std::string problem = entry ? assign(*entry, value.text, apply) : unknown(value.key);
       // An empty section (`map_server:` with all its lines commented out) says nothing and harms nothing.
-      if (!entry && value.text.empty() && sections.contains(value.key)) problem.clear();
+      if (value.is_empty && sections.contains(value.key)) problem.clear();
       if (problem.empty() && !apply && !seen.insert(value.key).second) problem = value.key + ": given twice";
       if (!problem.empty()) return fmt::format("{}:{}: {}", name_for_errors, value.line, problem);
     }

@@ -238,8 +238,8 @@ std::string check_header(const submap_update_t& update, const Submap& submap) {
     return fmt::format("kind {}: must be 0 (front) or 1 (back)", update.kind);
   if (front ? update.submap_id <= 0 : update.submap_id >= 0)
     return fmt::format("submap_id {}: front submaps count 1, 2, ..., back submaps -1, -2, ...", update.submap_id);
-  if (update.base_revision < 0 || update.revision <= update.base_revision)
-    return fmt::format("revision {} must be above base_revision {}, and that not negative", update.revision,
+  if (update.base_revision < 0 || update.revision < update.base_revision)
+    return fmt::format("revision {} must not be below base_revision {}, nor that negative", update.revision,
                        update.base_revision);
   if (update.base_revision > submap.revision)
     return fmt::format("base_revision {} is beyond revision {}, the one we have", update.base_revision,

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// run_process() as the user meets it: flags, messages, exit codes, signals. Run by tests/run_in_netns.sh.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <stdexcept>
+
+#include "bus/lcm_bus.h"
+#include "bus/process.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/process_status_t.hpp"
+
+namespace rumi {
+namespace {
+
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::seconds kPatience{10};
+
+// The test process with its output in a file.
+class Child {
+ public:
+  explicit Child(const std::vector<std::string>& arguments, const char* lcm_default_url = nullptr)
+      : output_file_("/tmp/rumi_process_test_" + std::to_string(getpid()) + "_" + std::to_string(++count_)) {
+    std::vector<char*> argv = {const_cast<char*>(TEST_PROCESS)};
+    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+    argv.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ == 0) {
+      if (lcm_default_url)
+        setenv("LCM_DEFAULT_URL", lcm_default_url, 1);
+      else
+        unsetenv("LCM_DEFAULT_URL");
+      std::FILE* out = std::freopen(output_file_.c_str(), "w", stdout);
+      if (!out || dup2(fileno(stdout), STDERR_FILENO) < 0) _exit(126);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+  }
+  ~Child() {
+    if (!ended_) kill(pid_, SIGKILL), wait();
+    unlink(output_file_.c_str());
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  void signal(int number) const { kill(pid_, number); }
+  int wait() {
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    ended_ = true;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  std::string output() const {
+    std::ifstream stream(output_file_);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+
+ private:
+  static inline int count_ = 0;
+  std::string output_file_;
+  pid_t pid_ = -1;
+  bool ended_ = false;
+};
+
+// The other side: sends requests to a child and hears its answers and its status.
+class Peer {
+ public:
+  explicit Peer(const ChannelNames& names = {}) {
+    std::string error;
+    bus_ = LcmBus::open(kDefaultLcmUrl, names, &error);
+    if (!bus_) throw std::runtime_error(error);
+    bus_->subscribe<map_request_t>(channels::kTrack, {}, [this](const map_request_t& m) { answer = m.request_id; });
+    bus_->subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) {
+      ++statuses;
+      stopping |= m.state == process_status_t::STOPPING;
+    });
+  }
+  // Asks until an answer comes (the child needs time to start).
+  bool ask(int id) {
+    answer = -1;
+    map_request_t request{};
+    request.request_id = id;
+    return until([&] { return answer >= 0; }, [&] { bus_->publish(channels::kCamera, request); });
+  }
+  bool until(
+      const std::function<bool()>& done, const std::function<void()>& action = [] {}) {
+    const auto deadline = Clock::now() + kPatience;
+    while (!done() && Clock::now() < deadline) action(), bus_->dispatch(50);
+    return done();
+  }
+  int answer = -1, statuses = 0;
+  bool stopping = false;
+
+ private:
+  std::unique_ptr<LcmBus> bus_;
+};
+
+TEST(RunProcessTest, HelpShowsEveryFlagAndDefault) {
+  Child child({"-h"});
+  EXPECT_EQ(child.wait(), 0);
+  for (const char* text :
+       {"--lcm-url", "--channel-prefix", "--channel TEXT=CAMERA", "--config FILE", "--set KEY=VALUE", "--version",
+        "LCM_DEFAULT_URL", "test_process.step = 1", "added to the request id (0 .. 1000)",
+        "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152", "--never-finished"})
+    EXPECT_THAT(child.output(), HasSubstr(text));
+}
+
+TEST(RunProcessTest, Version) {
+  Child child({"--version"});
+  EXPECT_EQ(child.wait(), 0);
+  EXPECT_EQ(child.output(), std::string(version()) + "\n");
+}
+
+TEST(RunProcessTest, AWrongCommandLineExitsWith2AndSaysWhy) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"--nonsense"}, "--nonsense"},
+      {{"--nonsense"}, "Usage:"},
+      {{"--set", "test_process.step=5000"}, "expected a whole number from 0 to 1000"},
+      {{"--set", "test_process.stap=5"}, "did you mean test_process.step?"},
+      {{"--set", "nonsense"}, "expected KEY=VALUE"},
+      {{"--config", "/nowhere.yaml"}, "/nowhere.yaml: cannot be read (No such file or directory)"},
+      {{"--set"}, "--set"},
+  };
+  for (const auto& [arguments, says] : cases) {
+    Child child(arguments);
+    EXPECT_EQ(child.wait(), 2) << says;
+    EXPECT_THAT(child.output(), HasSubstr(says));
+  }
+}
+
+TEST(RunProcessTest, AnswersAndEndsCleanlyWhenAsked) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    Peer peer;
+    Child child({});
+    ASSERT_TRUE(peer.ask(5)) << child.output();
+    EXPECT_EQ(peer.answer, 6);
+    EXPECT_GE(peer.statuses, 1);
+    child.signal(number);
+    EXPECT_TRUE(peer.until([&] { return peer.stopping; }));
+    EXPECT_EQ(child.wait(), 0) << child.output();
+  }
+}
+
+TEST(RunProcessTest, SettingsWinOverTheFileAndDoNotEatTheInput) {
+  const std::string config = "/tmp/rumi_process_test_" + std::to_string(getpid()) + ".yaml";
+  std::ofstream(config) << "test_process: {step: 100}\n";
+  {
+    Peer peer;
+    Child child({"--config", config, "INPUT"});
+    ASSERT_TRUE(peer.ask(0)) << child.output();
+    EXPECT_EQ(peer.answer, 100);
+  }
+  Peer peer;
+  Child child({"--set", "test_process.step=7", "--set", "test_process.step=8", "INPUT", "--config", config});
+  ASSERT_TRUE(peer.ask(0)) << child.output();
+  EXPECT_EQ(peer.answer, 8);
+  unlink(config.c_str());
+}
+
+TEST(RunProcessTest, PrefixAndCameraChannel) {
+  Peer peer({"robot1/", "LEFT"});
+  Child child({"--channel-prefix", "robot1/", "-c", "LEFT"});
+  EXPECT_TRUE(peer.ask(1)) << child.output();
+}
+
+TEST(RunProcessTest, EndsByItselfWhenTheNodeIsDone) {
+  Peer peer;
+  Child child({"--end-after", "1"});
+  EXPECT_TRUE(peer.ask(1));
+  EXPECT_EQ(child.wait(), 0);
+}
+
+TEST(RunProcessTest, ANodeThatDoesNotFinishHasFiveSeconds) {
+  Peer peer;
+  Child child({"--never-finished"});
+  ASSERT_TRUE(peer.ask(1));
+  const auto start = Clock::now();
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  EXPECT_GT(seconds, 4.5);
+  EXPECT_LT(seconds, 7);
+  EXPECT_THAT(child.output(), HasSubstr("not everything could be handed on"));
+}
+
+TEST(RunProcessTest, TheSecondSignalEndsItAtOnce) {
+  Peer peer;
+  Child child({"--never-finished"});
+  ASSERT_TRUE(peer.ask(1));
+  child.signal(SIGINT);
+  ASSERT_TRUE(peer.until([&] { return peer.stopping; }));
+  const auto start = Clock::now();
+  child.signal(SIGINT);
+  EXPECT_EQ(child.wait(), 128 + SIGINT);
+  EXPECT_LT(Clock::now() - start, std::chrono::seconds(2));
+}
+
+TEST(RunProcessTest, WhatCannotStartSaysWhyAndExitsWith1) {
+  Child child({"--fail"});
+  EXPECT_EQ(child.wait(), 1);
+  EXPECT_THAT(child.output(), HasSubstr("test_process error no such camera"));
+}
+
+TEST(RunProcessTest, WithoutAMulticastRouteItNamesTheTwoCommands) {
+  Child by_flag({"-l", "udpm://239.255.76.70:7667?ttl=0"}, "udpm://239.255.76.71:7667");
+  EXPECT_EQ(by_flag.wait(), 1);
+  EXPECT_THAT(by_flag.output(), HasSubstr("sudo ip link set lo multicast on"));
+  EXPECT_THAT(by_flag.output(), HasSubstr("sudo ip route add 239.255.76.70/32 dev lo"));
+  Child by_environment({}, "udpm://239.255.76.71:7667");
+  EXPECT_EQ(by_environment.wait(), 1);
+  EXPECT_THAT(by_environment.output(), HasSubstr("sudo ip route add 239.255.76.71/32 dev lo"));
+}
+
+}  // namespace
+}  // namespace rumi

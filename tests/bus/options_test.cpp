@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+namespace rumi {
+namespace {
+
+using testing::HasSubstr;
+
+struct Example {
+  int keypoints = 1000;
+  double ratio = 0.7;
+  bool enabled = true;
+  std::string mode = "fast";
+  std::string title = "plain: \"quoted\" # text";
+};
+
+class OptionsTest : public testing::Test {
+ protected:
+  OptionsTest() { describe(table_, o_); }
+  static void describe(OptionTable& table, Example& o) {
+    table.add("tracker.keypoints", &o.keypoints, "keypoints", "per frame", 50, 20000);
+    table.add("tracker.ratio", &o.ratio, "", "best to second best", 0.1, 1.0);
+    table.add("viewer.enabled", &o.enabled, "draw at all");
+    table.add("viewer.mode", &o.mode, "how to draw", {"fast", "good"});
+    table.add("viewer.title", &o.title, "above the picture");
+  }
+  std::string load(const std::string& text) { return table_.load_yaml_text(text, "x.yaml"); }
+  Example o_;
+  OptionTable table_;
+};
+
+TEST_F(OptionsTest, YamlSetsWhatItNamesAndLeavesTheRest) {
+  EXPECT_EQ(load("tracker: {keypoints: 70, ratio: 0.25}\nviewer:\n  enabled: off\n  mode: good\n"), "");
+  EXPECT_EQ(o_.keypoints, 70);
+  EXPECT_EQ(o_.ratio, 0.25);
+  EXPECT_FALSE(o_.enabled);
+  EXPECT_EQ(o_.mode, "good");
+  EXPECT_EQ(o_.title, Example().title);
+}
+
+TEST_F(OptionsTest, DottedKeysAreTheSameAsSections) {
+  EXPECT_EQ(load("tracker.keypoints: 71\n"), "");
+  EXPECT_EQ(o_.keypoints, 71);
+}
+
+TEST_F(OptionsTest, NothingToSetIsNoError) {
+  EXPECT_EQ(load(""), "");
+  EXPECT_EQ(load("# only a comment\n"), "");
+  EXPECT_EQ(load("tracker:\n"), "");
+  EXPECT_EQ(load("another_program: {whatever: [1, 2]}\n"), "");
+}
+
+TEST_F(OptionsTest, ErrorsNameFileLineKeyValueAndRange) {
+  const std::string error = load("tracker:\n  ratio: 0.5\n  keypoints: 10\n");
+  EXPECT_THAT(error, HasSubstr("x.yaml:3: tracker.keypoints = \"10\""));
+  EXPECT_THAT(error, HasSubstr("whole number from 50 to 20000 keypoints"));
+}
+
+TEST_F(OptionsTest, AFileWithAnErrorChangesNothing) {
+  EXPECT_NE(load("tracker: {ratio: 0.5, keypoints: 10}\n"), "");
+  EXPECT_NE(load("viewer: {mode: good}\ntracker: {rati: 0.5}\n"), "");
+  EXPECT_EQ(o_.ratio, 0.7);
+  EXPECT_EQ(o_.mode, "fast");
+}
+
+TEST_F(OptionsTest, UnknownKeySuggestsTheNearest) {
+  EXPECT_THAT(load("tracker: {keypiont: 70}\n"), HasSubstr("did you mean tracker.keypoints?"));
+  EXPECT_THAT(table_.set("traker.ratio=0.5"), HasSubstr("did you mean tracker.ratio?"));
+}
+
+TEST_F(OptionsTest, RefusesWhatIsNotEntirelyANumber) {
+  for (const char* text : {"12abc", "abc", "", "1e3", "70.5", " 70", "0x50", "99999999999999999999", "nan"})
+    EXPECT_NE(table_.set(std::string("tracker.keypoints=") + text), "") << text;
+  for (const char* text : {"0.5x", "", "nan", "-nan", "inf", "0.05", "1.01", "1e400", "0,5"})
+    EXPECT_NE(table_.set(std::string("tracker.ratio=") + text), "") << text;
+  EXPECT_EQ(o_.keypoints, 1000);
+  EXPECT_EQ(o_.ratio, 0.7);
+}
+
+TEST_F(OptionsTest, BoundsBelongToTheRange) {
+  EXPECT_EQ(table_.set("tracker.keypoints=50"), "");
+  EXPECT_EQ(table_.set("tracker.keypoints=20000"), "");
+  EXPECT_EQ(table_.set("tracker.ratio=1e-1"), "");
+  EXPECT_EQ(o_.keypoints, 20000);
+  EXPECT_EQ(o_.ratio, 0.1);
+}
+
+TEST_F(OptionsTest, SetNeedsAnEqualsSignAndKeepsLaterOnes) {
+  EXPECT_THAT(table_.set("tracker.keypoints"), HasSubstr("expected KEY=VALUE"));
+  EXPECT_EQ(table_.set("viewer.title=a=b"), "");
+  EXPECT_EQ(o_.title, "a=b");
+}
+
+TEST_F(OptionsTest, ChoicesAndBooleansAreChecked) {
+  EXPECT_THAT(table_.set("viewer.mode=slow"), HasSubstr("expected one of fast, good"));
+  EXPECT_THAT(table_.set("viewer.enabled=maybe"), HasSubstr("expected true or false"));
+}
+
+TEST_F(OptionsTest, OddYamlIsAnErrorAndNoCrash) {
+  for (const char* text : {"tracker: [1, 2]", "tracker: {keypoints: [70]}", "tracker: {keypoints: {a: 1}}", "- 1\n- 2",
+                           "just text", "tracker: {keypoints: 70", "tracker: {? [a] : 1}", "tracker: {keypoints: }",
+                           "tracker: {keypoints: 70, keypoints: 80}", "\"\\xZZ\"", "tracker: 5", "a: *nowhere"})
+    EXPECT_NE(load(text), "") << text;
+}
+
+TEST_F(OptionsTest, UnreadableFilesAreNamed) {
+  EXPECT_THAT(table_.load_yaml("/nowhere/x.yaml"), HasSubstr("/nowhere/x.yaml: cannot be read (No such file"));
+  EXPECT_THAT(table_.load_yaml("/tmp"), HasSubstr("/tmp: cannot be read"));
+}
+
+TEST_F(OptionsTest, ToYamlIsReadBack) {
+  EXPECT_EQ(table_.set("tracker.ratio=0.123456789012345678"), "");
+  EXPECT_EQ(table_.set("viewer.enabled=false"), "");
+  const std::string yaml = table_.to_yaml();
+  EXPECT_THAT(yaml, HasSubstr("# per frame, keypoints (50 .. 20000)"));
+  Example copy;
+  OptionTable other;
+  describe(other, copy);
+  EXPECT_EQ(other.load_yaml_text(yaml, "copy"), "");
+  EXPECT_EQ(copy.ratio, o_.ratio);
+  EXPECT_EQ(copy.title, o_.title);
+  EXPECT_FALSE(copy.enabled);
+}
+
+TEST_F(OptionsTest, HelpShowsDefaultsNotPresentValues) {
+  EXPECT_EQ(table_.set("tracker.keypoints=77"), "");
+  EXPECT_THAT(table_.help(), HasSubstr("tracker.keypoints = 1000"));
+  EXPECT_THAT(table_.help(), HasSubstr("how to draw (fast | good)"));
+}
+
+TEST_F(OptionsTest, WrongDeclarationsAreFoundAtOnce) {
+  int field = 5;
+  EXPECT_THROW(table_.add("tracker.keypoints", &field, "", "twice", 0, 10), std::logic_error);
+  EXPECT_THROW(table_.add("nosection", &field, "", "", 0, 10), std::logic_error);
+  EXPECT_THROW(table_.add("tracker.bad_default", &field, "", "", 6, 10), std::logic_error);
+}
+
+}  // namespace
+}  // namespace rumi

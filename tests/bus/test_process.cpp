@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A process with a node that answers requests, for lcm_process_test.cpp.
+#include <CLI/CLI.hpp>
+#include <stdexcept>
+
+#include "bus/process.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+
+namespace {
+
+struct Options {
+  int step = 1;
+  int end_after = 0;
+  bool never_finished = false;
+  bool fail = false;
+};
+
+class EchoNode : public rumi::Node {
+ public:
+  EchoNode(rumi::Bus& bus, const Options& options) : options_(options) {
+    if (options.fail) throw std::runtime_error("no such camera");
+    bus.subscribe<rumi::map_request_t>(rumi::channels::kCamera, {}, [&](const rumi::map_request_t& request) {
+      rumi::map_request_t answer = request;
+      answer.request_id += options_.step;
+      bus.publish(rumi::channels::kTrack, answer);
+      ++answered_;
+    });
+  }
+  void tick(int64_t) override {}
+  rumi::NodeStatus status() override { return {}; }
+  bool done() const override { return options_.end_after > 0 && answered_ >= options_.end_after; }
+  bool finished() const override { return !options_.never_finished; }
+
+ private:
+  Options options_;
+  int answered_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  return rumi::run_process(argc, argv,
+                           {"test_process", "Answers requests.",
+                            [&](CLI::App& app) {
+                              app.add_option("INPUT", "ignored")->type_name("");
+                              app.add_option("--end-after", options.end_after, "answers");
+                              app.add_flag("--never-finished", options.never_finished, "does not end when asked");
+                              app.add_flag("--fail", options.fail, "cannot start");
+                            },
+                            [&](rumi::OptionTable& table) {
+                              table.add("test_process.step", &options.step, "", "added to the request id", 0, 1000);
+                            },
+                            [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); }});
+}
