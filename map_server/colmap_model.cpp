@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <utility>
 #include <vector>
@@ -142,8 +143,9 @@ std::string write_text(const ColmapModel& model, const fs::path& folder) {
   for (const ColmapImage& i : model.images) {
     const Eigen::Quaterniond& q = i.cam_from_map.rotation;
     const Eigen::Vector3d& t = i.cam_from_map.translation;
-    images.write(fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {}\n", i.id, q.w(), q.x(),
-                             q.y(), q.z(), t.x(), t.y(), t.z(), i.camera, i.name));
+    std::array<double, 7> pose{q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z()};
+    for (double& value : pose) value += 0.0;  // no "-0"
+    images.write(fmt::format("{} {:.17g} {} {}\n", i.id, fmt::join(pose, " "), i.camera, i.name));
     std::string line;
     for (const auto& [pixel, point] : i.points)
       fmt::format_to(std::back_inserter(line), "{}{:.9g} {:.9g} {}", line.empty() ? "" : " ", pixel.x(), pixel.y(),

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_server_node.h"
+
+#include <gmock/gmock.h>
+
+#include <random>
+
+#include "bus/memory_bus.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "test_atlas.h"
+
+namespace rumi {
+namespace {
+
+using testing::expect_same;
+using ::testing::HasSubstr;
+using testing::make_submap;
+using testing::make_track;
+using testing::SubmapMaker;
+using testing::TemporaryFolder;
+
+constexpr SubmapKey kKey{7, 1};
+
+// map_server on a bus in memory, with a front_tracker's sender and an asker beside it. Time passes in steps of 50 ms.
+class MapServerNodeTest : public ::testing::Test {
+ protected:
+  explicit MapServerNodeTest(const std::string& database = ":memory:") {
+    options_.database = database;
+    node_ = std::make_unique<MapServerNode>(bus_, options_);
+    bus_.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { statuses_.push_back(s); });
+  }
+  void pass(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 20); ++i) {
+      bus_.set_now_us(bus_.now_us() + 50'000);
+      bus_.dispatch();
+      node_->tick(bus_.now_us());
+      front_.tick(bus_.now_us());
+      asker_.tick(bus_.now_us());
+      bus_.dispatch();
+    }
+  }
+  void send(const submap_update_t& update) {
+    front_.send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(update),
+                [this](const TransferResult& result) { results_.push_back(result); });
+  }
+  TransferResult send_and_wait(const submap_update_t& update, double seconds = 5) {
+    const size_t before = results_.size();
+    send(update);
+    pass(seconds);
+    return results_.size() > before ? results_.back() : TransferResult{.reason = "no answer"};
+  }
+  void ask(int8_t what, int32_t id, SubmapKey key = kKey, int64_t base = 0) {
+    map_request_t request{};
+    request.requester = "asker";
+    request.request_id = id;
+    request.what = what;
+    request.session = key.session;
+    request.submap_id = key.id;
+    request.base_revision = base;
+    bus_.publish(channels::kMapRequest, request);
+    pass(5);
+  }
+  void lose(double share) {
+    bus_.set_tap([this, share](const std::string&, std::span<const uint8_t>) {
+      return std::uniform_real_distribution<double>(0, 1)(random_) >= share;
+    });
+  }
+
+  MemoryBus bus_;
+  MapServerOptions options_;
+  std::unique_ptr<MapServerNode> node_;
+  ChunkSender front_{bus_, channels::kSubmap, channels::kSubmapAck, "front_tracker@test:1", {.chunk_bytes = 2000}};
+  std::vector<ChunkReceiver::Payload> answers_;
+  ChunkReceiver asker_{
+      bus_, channels::kMapChunk, channels::kMapAck, "asker", false, [this](const ChunkReceiver::Payload& payload) {
+        answers_.push_back(payload);
+        return ChunkReceiver::Verdict{};
+      }};
+  std::vector<TransferResult> results_;
+  std::vector<map_status_t> statuses_;
+  std::mt19937 random_{42};
+};
+
+TEST_F(MapServerNodeTest, StoresBeforeItAcknowledges) {
+  const Submap submap = make_submap(kKey, 1, 5);
+  const TransferResult result = send_and_wait(make_submap_update(submap, 0));
+  EXPECT_TRUE(result.ok) << result.reason;
+  EXPECT_EQ(result.revision, 5);
+  EXPECT_EQ(node_->store().stored_revision(kKey), 5);
+  expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MapServerNodeTest, ChunkLossOfAThirdCostsTimeOnly) {
+  lose(0.3);
+  SubmapMaker maker(kKey, 1);
+  int64_t stored = 0;
+  for (int i = 0; i < 15; ++i) {
+    maker.step();
+    const TransferResult result = send_and_wait(make_submap_update(maker.submap(), stored), 30);
+    ASSERT_TRUE(result.ok) << result.reason;
+    stored = result.revision;
+    ASSERT_EQ(stored, maker.submap().revision);
+  }
+  Atlas expected;
+  testing::update_atlas(&expected, maker.submap());
+  const Submap& got = node_->atlas().find(kKey)->submap;
+  EXPECT_EQ(got.landmarks.size(), maker.submap().landmarks.size());
+  EXPECT_EQ(got.keyframes.size(), maker.submap().keyframes.size());
+  for (const auto& [id, landmark] : maker.submap().landmarks) {
+    ASSERT_NE(got.landmark(id), nullptr);
+    EXPECT_EQ(got.landmark(id)->position, landmark.position);
+    EXPECT_EQ(got.landmark(id)->observations.size(), landmark.observations.size());
+  }
+  expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MapServerNodeTest, AnUpdateFromBeyondIsSentBackToWhatIsStored) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  for (int i = 0; i < 3; ++i) maker.step();
+  const TransferResult result = send_and_wait(make_submap_update(maker.submap(), 3));
+  EXPECT_FALSE(result.ok);
+  EXPECT_THAT(result.reason, HasSubstr("base_revision"));
+  EXPECT_EQ(result.revision, 1);
+  const TransferResult again = send_and_wait(make_submap_update(maker.submap(), result.revision));
+  EXPECT_TRUE(again.ok) << again.reason;
+  EXPECT_EQ(again.revision, 4);
+}
+
+TEST_F(MapServerNodeTest, OldAndRepeatedUpdatesChangeNothing) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  const submap_update_t first = make_submap_update(maker.submap(), 0);
+  maker.step();
+  const submap_update_t second = make_submap_update(maker.submap(), 1);
+  ASSERT_TRUE(send_and_wait(first).ok);
+  ASSERT_TRUE(send_and_wait(second).ok);
+  const Submap before = node_->atlas().find(kKey)->submap;
+  const int64_t revision = node_->atlas().revision();
+  for (const submap_update_t* update : {&first, &second, &first}) {
+    const TransferResult result = send_and_wait(*update);
+    EXPECT_TRUE(result.ok);
+    EXPECT_EQ(result.revision, 2);
+  }
+  expect_same(before, node_->atlas().find(kKey)->submap);
+  EXPECT_EQ(node_->atlas().revision(), revision);
+}
+
+TEST_F(MapServerNodeTest, NonsenseIsRejectedWithItsReasonAndHurtsNothing) {
+  const Submap good = make_submap(kKey, 1, 3);
+  ASSERT_TRUE(send_and_wait(make_submap_update(good, 0)).ok);
+  const Submap before = node_->atlas().find(kKey)->submap;
+  SubmapMaker maker(kKey, 1);
+  for (int i = 0; i < 4; ++i) maker.step();
+
+  submap_update_t bad = make_submap_update(maker.submap(), 3);
+  bad.landmarks[0].position[1] = std::nan("");
+  EXPECT_THAT(send_and_wait(bad).reason, HasSubstr("not finite"));
+  bad = make_submap_update(maker.submap(), 3);
+  bad.keyframes[0].cam_from_submap.quat[0] = std::nan("");
+  EXPECT_THAT(send_and_wait(bad).reason, HasSubstr("keyframe"));
+  bad = make_submap_update(maker.submap(), 3);
+  bad.keyframes[0].landmark_id[0] = 4711;
+  EXPECT_THAT(send_and_wait(bad).reason, HasSubstr("4711"));
+  bad = make_submap_update(maker.submap(), 3);
+  bad.calibration = "fx: nan";
+  EXPECT_FALSE(send_and_wait(bad).ok);
+
+  std::vector<uint8_t> bytes = encode_message(make_submap_update(maker.submap(), 3));
+  bytes.resize(bytes.size() / 2);
+  front_.send("", chunk_t::SUBMAP_UPDATE, 0, bytes, [this](const TransferResult& r) { results_.push_back(r); });
+  front_.send("", chunk_t::DATABASE, 0, {1, 2, 3}, [this](const TransferResult& r) { results_.push_back(r); });
+  pass(5);
+  EXPECT_FALSE(results_[results_.size() - 1].ok);
+  EXPECT_FALSE(results_[results_.size() - 2].ok);
+
+  expect_same(before, node_->atlas().find(kKey)->submap);
+  expect_same(node_->atlas(), node_->store().load());
+  const TransferResult result = send_and_wait(make_submap_update(maker.submap(), 3));
+  EXPECT_TRUE(result.ok) << result.reason;
+}
+
+TEST_F(MapServerNodeTest, ALandmarkThatNobodyObservesIsKept) {
+  Submap submap = make_submap(kKey, 1, 2);
+  submap.landmarks[900] = {};
+  submap.landmarks[900].id = 900;
+  submap.landmarks[900].revision = submap.revision;
+  ASSERT_TRUE(send_and_wait(make_submap_update(submap, 0)).ok);
+  ASSERT_NE(node_->atlas().find(kKey)->submap.landmark(900), nullptr);
+  expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MapServerNodeTest, StatusTellsTheWholeAtlasAtOneHertz) {
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  Submap big = make_submap(kKey, 1, 4);
+  ASSERT_TRUE(send_and_wait(make_submap_update(big, 0)).ok);
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap({7, 2}, 2, 2, 50'000'000), 0)).ok);
+  statuses_.clear();
+  pass(10);
+  EXPECT_EQ(statuses_.size(), 10);
+  const map_status_t& s = statuses_.back();
+  EXPECT_EQ(s.frames, 1 + 16 + 8);
+  EXPECT_EQ(s.frames_in_map, 16);
+  EXPECT_GT(s.database_bytes, 10'000);
+  EXPECT_EQ(s.map_revision, node_->atlas().revision());
+  ASSERT_EQ(s.nsubmaps, 2);
+  EXPECT_EQ(s.submaps[0].submap_id, 1);
+  EXPECT_TRUE(s.submaps[0].in_map);
+  EXPECT_FALSE(s.submaps[1].in_map);
+  EXPECT_EQ(s.submaps[0].revision, 4);
+  EXPECT_EQ(s.submaps[0].frames, 16);
+  EXPECT_EQ(s.submaps[0].first_utime, big.frames.begin()->first);
+  EXPECT_EQ(s.submaps[0].last_utime, big.frames.rbegin()->first);
+  statuses_.clear();
+  map_request_t request{};
+  request.requester = "asker";
+  request.what = map_request_t::STATUS;
+  bus_.publish(channels::kMapRequest, request);
+  bus_.dispatch();
+  EXPECT_EQ(statuses_.size(), 1);
+}
+
+TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
+  SubmapMaker maker(kKey, 1);
+  for (int i = 0; i < 4; ++i) {
+    maker.step();
+    ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), i)).ok);
+  }
+  lose(0.3);
+  ask(map_request_t::SUBMAP, 11);
+  pass(30);
+  ask(map_request_t::SUBMAP, 12, kKey, 3);
+  pass(30);
+  ASSERT_EQ(answers_.size(), 2);
+  EXPECT_EQ(answers_[0].request_id, 11);
+  EXPECT_LT(answers_[1].bytes.size(), answers_[0].bytes.size());
+  Submap copy;
+  submap_update_t update;
+  ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
+  ASSERT_EQ(apply_submap_update(update, &copy), "");
+  EXPECT_EQ(copy.landmarks.size(), maker.submap().landmarks.size());
+  EXPECT_EQ(copy.revision, 4);
+  ASSERT_TRUE(Bus::decode(answers_[1].bytes, &update));
+  EXPECT_EQ(update.base_revision, 3);
+}
+
+TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  bus_.dispatch();
+  ask(map_request_t::SNAPSHOT, 5);
+  ASSERT_EQ(answers_.size(), 1);
+  EXPECT_EQ(answers_[0].kind, chunk_t::DATABASE);
+  const TemporaryFolder folder;
+  testing::write_file(folder / "map.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
+  MapStore store(folder / "map.db");
+  const Atlas loaded = store.load();
+  expect_same(node_->atlas(), loaded);
+  EXPECT_EQ(loaded.frames().at(900'000).state, FrameState::kLost);
+}
+
+TEST_F(MapServerNodeTest, RefusesWithAReason) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 2), 0)).ok);
+  ask(map_request_t::SUBMAP, 1, {7, 99});
+  ask(map_request_t::SUBMAP, 2, kKey, 3);
+  ask(77, 3);
+  ASSERT_EQ(answers_.size(), 3);
+  for (const auto& answer : answers_) EXPECT_EQ(answer.kind, chunk_t::REFUSED);
+  const auto text = [this](int i) { return std::string(answers_[i].bytes.begin(), answers_[i].bytes.end()); };
+  EXPECT_THAT(text(0), HasSubstr("no submap 99"));
+  EXPECT_THAT(text(1), HasSubstr("base_revision 3"));
+  EXPECT_THAT(text(2), HasSubstr("what = 77"));
+}
+
+TEST_F(MapServerNodeTest, AFloodOfRequestsIsBounded) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
+  for (int i = 0; i < 1000; ++i) {
+    map_request_t request{};
+    request.requester = "gone" + std::to_string(i % 500);
+    request.request_id = i;
+    request.what = map_request_t::SNAPSHOT;
+    bus_.publish(channels::kMapRequest, request);
+  }
+  bus_.dispatch();
+  EXPECT_FALSE(node_->finished());
+  pass(70);  // nobody takes the answers: given up
+  EXPECT_TRUE(node_->finished());
+  ask(map_request_t::SNAPSHOT, 5);
+  EXPECT_EQ(answers_.size(), 1);
+}
+
+TEST_F(MapServerNodeTest, GarbageOnEveryChannelIsSurvived) {
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<uint8_t> bytes(random_() % 300);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random_());
+    for (const char* channel : {channels::kTrack, channels::kMapRequest, channels::kSubmap, channels::kMapAck})
+      bus_.publish_raw(channel, bytes);
+  }
+  const std::vector<uint8_t> track = encode_message(make_track(1, 7, 9, 3));  // a state that does not exist
+  for (size_t size = 0; size <= track.size(); ++size) bus_.publish_raw(channels::kTrack, std::span(track).first(size));
+  pass(1);
+  EXPECT_TRUE(node_->atlas().frames().empty());
+  EXPECT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 2), 0)).ok);
+}
+
+class MapServerNodeOnDisk : public MapServerNodeTest {
+ protected:
+  MapServerNodeOnDisk() : MapServerNodeTest(folder() / "map.db") {}
+  static TemporaryFolder& folder() {
+    static TemporaryFolder folder;
+    return folder;
+  }
+  ~MapServerNodeOnDisk() override {
+    node_.reset();
+    std::filesystem::remove(folder() / "map.db");
+  }
+};
+
+TEST_F(MapServerNodeOnDisk, FullDiskIsSaidAndNothingIsLost) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  EXPECT_FALSE(node_->status().degraded);
+  node_->store().limit_bytes(1);
+  for (int i = 0; i < 20; ++i) maker.step();
+  const TransferResult refused = send_and_wait(make_submap_update(maker.submap(), 1));
+  EXPECT_FALSE(refused.ok);
+  EXPECT_THAT(refused.reason, HasSubstr("no space left"));
+  EXPECT_EQ(refused.revision, 1);
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_THAT(node_->status().detail, HasSubstr("map.db"));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  pass(3);
+  node_->store().limit_bytes(int64_t{1} << 40);
+  const TransferResult retried = send_and_wait(make_submap_update(maker.submap(), refused.revision));
+  EXPECT_TRUE(retried.ok) << retried.reason;
+  EXPECT_EQ(retried.revision, 21);
+  pass(2);
+  EXPECT_FALSE(node_->status().degraded);
+  expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  pass(2);  // frame states are written once a second
+  const Atlas before = node_->atlas();
+  node_.reset();
+  MemoryBus next;
+  MapServerNode successor(next, options_);
+  expect_same(before, successor.atlas());
+  EXPECT_EQ(successor.atlas().frames().at(900'000).state, FrameState::kNotInitialized);
+}
+
+TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
+  pass(1.5);
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  bus_.dispatch();
+  node_->finish();
+  EXPECT_EQ(node_->store().load().frames().size(), 1);
+}
+
+TEST(MapServerNodeStart, AnUnusableDatabaseIsAReasonToEnd) {
+  MemoryBus bus;
+  MapServerOptions options;
+  options.database = "/proc/map.db";
+  EXPECT_THROW(MapServerNode(bus, options), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Submaps made of seeded noise (consistent, but no scene), the messages that would bring them, and comparison to the
+// bit.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <random>
+#include <string>
+
+#include "lcmtypes/rumi/track_t.hpp"
+#include "map_server/atlas.h"
+
+namespace rumi::testing {
+
+Camera test_camera();
+
+// Grows a submap step by step, as front_tracker would: every step raises the revision, adds a keyframe and a few
+// frames, adds, moves and removes landmarks, and now and then removes a keyframe.
+class SubmapMaker {
+ public:
+  SubmapMaker(SubmapKey key, uint32_t seed, int64_t first_utime_us = 1'000'000);
+  void step();
+  const Submap& submap() const { return submap_; }
+  Submap& submap() { return submap_; }
+
+ private:
+  SE3 random_pose();
+  int add_keyframe();
+  void add_landmark();
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+  Submap submap_;
+  std::mt19937 random_;
+  int64_t next_utime_us_;
+  int next_keyframe_ = 0, next_landmark_ = 0;
+};
+
+// The submap as it is when `steps` are made.
+Submap make_submap(SubmapKey key, uint32_t seed, int steps, int64_t first_utime_us = 1'000'000);
+
+// Brings the atlas up to date with the submap, through the wire type.
+void update_atlas(Atlas* atlas, const Submap& submap);
+
+track_t make_track(int64_t utime_us, int64_t session, int8_t state, int32_t submap_id, bool is_keyframe = false);
+
+// Everything that is kept, bit for bit.
+void expect_same(const Submap& a, const Submap& b);
+void expect_same(const Atlas& a, const Atlas& b);
+
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read_file(const std::string& file);
+void write_file(const std::string& file, const std::string& text);
+
+// Runs `body` in a child process that has a file system of `bytes` of its own mounted on `folder` (and may remount it).
+// Returns what the body returns (0..99), or -1 where the system does not let us.
+int run_on_small_disk(const std::string& folder, int64_t bytes, const std::function<int()>& body);
+
+}  // namespace rumi::testing

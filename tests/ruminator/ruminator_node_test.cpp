@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/ruminator_node.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/core.hpp>
+#include <random>
+
+#include "bus/image_codec.h"
+#include "bus/memory_bus.h"
+
+namespace rumi {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr int64_t kPeriodUs = 33'333;
+
+class RuminatorNodeTest : public ::testing::Test {
+ protected:
+  void start() {
+    node_ = std::make_unique<RuminatorNode>(bus_, options_);
+    bus_.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { announced_.push_back(w); });
+  }
+  static image_t make_image(int64_t utime_us, bool is_jpeg = true) {
+    cv::Mat grey(120, 160, CV_8U);
+    cv::RNG rng(utime_us);
+    rng.fill(grey, cv::RNG::UNIFORM, 0, 255);
+    return is_jpeg ? make_jpeg_image(utime_us, grey) : make_grey_image(utime_us, grey);
+  }
+  void send_image(int64_t utime_us) { bus_.publish(channels::kCamera, make_image(utime_us, jpeg_)); }
+  void send_track(int64_t utime_us, int32_t submap, bool is_keyframe) {
+    track_t track{};
+    track.utime = utime_us;
+    track.session = 7;
+    track.state = submap == kNone ? track_t::LOST : track_t::TRACKING;
+    track.submap_id = submap;
+    track.is_keyframe = is_keyframe;
+    bus_.publish(channels::kTrack, track);
+  }
+  // As live: the image, then what became of it.
+  void frames(int count, int32_t submap, int keyframe_every = 5) {
+    for (int i = 0; i < count; ++i) {
+      next();
+      send_image(now_);
+      bus_.dispatch();
+      send_track(now_, submap, submap != kNone && i % keyframe_every == 0);
+      bus_.dispatch();
+      node_->tick(now_);
+      bus_.dispatch();
+    }
+  }
+  void next() {
+    now_ += kPeriodUs;
+    bus_.set_now_us(now_);
+  }
+  void expect_images_of(const RuminationWindow& window) {
+    for (const auto* part : {&window.approach, &window.gap, &window.departure})
+      for (const Sample& s : *part) EXPECT_NE(node_->frames().find(s.utime_us), nullptr) << "window " << window.id;
+  }
+
+  MemoryBus bus_;
+  RuminatorOptions options_;
+  std::unique_ptr<RuminatorNode> node_;
+  std::vector<window_t> announced_;
+  int64_t now_ = 1'000'000;
+  bool jpeg_ = true;
+};
+
+TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
+  start();
+  frames(100, 1);
+  EXPECT_TRUE(announced_.empty());
+  frames(60, kNone);  // 2 s
+  frames(60, 2);
+  ASSERT_GE(announced_.size(), 4);
+  EXPECT_EQ(announced_[0].state, window_t::COLLECTING);
+  EXPECT_EQ(announced_[0].lost_utime, 1'000'000 + 101 * kPeriodUs);
+  EXPECT_EQ(announced_[0].submap_before, 1);
+  EXPECT_EQ(announced_[0].submap_after, -1);
+  EXPECT_EQ(announced_[0].ngap, 1);
+  EXPECT_EQ(announced_[1].state, window_t::COLLECTING);  // 1 s later
+  EXPECT_GE(announced_[1].utime - announced_[0].utime, 1'000'000);
+  const window_t& end = announced_.back();
+  EXPECT_EQ(end.state, window_t::QUEUED);
+  EXPECT_EQ(end.window_id, 1);
+  EXPECT_EQ(end.session, 7);
+  EXPECT_EQ(end.submap_after, 2);
+  EXPECT_EQ(end.ngap, 60);
+  EXPECT_EQ(end.napproach, 10);
+  EXPECT_GE(end.shared_keyframes_before, 9);
+  EXPECT_EQ(end.shared_keyframes_after, 8);
+  EXPECT_EQ(end.reason, "");
+  const auto resumed =
+      std::find_if(announced_.begin(), announced_.end(), [](const window_t& w) { return w.resumed_utime != 0; });
+  EXPECT_EQ(resumed->state, window_t::COLLECTING);
+  ASSERT_EQ(node_->queued().size(), 1);
+  expect_images_of(node_->queued()[0]);
+  EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {
+  start();
+  frames(1000, 1);
+  EXPECT_LE(node_->frames().size(), 12);
+  frames(30, kNone);
+  EXPECT_LE(node_->frames().size(), 12 + 30);
+}
+
+TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
+  jpeg_ = false;
+  start();
+  for (int i = 0; i < 30; ++i) {
+    next();
+    image_t image = make_image(now_, false);
+    set_metadata(&image, kCalibrationKey, "fx: 100");
+    bus_.publish(channels::kCamera, image);
+    send_track(now_, 1, false);
+    bus_.dispatch();
+  }
+  int compressed = 0;
+  const int64_t first = 1'000'000 + kPeriodUs;
+  const image_t* kept = node_->frames().find(first);
+  ASSERT_NE(kept, nullptr);
+  EXPECT_EQ(kept->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
+  EXPECT_EQ(metadata(*kept, kCalibrationKey), "fx: 100");
+  std::string error;
+  const cv::Mat pixels = decode_grey(*kept, &error);
+  ASSERT_FALSE(pixels.empty()) << error;
+  const cv::Mat original = decode_grey(make_image(first, false), &error);
+  EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
+  for (int64_t t = first; t < now_; t += kPeriodUs)
+    if (const image_t* image = node_->frames().find(t)) compressed += image->pixelformat == image_t::PIXEL_FORMAT_MJPEG;
+  EXPECT_GE(compressed, 5);
+}
+
+TEST_F(RuminatorNodeTest, StatesMayComeBeforeImages) {
+  start();
+  for (int i = 0; i < 200; ++i) {
+    next();
+    const bool lost = i >= 80 && i < 100;
+    send_track(now_, lost ? kNone : i < 80 ? 1 : 2, !lost && i % 5 == 0);
+    bus_.dispatch();
+    send_image(now_);
+    bus_.dispatch();
+    node_->tick(now_);
+  }
+  ASSERT_EQ(node_->queued().size(), 1);
+  EXPECT_EQ(node_->queued()[0].gap.size(), 20);
+  expect_images_of(node_->queued()[0]);
+}
+
+TEST_F(RuminatorNodeTest, LostMessagesOfEitherKindAreLivedWith) {
+  start();
+  std::mt19937 random(3);
+  for (int i = 0; i < 400; ++i) {
+    next();
+    const bool lost = i >= 180 && i < 240;
+    if (random() % 10 != 0) send_image(now_);
+    if (random() % 10 != 0) send_track(now_, lost ? kNone : i < 180 ? 1 : 2, !lost && i % 5 == 0);
+    bus_.dispatch();
+    node_->tick(now_);
+    bus_.dispatch();
+  }
+  ASSERT_EQ(node_->queued().size(), 1);
+  EXPECT_GE(node_->queued()[0].gap.size(), 30);
+  EXPECT_LT(node_->queued()[0].gap.size(), 60);
+  expect_images_of(node_->queued()[0]);
+  EXPECT_THAT(node_->status().detail, HasSubstr("states without image"));
+}
+
+TEST_F(RuminatorNodeTest, WithoutFrontTrackerMemoryStaysBounded) {
+  start();
+  for (int i = 0; i < 1000; ++i) {
+    next();
+    send_image(now_);
+    bus_.dispatch();
+  }
+  EXPECT_LE(node_->frames().size(), 128);
+  EXPECT_GT(node_->frames().dropped(), 0);
+}
+
+TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
+  options_.ring_mb = 1;  // about 70 images
+  start();
+  for (int loss = 0; loss < 5; ++loss) {
+    frames(60, 2 * loss + 1, 4);
+    frames(20, kNone);
+    EXPECT_LE(node_->frames().bytes(), 1'000'000);
+  }
+  frames(60, 99, 4);
+  EXPECT_GT(node_->dropped_windows(), 0);
+  ASSERT_FALSE(node_->queued().empty());
+  EXPECT_EQ(node_->queued().back().id, 5);
+  for (const RuminationWindow& window : node_->queued()) expect_images_of(window);
+  EXPECT_TRUE(std::any_of(announced_.begin(), announced_.end(), [](const window_t& w) {
+    return w.state == window_t::FAILED && w.window_id == 1 && !w.reason.empty();
+  }));
+  EXPECT_TRUE(node_->status().degraded);
+  frames(3000, kNone);  // a gap far larger than the memory
+  EXPECT_LE(node_->frames().bytes(), 1'000'000);
+  node_->finish();
+  ASSERT_FALSE(node_->queued().empty());
+  EXPECT_GT(node_->queued().back().gap.size(), 20);
+  expect_images_of(node_->queued().back());
+}
+
+TEST_F(RuminatorNodeTest, TheNumberOfWaitingWindowsIsBounded) {
+  options_.max_queued_windows = 2;
+  start();
+  for (int loss = 0; loss < 4; ++loss) {
+    frames(60, 2 * loss + 1, 4);
+    frames(5, kNone);
+  }
+  node_->finish();
+  ASSERT_EQ(node_->queued().size(), 2);
+  EXPECT_EQ(node_->queued()[0].id, 3);
+  EXPECT_EQ(node_->dropped_windows(), 2);
+}
+
+TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {
+  start();
+  frames(50, 1);
+  frames(10, kNone);
+  node_->finish();
+  bus_.dispatch();
+  ASSERT_EQ(announced_.back().state, window_t::QUEUED);
+  EXPECT_THAT(announced_.back().reason, HasSubstr("ended while tracking was lost"));
+  EXPECT_EQ(announced_.back().resumed_utime, 0);
+  expect_images_of(node_->queued().at(0));
+}
+
+TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
+  start();
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<uint8_t> bytes(random() % 300);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
+    bus_.publish_raw(channels::kCamera, bytes);
+    bus_.publish_raw(channels::kTrack, bytes);
+  }
+  image_t broken = make_image(5, false);
+  broken.width = -3;
+  bus_.publish(channels::kCamera, broken);
+  image_t liar = make_image(6, false);  // says it is larger than it is
+  liar.height = 100000;
+  bus_.publish(channels::kCamera, liar);
+  send_track(6, 1, true);
+  frames(30, 1);
+  EXPECT_EQ(node_->frames().broken(), 2);
+  EXPECT_EQ(node_->frames().find(6), nullptr);
+  frames(5, kNone);
+  frames(60, 2);
+  EXPECT_EQ(node_->queued().size(), 1);
+}
+
+TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
+  std::vector<std::vector<uint8_t>> runs[2];
+  for (auto& run : runs) {
+    MemoryBus bus;
+    RuminatorNode node(bus, options_);
+    bus.subscribe<window_t>(channels::kWindow, {}, [&run](const window_t& w) { run.push_back(encode_message(w)); });
+    for (int i = 1; i < 200; ++i) {
+      const int64_t utime = i * kPeriodUs;
+      bus.set_now_us(utime);
+      bus.publish(channels::kCamera, make_image(utime));
+      bus.dispatch();
+      track_t track{};
+      track.utime = utime;
+      track.session = 1;
+      track.state = track_t::TRACKING;
+      track.submap_id = i % 50 < 20 ? kNone : i / 50 + 1;
+      track.is_keyframe = i % 3 == 0;
+      bus.publish(channels::kTrack, track);
+      bus.dispatch();
+      node.tick(utime);
+      bus.dispatch();
+    }
+    node.finish();
+    bus.dispatch();
+  }
+  EXPECT_FALSE(runs[0].empty());
+  EXPECT_EQ(runs[0], runs[1]);
+}
+
+}  // namespace
+}  // namespace rumi
