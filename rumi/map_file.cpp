@@ -36,7 +36,9 @@ class TemporaryFolder {
 // A consistent copy, whoever else reads or writes the file.
 void copy_database(const std::string& from, const std::string& to) {
   sqlite3* handle = nullptr;
-  int code = sqlite3_open_v2(from.c_str(), &handle, SQLITE_OPEN_READONLY, nullptr);
+  // Nothing is written, but only a connection that might removes SQLite's files beside the database at its end. A file
+  // that may not be written is opened for reading all the same.
+  int code = sqlite3_open_v2(from.c_str(), &handle, SQLITE_OPEN_READWRITE, nullptr);
   const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(handle, &sqlite3_close);
   if (code == SQLITE_OK) {
     sqlite3_busy_timeout(handle, 5000);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -50,6 +51,19 @@ nlohmann::ordered_json run_record(const Arguments& arguments, const Atlas& atlas
   return run;
 }
 
+void print_processes(const std::map<std::string, process_status_t>& processes) {
+  fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8}{:>9}\n", "process", "received", "dropped", "undecodable", "CPU %", "MB");
+  for (const auto& [name, status] : processes) {
+    int64_t received = 0, dropped = 0, undecodable = 0;
+    for (const channel_count_t& channel : status.channels) {
+      received += channel.received, dropped += channel.dropped, undecodable += channel.undecodable;
+    }
+    const double running_s = std::max(1e-3, static_cast<double>(status.utime - status.started_utime) * 1e-6);
+    fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8.1f}{:>9.1f}\n", name, received, dropped, undecodable,
+               100 * status.cpu_s / running_s, static_cast<double>(status.rss_bytes) / 1e6);
+  }
+}
+
 std::string take_snapshot(const Arguments& arguments) {
   if (std::string error = prepare_output_folder(arguments.out); !error.empty()) return error;
   std::string error;
@@ -60,7 +74,10 @@ std::string take_snapshot(const Arguments& arguments) {
   const Atlas atlas = load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string());
   error = write_run_outputs(atlas, arguments.out);
   if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, snapshot));
-  if (error.empty()) print_summary(count(atlas), arguments.out);
+  if (error.empty()) {
+    print_summary(count(atlas), arguments.out);
+    print_processes(snapshot.processes);
+  }
   return error;
 }
 

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "rumi/map_file.h"
+#include "rumi/output_folder.h"
+#include "test_atlas.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+nlohmann::json read_json(const fs::path& file) {
+  std::ifstream in(file);
+  return nlohmann::json::parse(in, nullptr, false);
+}
+
+TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_new") / "deep" / "er";
+  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
+  EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
+  EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
+}
+
+TEST(OutputFolder, ForeignFilesAreNotMixedWithOurs) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
+  std::ofstream(folder / "trajectory.txt") << "somebody's work\n";
+  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
+  std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
+  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
+  std::ofstream(folder / "run.json") << "no JSON";
+  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+}
+
+TEST(OutputFolder, SaysWhyItCannotBeMade) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_file");
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THAT(prepare_output_folder((folder / "file").string()), HasSubstr("file: cannot be made a folder"));
+  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()), HasSubstr("cannot be made a folder"));
+  EXPECT_NE(prepare_output_folder("/proc/no_such_thing"), "") << "nobody can write there, not even root";
+}
+
+TEST(RunJson, OptionsKeepTheirTypes) {
+  const auto json = options_to_json("a:\n  i: 3\n  d: 0.5\n  b: true\n  s: \"17\"\n  e: \"\"\n");
+  EXPECT_EQ(json["a"]["i"], 3);
+  EXPECT_EQ(json["a"]["d"], 0.5);
+  EXPECT_EQ(json["a"]["b"], true);
+  EXPECT_EQ(json["a"]["s"], "17");
+  EXPECT_EQ(json["a"]["e"], "");
+}
+
+class MapFileTest : public testing::Test {
+ protected:
+  fs::path folder_ = fresh_folder(
+      testing::TempDir(), std::string("map_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::string file_ = (folder_ / "map.db").string();
+};
+
+TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
+  MapStore store(file_);
+  const Atlas atlas = make_test_atlas();
+  ASSERT_EQ(store.save(atlas, {1'000'000, 1'400'000}), "");
+  const Atlas loaded = load_map(file_);
+  ASSERT_EQ(loaded.submaps().size(), 1u);
+  EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
+  EXPECT_EQ(loaded.frames_in_map(), 4);
+  // The server goes on as if nothing had happened.
+  Atlas more = make_test_atlas();
+  EXPECT_EQ(store.save(more, {1'100'000}), "");
+}
+
+TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
+  { ASSERT_EQ(MapStore(file_).save(make_test_atlas(), {}), ""); }
+  load_map(file_);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
+  EXPECT_THAT([&] { load_map(file_); }, ThrowsMessage<std::runtime_error>(HasSubstr("no such file")));
+  std::ofstream(file_) << "not a database, but long enough to be taken for one by a careless reader";
+  EXPECT_THAT([&] { load_map(file_); }, ThrowsMessage<std::runtime_error>(HasSubstr("map.db")));
+}
+
+TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
+  const Atlas atlas = make_test_atlas();
+  EXPECT_EQ(write_run_outputs(atlas, folder_.string()), "");
+  for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply", "trajectory.png"}) {
+    EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  }
+  const AtlasCounts counts = count(atlas);
+  EXPECT_EQ(counts.frames, 5);
+  EXPECT_EQ(counts.frames_in_map, 4);
+  EXPECT_EQ(counts.tracked_frames, 4);
+  EXPECT_EQ(counts.submaps, 1);
+  EXPECT_EQ(counts.keyframes, 4);
+  EXPECT_EQ(counts.landmarks, 20);
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A small atlas: one submap of a few keyframes that see a few landmarks, and one frame that was lost.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "map_server/atlas.h"
+
+namespace rumi {
+
+inline Camera test_camera() {
+  Camera camera;
+  camera.width = 640;
+  camera.height = 480;
+  camera.fx = camera.fy = 525;
+  camera.cx = 320;
+  camera.cy = 240;
+  return camera;
+}
+
+inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
+  Submap submap;
+  submap.key = {1, 1};
+  submap.camera = test_camera();
+  submap.revision = 1;
+  for (int i = 0; i < landmarks; ++i) {
+    Landmark landmark;
+    landmark.id = i;
+    landmark.position = {std::sin(i), std::cos(i), 4 + 0.1 * i};
+    landmark.revision = 1;
+    submap.landmarks[i] = landmark;
+  }
+  for (int k = 0; k < keyframes; ++k) {
+    Keyframe keyframe;
+    keyframe.id = k;
+    keyframe.utime_us = 1'000'000 + 100'000 * k;
+    keyframe.cam_from_submap = SE3(Eigen::Quaterniond::Identity(), {-0.1 * k, 0.02 * k * k, 0});
+    keyframe.revision = keyframe.created_revision = 1;
+    auto features = std::make_shared<Features>();
+    for (int i = 0; i < landmarks; ++i) {
+      const auto pixel = submap.camera.project(keyframe.cam_from_submap * submap.landmarks[i].position);
+      features->keypoints.push_back({pixel->cast<float>(), 0, 0});
+      features->descriptors.push_back({});
+    }
+    keyframe.features = features;
+    keyframe.landmark_ids.assign(landmarks, kNone);
+    submap.keyframes[k] = keyframe;
+    for (int i = 0; i < landmarks; ++i) submap.add_observation(i, k, i);
+    FramePose frame;
+    frame.utime_us = keyframe.utime_us;
+    frame.reference_keyframe = k;
+    frame.revision = 1;
+    submap.frames[frame.utime_us] = frame;
+  }
+  return submap;
+}
+
+inline Atlas make_test_atlas() {
+  Atlas atlas;
+  const Submap submap = make_test_submap();
+  atlas.change_submap(submap.key, [&](Submap* target) {
+    *target = submap;
+    return std::string();
+  });
+  for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame(utime_us, {1, FrameState::kTracking, 1});
+  atlas.record_frame(1'400'000, {1, FrameState::kLost, kNone});
+  return atlas;
+}
+
+// An empty folder of this name under the tests' temporary one.
+inline std::filesystem::path fresh_folder(const std::string& temporary, const std::string& name) {
+  const std::filesystem::path folder = std::filesystem::path(temporary) / name;
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+}  // namespace rumi
