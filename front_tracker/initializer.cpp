@@ -20,6 +20,7 @@ struct Initializer::Structure {
   std::vector<int> reference_keypoint;      // of each point
   std::vector<std::vector<int>> keypoints;  // per view, per point: the keypoint or kNone
   BundleProblem bundle;                     // observations are filled by adjust()
+  double rmse_px = 0;                       // after adjust()
 };
 
 Initializer::Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& scales)
@@ -66,14 +67,24 @@ std::optional<InitialMap> Initializer::add(Frame frame) {
   buffer(std::move(frame));
   const std::vector<std::pair<int, int>> matches = match_with_reference(frames_.back());
   if (matches.empty()) return std::nullopt;
-  auto structure = reconstruct(matches);
-  if (!structure) return std::nullopt;
-  add_views_between(&*structure);
-  if (!adjust(&*structure)) return std::nullopt;
-  return finish(std::move(*structure));
+  std::vector<Structure> structures = reconstruct(matches);
+  std::erase_if(structures, [this](Structure& s) {
+    add_views_between(&s);
+    return !adjust(&s);
+  });
+  if (structures.empty()) return std::nullopt;
+  std::stable_sort(structures.begin(), structures.end(),
+                   [](const Structure& a, const Structure& b) { return a.rmse_px < b.rmse_px; });
+  if (structures.size() > 1 && structures[0].rmse_px > options_.max_rival_rmse_ratio * structures[1].rmse_px) {
+    refusal_ = fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", structures[0].rmse_px,
+                           structures[1].rmse_px);
+    return std::nullopt;
+  }
+  return finish(std::move(structures.front()));
 }
 
-std::optional<Initializer::Structure> Initializer::reconstruct(const std::vector<std::pair<int, int>>& matches) {
+// One structure per hypothesis of the two-view problem.
+std::vector<Initializer::Structure> Initializer::reconstruct(const std::vector<std::pair<int, int>>& matches) {
   const Features &first = *frames_[reference_].features, &last = *frames_.back().features;
   std::vector<Eigen::Vector2f> a, b;
   for (const auto& [i, j] : matches) {
@@ -82,24 +93,28 @@ std::optional<Initializer::Structure> Initializer::reconstruct(const std::vector
   }
   const TwoViewResult pair = reconstruct_two_views(camera_, a, b, options_.two_view);
   refusal_ = pair.refusal;
-  if (!pair.ok()) return std::nullopt;
-  if (pair.median_parallax_deg<options_.accept_parallax_deg&& static_cast<int>(matches.size())> 2 *
-      options_.min_matches) {
-    refusal_ = fmt::format("parallax {:.2f} deg: waiting for more", pair.median_parallax_deg);
-    return std::nullopt;
+  if (!pair.ok()) return {};
+  const double parallax_deg = pair.hypotheses.front().median_parallax_deg;
+  if (parallax_deg<options_.accept_parallax_deg&& static_cast<int>(matches.size())> 2 * options_.min_matches) {
+    refusal_ = fmt::format("parallax {:.2f} deg: waiting for more", parallax_deg);
+    return {};
   }
-  Structure s;
-  s.frame_of_view = {reference_, frames_.size() - 1};
-  s.bundle.views = {{SE3(), true}, {pair.second_from_first, false}};
-  s.keypoints.resize(2);
-  for (size_t k = 0; k < matches.size(); ++k) {
-    if (!pair.points[k]) continue;
-    s.bundle.points.push_back(*pair.points[k]);
-    s.reference_keypoint.push_back(matches[k].first);
-    s.keypoints[0].push_back(matches[k].first);
-    s.keypoints[1].push_back(matches[k].second);
+  std::vector<Structure> structures;
+  for (const TwoViewHypothesis& h : pair.hypotheses) {
+    Structure s;
+    s.frame_of_view = {reference_, frames_.size() - 1};
+    s.bundle.views = {{SE3(), true}, {h.second_from_first, false}};
+    s.keypoints.resize(2);
+    for (size_t k = 0; k < matches.size(); ++k) {
+      if (!h.points[k]) continue;
+      s.bundle.points.push_back(*h.points[k]);
+      s.reference_keypoint.push_back(matches[k].first);
+      s.keypoints[0].push_back(matches[k].first);
+      s.keypoints[1].push_back(matches[k].second);
+    }
+    structures.push_back(std::move(s));
   }
-  return s;
+  return structures;
 }
 
 // Frames between the two are a check that costs nothing: a structure that they do not agree with is wrong.
@@ -168,7 +183,7 @@ bool Initializer::adjust(Structure* s) {
 
   double sum = 0;
   for (const auto& o : bundle.observations) sum += reprojection_chi2(camera_, bundle, o);
-  const double rmse = std::sqrt(sum / std::max<size_t>(1, bundle.observations.size()));
+  s->rmse_px = std::sqrt(sum / static_cast<double>(std::max<size_t>(1, bundle.observations.size())));
   std::vector<double> parallaxes;
   for (size_t p = 0; p < bundle.points.size(); ++p)
     if (s->keypoints[0][p] != kNone && s->keypoints[1][p] != kNone)
@@ -180,8 +195,8 @@ bool Initializer::adjust(Structure* s) {
   }
   std::nth_element(parallaxes.begin(), parallaxes.begin() + parallaxes.size() / 2, parallaxes.end());
   const double parallax = parallaxes[parallaxes.size() / 2] * 180 / M_PI;
-  if (rmse > options_.max_rmse_px || parallax < options_.min_parallax_deg) {
-    refusal_ = fmt::format("after bundle adjustment: error {:.2f} px, parallax {:.2f} deg", rmse, parallax);
+  if (s->rmse_px > options_.max_rmse_px || parallax < options_.min_parallax_deg) {
+    refusal_ = fmt::format("after bundle adjustment: error {:.2f} px, parallax {:.2f} deg", s->rmse_px, parallax);
     return false;
   }
   return true;

@@ -44,8 +44,9 @@ class Initializer {
   struct Structure;
   void trim();
   std::vector<std::pair<int, int>> match_with_reference(const Frame& frame);
-  std::optional<Structure> reconstruct(const std::vector<std::pair<int, int>>& matches);
+  std::vector<Structure> reconstruct(const std::vector<std::pair<int, int>>& matches);
   void add_views_between(Structure* structure) const;
+  // False, and refusal_ set, if the structure does not hold; else its error is known.
   bool adjust(Structure* structure);
   InitialMap finish(Structure structure);
 

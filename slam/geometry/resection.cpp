@@ -32,7 +32,9 @@ std::optional<PoseResult> resect(const Camera& camera, const std::vector<PointOb
   cv::cv2eigen(rotation, r);
   cv::cv2eigen(tvec, t);
   if (!r.allFinite() || !t.allFinite()) return std::nullopt;
-  PoseResult result = optimize_pose(camera, SE3(r, t), observations);
+  PoseOptimizerOptions refine;
+  refine.first_gate_chi2 = 4 * options.max_error_px * options.max_error_px;
+  PoseResult result = optimize_pose(camera, SE3(r, t), observations, refine);
   if (!result.converged || result.inliers < options.min_inliers) return std::nullopt;
   return result;
 }

@@ -8,6 +8,7 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "slam/geometry/triangulation.h"
+#include "slam/optimization/bundle_adjustment.h"
 
 namespace rumi {
 namespace {
@@ -47,9 +48,9 @@ void add_homography_poses(const cv::Mat& first, const cv::Mat& second, double th
 }
 
 // Points that the pose explains, with parallax enough to be worth something.
-TwoViewResult judge(const Camera& camera, const SE3& second_from_first, const std::vector<cv::Point2d>& first,
-                    const std::vector<cv::Point2d>& second, const TwoViewOptions& options) {
-  TwoViewResult result;
+TwoViewHypothesis judge(const Camera& camera, const SE3& second_from_first, const std::vector<cv::Point2d>& first,
+                        const std::vector<cv::Point2d>& second, const TwoViewOptions& options) {
+  TwoViewHypothesis result;
   result.second_from_first = second_from_first;
   result.points.resize(first.size());
   const double f = 0.5 * (camera.fx + camera.fy);
@@ -74,6 +75,27 @@ TwoViewResult judge(const Camera& camera, const SE3& second_from_first, const st
   return result;
 }
 
+// A pose from a minimal sample is off by a degree or so: fit it, and the points, to all that agree with it.
+TwoViewHypothesis refine(const Camera& camera, const TwoViewHypothesis& rough,
+                         const std::vector<Eigen::Vector2f>& first, const std::vector<Eigen::Vector2f>& second,
+                         const TwoViewOptions& options) {
+  BundleProblem bundle;
+  bundle.views = {{SE3(), true}, {rough.second_from_first, false}};
+  for (size_t i = 0; i < first.size(); ++i) {
+    if (!rough.points[i]) continue;
+    const int point = static_cast<int>(bundle.points.size());
+    bundle.points.push_back(*rough.points[i]);
+    bundle.observations.push_back({0, point, first[i].cast<double>(), 1.0});
+    bundle.observations.push_back({1, point, second[i].cast<double>(), 1.0});
+  }
+  if (!solve_bundle(camera, {10}, &bundle).usable) return rough;
+  SE3 pose = bundle.views[1].cam_from_submap;
+  pose.translation.normalize();
+  if (!pose.is_finite()) return rough;
+  TwoViewHypothesis refined = judge(camera, pose, normalized(camera, first), normalized(camera, second), options);
+  return refined.inliers >= rough.inliers ? refined : rough;
+}
+
 bool same_pose(const SE3& a, const SE3& b) {
   const double direction = std::acos(std::clamp(a.translation.dot(b.translation), -1.0, 1.0));
   return (a * b.inverse()).angle_rad() < 0.03 && direction < 0.35;
@@ -83,10 +105,10 @@ bool same_pose(const SE3& a, const SE3& b) {
 
 TwoViewResult reconstruct_two_views(const Camera& camera, const std::vector<Eigen::Vector2f>& first_px,
                                     const std::vector<Eigen::Vector2f>& second_px, const TwoViewOptions& options) {
-  TwoViewResult best;
+  TwoViewResult result;
   if (static_cast<int>(first_px.size()) < options.min_points) {
-    best.refusal = fmt::format("{} matches, {} needed", first_px.size(), options.min_points);
-    return best;
+    result.refusal = fmt::format("{} matches, {} needed", first_px.size(), options.min_points);
+    return result;
   }
   const std::vector<cv::Point2d> first = normalized(camera, first_px), second = normalized(camera, second_px);
   const double threshold = options.max_error_px / (0.5 * (camera.fx + camera.fy));
@@ -94,28 +116,34 @@ TwoViewResult reconstruct_two_views(const Camera& camera, const std::vector<Eige
   add_essential_poses(cv::Mat(first), cv::Mat(second), threshold, &poses);
   add_homography_poses(cv::Mat(first), cv::Mat(second), 1.5 * threshold, &poses);
 
-  std::vector<TwoViewResult> candidates;
-  for (const SE3& pose : poses) candidates.push_back(judge(camera, pose, first, second, options));
-  if (candidates.empty()) {
-    best.refusal = "neither an essential matrix nor a homography fits";
-    return best;
+  std::vector<TwoViewHypothesis> all;
+  int most = 0;
+  for (const SE3& pose : poses) {
+    all.push_back(judge(camera, pose, first, second, options));
+    most = std::max(most, all.back().inliers);
   }
-  best = *std::max_element(candidates.begin(), candidates.end(),
-                           [](const auto& a, const auto& b) { return a.inliers < b.inliers; });
-  int rival = 0;
-  for (const TwoViewResult& c : candidates)
-    if (!same_pose(c.second_from_first, best.second_from_first)) rival = std::max(rival, c.inliers);
+  std::erase_if(all, [&](const TwoViewHypothesis& h) { return h.inliers < options.max_rival_ratio * most; });
+  for (TwoViewHypothesis& h : all) h = refine(camera, h, first_px, second_px, options);
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
 
-  if (best.inliers < options.min_points)
-    best.refusal = fmt::format("{} points, {} needed", best.inliers, options.min_points);
-  else if (best.inliers < 0.6 * first.size())
-    best.refusal = fmt::format("only {} of {} matches fit", best.inliers, first.size());
-  else if (best.median_parallax_deg < options.min_median_parallax_deg)
-    best.refusal =
+  if (most == 0) {
+    result.refusal = "neither an essential matrix nor a homography fits";
+  } else if (const TwoViewHypothesis& best = all.front(); best.inliers < options.min_points) {
+    result.refusal = fmt::format("{} points, {} needed", best.inliers, options.min_points);
+  } else if (best.inliers < 0.6 * static_cast<double>(first.size())) {
+    result.refusal = fmt::format("only {} of {} matches fit", best.inliers, first.size());
+  } else if (best.median_parallax_deg < options.min_median_parallax_deg) {
+    result.refusal =
         fmt::format("parallax {:.2f} deg, {:.2f} needed", best.median_parallax_deg, options.min_median_parallax_deg);
-  else if (rival > options.max_rival_ratio * best.inliers)
-    best.refusal = fmt::format("ambiguous: another pose explains {} of {} points", rival, best.inliers);
-  return best;
+  }
+  if (!result.ok()) return result;
+  for (TwoViewHypothesis& h : all) {
+    const bool known =
+        std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
+                    [&h](const TwoViewHypothesis& k) { return same_pose(h.second_from_first, k.second_from_first); });
+    if (!known && h.inliers >= options.max_rival_ratio * all.front().inliers) result.hypotheses.push_back(std::move(h));
+  }
+  return result;
 }
 
 }  // namespace rumi

@@ -82,8 +82,13 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
                          const PoseOptimizerOptions& options) {
   PoseResult result;
   result.cam_from_submap = initial;
-  result.inlier.assign(observations.size(), true);
-  result.inliers = static_cast<int>(observations.size());
+  result.inlier.resize(observations.size());
+  const Eigen::Matrix3d r0 = initial.rotation.toRotationMatrix();
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const double e2 = chi2(camera, r0, initial.translation, observations[i]);
+    result.inlier[i] = !std::isnan(e2) && (e2 <= options.first_gate_chi2 || std::isinf(options.first_gate_chi2));
+    result.inliers += result.inlier[i];
+  }
   for (int round = 0; round < options.rounds; ++round) {
     if (result.inliers < 6) return result;
     // The last round trusts its inliers; the earlier ones need the robust loss.

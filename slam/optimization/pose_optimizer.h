@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "slam/geometry/camera.h"
@@ -22,6 +23,9 @@ struct PoseOptimizerOptions {
   int rounds = 4;              // inliers are sorted out after each
   int iterations = 10;         // at most, per round
   double inlier_chi2 = 5.991;  // squared error over sigma^2, 95 % of a 2-D normal distribution
+  // Left out of the first round if the initial pose is off by more than this, sigma^2: for initial poses known to be
+  // close.
+  double first_gate_chi2 = std::numeric_limits<double>::infinity();
 };
 
 struct PoseResult {

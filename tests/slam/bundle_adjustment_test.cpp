@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/bundle_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include "synthetic_scene.h"
+
+namespace rumi {
+namespace {
+
+struct Scene {
+  BundleProblem truth, start;
+};
+
+Scene make_scene(unsigned seed, double noise_px, double outliers) {
+  SyntheticScene scene(seed);
+  Scene s;
+  s.truth.points = scene.cloud(150);
+  for (int i = 0; i < 6; ++i) s.truth.views.push_back({SyntheticScene::pose(0.15 * i, 0.02 * i, 0, -0.02 * i), i < 2});
+  for (int v = 0; v < 6; ++v)
+    for (int p = 0; p < 150; ++p) {
+      Eigen::Vector2d pixel = test_camera().project_undistorted(s.truth.views[v].cam_from_submap * s.truth.points[p]) +
+                              scene.noise(noise_px);
+      if (scene.uniform(0, 1) < outliers) pixel += Eigen::Vector2d(scene.uniform(20, 60), scene.uniform(-60, 60));
+      s.truth.observations.push_back({v, p, pixel, 1.0});
+    }
+  s.start = s.truth;
+  for (auto& p : s.start.points) p *= 1 + scene.uniform(-0.05, 0.05);
+  for (int v = 2; v < 6; ++v) {
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = scene.uniform(-0.02, 0.02);
+    s.start.views[v].cam_from_submap = SE3::exp(twist) * s.start.views[v].cam_from_submap;
+  }
+  return s;
+}
+
+TEST(Bundle, RecoversStructureAndMotion) {
+  const Scene s = make_scene(1, 0.5, 0);
+  BundleProblem problem = s.start;
+  const BundleReport report = solve_bundle(test_camera(), {30, 5.991}, &problem);
+  ASSERT_TRUE(report.usable);
+  EXPECT_LT(report.final_cost, 0.1 * report.initial_cost);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    EXPECT_LT(rotation_error_deg(problem.views[v].cam_from_submap, s.truth.views[v].cam_from_submap), 0.15);
+    EXPECT_LT((problem.views[v].cam_from_submap.center() - s.truth.views[v].cam_from_submap.center()).norm(), 0.01);
+  }
+  double error = 0;
+  for (size_t p = 0; p < problem.points.size(); ++p) error += (problem.points[p] - s.truth.points[p]).norm() / 150;
+  EXPECT_LT(error, 0.06);
+}
+
+TEST(Bundle, OutliersBendItOnlyALittle) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Scene s = make_scene(seed, 0.5, 0.03);
+    BundleProblem problem = s.start;
+    ASSERT_TRUE(solve_bundle(test_camera(), {30, 5.991}, &problem).usable);
+    for (size_t v = 0; v < problem.views.size(); ++v) {
+      EXPECT_LT(rotation_error_deg(problem.views[v].cam_from_submap, s.truth.views[v].cam_from_submap), 0.25);
+      EXPECT_LT((problem.views[v].cam_from_submap.center() - s.truth.views[v].cam_from_submap.center()).norm(), 0.025);
+    }
+  }
+}
+
+TEST(Bundle, FixedViewsStayAndRunsAreIdentical) {
+  const Scene s = make_scene(2, 0.5, 0);
+  BundleProblem a = s.start, b = s.start;
+  solve_bundle(test_camera(), {10, 5.991}, &a);
+  solve_bundle(test_camera(), {10, 5.991}, &b);
+  for (int v = 0; v < 2; ++v)
+    EXPECT_EQ(a.views[v].cam_from_submap.translation, s.start.views[v].cam_from_submap.translation);
+  for (size_t v = 0; v < a.views.size(); ++v)
+    EXPECT_EQ(a.views[v].cam_from_submap.translation, b.views[v].cam_from_submap.translation);
+  for (size_t p = 0; p < a.points.size(); ++p) EXPECT_EQ(a.points[p], b.points[p]);
+}
+
+TEST(Bundle, NothingToSolveIsNoError) {
+  BundleProblem empty;
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &empty).usable);
+  Scene s = make_scene(3, 0.5, 0);
+  for (auto& v : s.start.views) v.fixed = true;
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &s.start).usable);
+}
+
+TEST(Bundle, PointBehindTheCameraLeavesTheProblemUnchanged) {
+  Scene s = make_scene(4, 0.5, 0);
+  s.start.points[7].z() = -3;
+  const BundleProblem before = s.start;
+  if (!solve_bundle(test_camera(), {}, &s.start).usable) {
+    EXPECT_EQ(s.start.points[8], before.points[8]);
+  }
+  EXPECT_EQ(reprojection_chi2(test_camera(), before, before.observations[7]), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace rumi
