@@ -77,6 +77,7 @@ CameraPath CameraPath::load(const std::string& file) {
 
 CameraPath CameraPath::walk(double seconds, uint64_t seed) {
   constexpr double kLoopSeconds = 22, kSampleHz = 100;
+  constexpr double kWalkStart_s = 1000;  // some clock: a time of 0 often means "none"
   const double loops = seconds >= 16 ? std::max(1.0, std::round(seconds / kLoopSeconds)) : seconds / kLoopSeconds;
   const double base_hz = loops / seconds;
   cv::RNG rng(seed * 7919 + 17);
@@ -95,7 +96,7 @@ CameraPath CameraPath::walk(double seconds, uint64_t seed) {
                                    1.45 + 0.18 * height.at(t) + 0.01 * shake_z.at(t));
     const double yaw = angle + 0.55 * gaze.at(t) + 0.008 * shake_yaw.at(t);
     const double pitch = -0.10 + 0.22 * tilt.at(t) + 0.008 * nod.at(t);
-    path.times_s_.push_back(t);
+    path.times_s_.push_back(kWalkStart_s + t);
     path.poses_.push_back(look(position, yaw, pitch, 0.02 * roll.at(t)));
   }
   return path;

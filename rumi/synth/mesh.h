@@ -24,7 +24,7 @@ struct Vertex {
 struct Part {
   uint32_t first_index = 0, indices = 0;
   uint32_t first_vertex = 0, vertices = 0;
-  Eigen::Vector3d low, high;    // bounds
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // bounds
   bool detailed_light = false;  // large: shadows per vertex; small things get one shadow value
   float glow = 0;               // > 0: shines by itself with this brightness
 };

@@ -6,14 +6,16 @@
 namespace rumi {
 namespace {
 
+// Inks and dyes as they are sold: mostly muted, few greens and purples.
 cv::Vec3b hue(cv::RNG& rng, int brightness, double saturation) {
-  const double h = rng.uniform(0.0, 6.0);
+  static const cv::Vec3f kInks[] = {{1.f, .30f, .22f},  {1.f, .62f, .20f}, {1.f, .85f, .45f},  {.55f, .72f, .42f},
+                                    {.30f, .62f, .60f}, {.35f, .60f, 1.f}, {.32f, .42f, .80f}, {.72f, .50f, .66f},
+                                    {.80f, .62f, .46f}, {.85f, .85f, .85f}};
+  const cv::Vec3f ink = kInks[rng.uniform(0, static_cast<int>(std::size(kInks)))];
   cv::Vec3b out;
-  for (int c = 0; c < 3; ++c) {
-    const double distance = std::abs(std::remainder(h - 2.0 * c, 6.0));
-    const double pure = std::clamp(2.0 - distance, 0.0, 1.0);
-    out[c] = cv::saturate_cast<uchar>(brightness * (1 - saturation * (1 - pure)));
-  }
+  for (int c = 0; c < 3; ++c)
+    out[c] =
+        cv::saturate_cast<uchar>(brightness * (1 - saturation + saturation * (ink[c] + rng.uniform(-0.08f, 0.08f))));
   return out;
 }
 

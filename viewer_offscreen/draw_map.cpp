@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer_offscreen/draw_map.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "viewer_offscreen/renderer.h"
+
+namespace rumi {
+
+cv::Mat draw_map(const MapPicture& picture) { return Renderer().draw(make_scene(picture)); }
+
+std::string write_png(const cv::Mat& picture, const std::string& file) {
+  std::vector<uchar> png;
+  cv::imencode(".png", picture, png);
+  const std::string unfinished = file + ".part";
+  std::ofstream out(unfinished, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  out.close();
+  if (!out || std::rename(unfinished.c_str(), file.c_str()) != 0) {
+    const std::string reason = std::strerror(errno);
+    std::remove(unfinished.c_str());
+    return fmt::format("{}: cannot be written: {}", file, reason);
+  }
+  return {};
+}
+
+}  // namespace rumi

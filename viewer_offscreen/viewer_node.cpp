@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer_offscreen/viewer_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "bus/image_codec.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+#include "viewer_offscreen/draw_map.h"
+
+namespace rumi {
+namespace {
+
+constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
+constexpr int64_t kFinishTimeoutUs = 3'000'000;
+
+}  // namespace
+
+ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
+    : bus_(bus),
+      options_(options),
+      name_(unique_process_name("viewer_offscreen")),
+      receiver_(bus, channels::kMapChunk, channels::kMapAck, name_, false,
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+  bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
+                         [this](const track_t& track) { on_track(track); });
+  bus.subscribe<map_status_t>(channels::kMapStatus, {.capacity = 4, .drop = DropPolicy::kDropOldest},
+                              [this](const map_status_t& status) { on_map_status(status); });
+}
+
+void ViewerNode::on_track(const track_t& track) {
+  frames_.insert(track.utime);
+  last_utime_us_ = std::max(last_utime_us_, track.utime);
+  changed_ = true;
+  if (track.state == track_t::TRACKING && from_wire(track.cam_from_submap))
+    live_ = track;
+  else
+    live_.reset();
+}
+
+void ViewerNode::on_map_status(const map_status_t& status) {
+  std::map<SubmapKey, Copy> listed;
+  for (const submap_summary_t& summary : status.submaps) {
+    const SubmapKey key{summary.session, summary.submap_id};
+    if (const auto known = copies_.find(key); known != copies_.end()) listed[key] = std::move(known->second);
+    listed[key].summary = summary;
+  }
+  copies_ = std::move(listed);  // what is not listed any more is gone
+  changed_ = true;
+  status_since_finish_ = phase_ == Phase::kFinishing;
+}
+
+ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payload) {
+  Copy* copy = nullptr;
+  for (auto& [key, candidate] : copies_)
+    if (candidate.request_id == payload.request_id && payload.request_id != 0) copy = &candidate;
+  if (!copy) return {.ok = false, .reason = "not asked for"};
+  copy->request_id = 0;
+  submap_update_t update;
+  if (payload.kind != chunk_t::SUBMAP_UPDATE) return {};  // refused: asked again in time
+  std::string reason = "not a submap update";
+  if (Bus::decode(payload.bytes, &update)) reason = apply_submap_update(update, &copy->submap);
+  if (!reason.empty()) {
+    ++rejected_;
+    copy->submap = Submap();  // whatever is wrong with it, start afresh
+    spdlog::warn("submap {} from {} is rejected: {}", copy->summary.submap_id, payload.sender, reason);
+  }
+  changed_ = true;
+  return {.ok = reason.empty(), .reason = reason, .revision = copy->submap.revision};
+}
+
+void ViewerNode::request_missing(int64_t now_us) {
+  for (auto& [key, copy] : copies_) {
+    if (copy.up_to_date()) continue;
+    const bool waiting = copy.request_id != 0 && receiver_.progress(copy.request_id).has_value();
+    if (waiting ||
+        (copy.asked_us != 0 && now_us - copy.asked_us < (copy.request_id != 0 ? kAskAgainUs : kAskAgainUs / 4)))
+      continue;
+    map_request_t request{};
+    request.utime = now_us;
+    request.requester = name_;
+    request.request_id = ++last_request_;
+    request.what = map_request_t::SUBMAP;
+    request.session = key.session;
+    request.submap_id = key.id;
+    request.base_revision = copy.submap.revision;
+    copy.request_id = request.request_id;
+    copy.asked_us = now_us;
+    bus_.publish(channels::kMapRequest, request);
+  }
+}
+
+bool ViewerNode::complete() const {
+  return std::all_of(copies_.begin(), copies_.end(), [](const auto& entry) { return entry.second.up_to_date(); });
+}
+
+void ViewerNode::tick(int64_t now_us) {
+  receiver_.tick(now_us);
+  if (phase_ == Phase::kFinished) return;
+  request_missing(now_us);
+  if (phase_ == Phase::kFinishing) {
+    if ((status_since_finish_ && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
+      draw();
+      phase_ = Phase::kFinished;
+    }
+    return;
+  }
+  if (last_draw_us_ == 0) last_draw_us_ = now_us;
+  if (changed_ && static_cast<double>(now_us - last_draw_us_) >= options_.interval_s * 1e6) {
+    draw();
+    last_draw_us_ = now_us;
+  }
+}
+
+void ViewerNode::finish() {
+  if (phase_ != Phase::kRunning) return;
+  phase_ = Phase::kFinishing;
+  finish_us_ = bus_.now_us();
+  map_request_t request{};
+  request.utime = finish_us_;
+  request.requester = name_;
+  request.request_id = ++last_request_;
+  request.what = map_request_t::STATUS;
+  bus_.publish(channels::kMapRequest, request);
+}
+
+void ViewerNode::draw() {
+  const auto start = std::chrono::steady_clock::now();
+  changed_ = false;
+  MapPicture picture;
+  for (const auto& [key, copy] : copies_) {
+    const std::optional<Sim3> place = copy.summary.in_map ? from_wire(copy.summary.map_from_submap) : std::nullopt;
+    picture.submaps.push_back({&copy.submap, place});
+    if (live_ && key == SubmapKey{live_->session, live_->submap_id} && place)
+      picture.camera = place->transform_camera(*from_wire(live_->cam_from_submap)).inverse();
+  }
+  picture.frame_utimes_us.assign(frames_.begin(), frames_.end());
+  try {
+    if (!renderer_) renderer_.emplace();
+    const cv::Mat image = renderer_->draw(make_scene(picture));
+    ++pictures_;
+    bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image, options_.jpeg_quality));
+    report(options_.output.empty()
+               ? ""
+               : write_png(image, (std::filesystem::path(options_.output) / "trajectory.png").string()));
+  } catch (const std::exception& e) {  // no OpenGL, no memory: the map is not ours to endanger
+    report(e.what());
+  }
+  draw_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Said once when it begins and once when it is over, not with every picture.
+void ViewerNode::report(const std::string& trouble) {
+  if (trouble != trouble_) {
+    if (trouble.empty())
+      spdlog::info("pictures can be written again");
+    else
+      spdlog::error("{}", trouble);
+  }
+  trouble_ = trouble;
+}
+
+NodeStatus ViewerNode::status() {
+  NodeStatus status;
+  int current = 0;
+  for (const auto& [key, copy] : copies_) current += copy.up_to_date();
+  status.detail = trouble_.empty()
+                      ? fmt::format("{} pictures, {} of {} submaps up to date", pictures_, current, copies_.size())
+                      : trouble_;
+  status.degraded = !trouble_.empty();
+  status.last_utime_us = last_utime_us_;
+  status.processing_ms = draw_ms_;
+  draw_ms_ = 0;
+  return status;
+}
+
+}  // namespace rumi

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Follows the map by its messages and draws it.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "bus/chunked_transfer.h"
+#include "bus/process.h"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
+#include "slam/map/submap.h"
+#include "viewer_offscreen/options.h"
+#include "viewer_offscreen/renderer.h"
+
+namespace rumi {
+
+class ViewerNode : public Node {
+ public:
+  ViewerNode(Bus& bus, const ViewerOptions& options);
+
+  void tick(int64_t now_us) override;
+  NodeStatus status() override;
+  // Fetches what is still missing, for 3 s at most, and draws a last picture.
+  void finish() override;
+  bool finished() const override { return phase_ == Phase::kFinished; }
+
+  int64_t pictures() const { return pictures_; }
+
+ private:
+  enum class Phase { kRunning, kFinishing, kFinished };
+  struct Copy {
+    Submap submap;
+    submap_summary_t summary;  // what map_server said of it last
+    int32_t request_id = 0;    // under way, 0: none
+    int64_t asked_us = 0;
+    bool up_to_date() const { return submap.revision >= summary.revision; }
+  };
+
+  void on_track(const track_t& track);
+  void on_map_status(const map_status_t& status);
+  ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  void request_missing(int64_t now_us);
+  bool complete() const;
+  void draw();
+  void report(const std::string& trouble);
+
+  Bus& bus_;
+  ViewerOptions options_;
+  std::string name_;
+  ChunkReceiver receiver_;
+  std::optional<Renderer> renderer_;
+  std::map<SubmapKey, Copy> copies_;
+  std::set<int64_t> frames_;  // all heard of, utime_us
+  std::optional<track_t> live_;
+  bool changed_ = false;
+  Phase phase_ = Phase::kRunning;
+  bool status_since_finish_ = false;
+  int64_t finish_us_ = 0, last_draw_us_ = 0, last_utime_us_ = 0;
+  int32_t last_request_ = 0;
+  int64_t pictures_ = 0, rejected_ = 0;
+  double draw_ms_ = 0;
+  std::string trouble_;
+};
+
+}  // namespace rumi
