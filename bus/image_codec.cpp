@@ -30,69 +30,21 @@ int bytes_per_pixel(int32_t pixelformat) {
   }
 }
 
-// Nothing is read before all these hold: messages come from the network.
-std::string check_header(const image_t& image) {
-  const int bytes = bytes_per_pixel(image.pixelformat);
-  if (bytes < 0)
-    return fmt::format("pixelformat is {}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
-                       image_t::PIXEL_FORMAT_GRAY, image_t::PIXEL_FORMAT_RGB, image_t::PIXEL_FORMAT_MJPEG,
-                       image_t::PIXEL_FORMAT_YUYV);
-  if (image.width < 1 || image.width > kMaxSide)
-    return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
-  if (image.height < 1 || image.height > kMaxSide)
-    return fmt::format("height is {}: must be 1 to {}", image.height, kMaxSide);
-  if (image.size < 0 || static_cast<size_t>(image.size) != image.data.size())
-    return fmt::format("size is {} but data has {} bytes", image.size, image.data.size());
-  if (bytes == 0) return image.size > 0 ? std::string() : "size is 0: no JPEG data";
-  if (image.pixelformat == image_t::PIXEL_FORMAT_YUYV && image.width % 2 != 0)
-    return fmt::format("width is {}: must be even for YUYV", image.width);
-  const int64_t row = int64_t{image.width} * bytes;
-  if (image.row_stride < row)
-    return fmt::format("row_stride is {}: must be at least {} for a width of {}", image.row_stride, row, image.width);
-  // The last row may lack its padding.
-  const int64_t needed = int64_t{image.row_stride} * (image.height - 1) + row;
-  if (image.size < needed)
-    return fmt::format("size is {}: must be at least {} for {} rows of {} bytes", image.size, needed, image.height,
-                       image.row_stride);
-  return {};
-}
-
-cv::Mat decode_mjpeg(const image_t& image, bool grey, std::string* error) {
+std::string check_jpeg(const image_t& image) {
+  if (image.size == 0) return "size is 0: no JPEG data";
   JpegSize size;
-  if (!inspect_jpeg(image.data, &size, error)) return {};
+  std::string error;
+  if (!inspect_jpeg(image.data, &size, &error)) return error;
   // Before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
-  if (size.width == image.width && size.height == image.height) return decode_jpeg(image.data, grey, error);
-  *error = fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size.width, size.height, image.width,
-                       image.height);
-  return {};
+  if (size.width == image.width && size.height == image.height) return {};
+  return fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size.width, size.height, image.width,
+                     image.height);
 }
 
 // The message's pixels without a copy; valid as long as the message.
 cv::Mat view(const image_t& image, int type) {
   return {image.height, image.width, type, const_cast<uint8_t*>(image.data.data()),
           static_cast<size_t>(image.row_stride)};
-}
-
-cv::Mat decode(const image_t& image, bool grey, std::string* error) {
-  std::string ignored;
-  if (!error) error = &ignored;
-  *error = check_header(image);
-  if (!error->empty()) return {};
-  cv::Mat out;
-  switch (image.pixelformat) {
-    case image_t::PIXEL_FORMAT_MJPEG:
-      return decode_mjpeg(image, grey, error);
-    case image_t::PIXEL_FORMAT_RGB:
-      cv::cvtColor(view(image, CV_8UC3), out, grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
-      return out;
-    case image_t::PIXEL_FORMAT_YUYV:
-      cv::cvtColor(view(image, CV_8UC2), out, grey ? cv::COLOR_YUV2GRAY_YUYV : cv::COLOR_YUV2BGR_YUYV);
-      return out;
-    default:
-      if (grey) return view(image, CV_8UC1).clone();
-      cv::cvtColor(view(image, CV_8UC1), out, cv::COLOR_GRAY2BGR);
-      return out;
-  }
 }
 
 image_t make_raw(int64_t utime_us, const cv::Mat& pixels, int32_t pixelformat) {
@@ -107,6 +59,59 @@ image_t make_raw(int64_t utime_us, const cv::Mat& pixels, int32_t pixelformat) {
   image.size = static_cast<int32_t>(image.data.size());
   image.nmetadata = 0;
   return image;
+}
+
+}  // namespace
+
+// Nothing is read before all this holds: messages come from the network.
+std::string check_image(const image_t& image) {
+  const int bytes = bytes_per_pixel(image.pixelformat);
+  if (bytes < 0)
+    return fmt::format("pixelformat is {}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
+                       image_t::PIXEL_FORMAT_GRAY, image_t::PIXEL_FORMAT_RGB, image_t::PIXEL_FORMAT_MJPEG,
+                       image_t::PIXEL_FORMAT_YUYV);
+  if (image.width < 1 || image.width > kMaxSide)
+    return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
+  if (image.height < 1 || image.height > kMaxSide)
+    return fmt::format("height is {}: must be 1 to {}", image.height, kMaxSide);
+  if (image.size < 0 || static_cast<size_t>(image.size) != image.data.size())
+    return fmt::format("size is {} but data has {} bytes", image.size, image.data.size());
+  if (bytes == 0) return check_jpeg(image);
+  if (image.pixelformat == image_t::PIXEL_FORMAT_YUYV && image.width % 2 != 0)
+    return fmt::format("width is {}: must be even for YUYV", image.width);
+  const int64_t row = int64_t{image.width} * bytes;
+  if (image.row_stride < row)
+    return fmt::format("row_stride is {}: must be at least {} for a width of {}", image.row_stride, row, image.width);
+  // The last row may lack its padding.
+  const int64_t needed = int64_t{image.row_stride} * (image.height - 1) + row;
+  if (image.size < needed)
+    return fmt::format("size is {}: must be at least {} for {} rows of {} bytes", image.size, needed, image.height,
+                       image.row_stride);
+  return {};
+}
+
+namespace {
+
+cv::Mat decode(const image_t& image, bool grey, std::string* error) {
+  std::string ignored;
+  if (!error) error = &ignored;
+  *error = check_image(image);
+  if (!error->empty()) return {};
+  cv::Mat out;
+  switch (image.pixelformat) {
+    case image_t::PIXEL_FORMAT_MJPEG:
+      return decode_jpeg(image.data, grey, error);
+    case image_t::PIXEL_FORMAT_RGB:
+      cv::cvtColor(view(image, CV_8UC3), out, grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
+      return out;
+    case image_t::PIXEL_FORMAT_YUYV:
+      cv::cvtColor(view(image, CV_8UC2), out, grey ? cv::COLOR_YUV2GRAY_YUYV : cv::COLOR_YUV2BGR_YUYV);
+      return out;
+    default:
+      if (grey) return view(image, CV_8UC1).clone();
+      cv::cvtColor(view(image, CV_8UC1), out, cv::COLOR_GRAY2BGR);
+      return out;
+  }
 }
 
 }  // namespace

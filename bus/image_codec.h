@@ -9,8 +9,12 @@
 
 namespace rumi {
 
-// 8-bit grey image, width x height as the message says. On failure an empty Mat and in *error what is wrong (field, value).
-// Understands GRAY, RGB, MJPEG (JPEG) and YUYV.
+// What is wrong with the message (field and value), or an empty string. Looks at a JPEG's size and end, not at its
+// pixels.
+std::string check_image(const image_t& image);
+
+// 8-bit grey image, width x height as the message says. On failure an empty Mat and in *error what is wrong (field,
+// value). Understands GRAY, RGB, MJPEG (JPEG) and YUYV.
 cv::Mat decode_grey(const image_t& image, std::string* error);
 // 8-bit BGR (OpenCV's order), as above.
 cv::Mat decode_bgr(const image_t& image, std::string* error);
@@ -25,5 +29,7 @@ image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> 
 std::string metadata(const image_t& image, const std::string& key);
 void set_metadata(image_t* image, const std::string& key, const std::string& value);
 inline constexpr const char* kCalibrationKey = "calibration";
+// Decimal microseconds of the system clock when the image was put on the bus; live only.
+inline constexpr const char* kPublishedKey = "published_utime";
 
 }  // namespace rumi

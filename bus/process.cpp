@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -19,7 +20,7 @@
 namespace rumi {
 namespace {
 
-constexpr int kDispatchTimeoutMs = 20;
+constexpr int kMaxDispatchMs = 20;
 constexpr std::chrono::seconds kFinishTimeout{5};
 constexpr int64_t kStatusPeriodUs = 1'000'000;
 enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
@@ -97,7 +98,9 @@ std::string load_options(const CommonFlags& flags, OptionTable* table) {
 
 void run_node(Bus& bus, Node& node, StatusPublisher& status) {
   const auto step = [&] {
-    bus.dispatch(kDispatchTimeoutMs);
+    const int64_t now_us = bus.now_us();
+    const int64_t wait_ms = (node.next_tick_us(now_us) - now_us + 999) / 1000;
+    bus.dispatch(static_cast<int>(std::clamp<int64_t>(wait_ms, 0, kMaxDispatchMs)));
     node.tick(bus.now_us());
   };
   while (g_stop_signals == 0 && !node.done()) {

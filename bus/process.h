@@ -28,6 +28,8 @@ class Node {
   virtual ~Node() = default;
   // Called often (every 20 ms or so live, after every frame in replay) with the bus's time.
   virtual void tick(int64_t now_us) = 0;
+  // Live: when tick() is wanted at the latest, for those who keep a pace. Messages that come in may make it sooner.
+  virtual int64_t next_tick_us(int64_t now_us) const { return now_us + 20'000; }
   virtual NodeStatus status() = 0;
   // The input has ended or the process is asked to stop: finish what is open, publish what is unpublished. After it the
   // bus is still dispatched until done() or for 5 s.

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/camera_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "bus/image_codec.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kMaxPerTick = 8;                // so that a request to stop is heard while catching up
+constexpr int64_t kProgressUs = 5'000'000;    // clock
+constexpr int64_t kDegradedLateUs = 500'000;  // behind the pace
+
+std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const CameraOptions& options) {
+  OpenedSource opened = open_image_source(input, options);
+  if (!opened.ok()) throw std::runtime_error(opened.error);
+  return std::move(opened.source);
+}
+
+}  // namespace
+
+CameraNode::CameraNode(Bus& bus, std::unique_ptr<ImageSource> source, const CameraOptions& options)
+    : bus_(bus), source_(std::move(source)), options_(options), ahead_(source_->next()) {
+  if (ahead_) first_utime_us_ = ahead_->utime;
+}
+
+CameraNode::CameraNode(Bus& bus, const std::string& input, const CameraOptions& options)
+    : CameraNode(bus, open_or_throw(input, options), options) {}
+
+// When the image ahead is to be published. Precondition: there is one, and the first was published.
+int64_t CameraNode::due_us() const {
+  const auto since_first_us = static_cast<double>(ahead_->utime - first_utime_us_);
+  return *started_us_ + static_cast<int64_t>(since_first_us / options_.speed);
+}
+
+int64_t CameraNode::next_tick_us(int64_t now_us) const {
+  const int64_t usual = Node::next_tick_us(now_us);
+  return live_ && ahead_ && started_us_ ? std::min(usual, due_us()) : usual;
+}
+
+void CameraNode::tick(int64_t now_us) {
+  if (!live_ || !ahead_) return;
+  if (!started_us_) {
+    started_us_ = progress_us_ = now_us;
+    spdlog::info("{}: {} images of {} x {} pixels", source_->name(),
+                 source_->total() < 0 ? "any number of" : std::to_string(source_->total()), source_->camera().width,
+                 source_->camera().height);
+  }
+  for (int i = 0; i < kMaxPerTick && ahead_ && due_us() <= now_us; ++i) {
+    publish(now_us);
+    now_us = bus_.now_us();
+  }
+  late_us_ = ahead_ ? std::max<int64_t>(0, now_us - due_us()) : 0;
+  report_progress(now_us);
+}
+
+void CameraNode::publish(int64_t now_us) {
+  recorded_us_ = ahead_->utime;
+  // Strictly rising even if the clock is set back.
+  if (options_.live_stamps) ahead_->utime = published_ == 0 ? now_us : std::max(now_us, last_utime_us_ + 1);
+  set_metadata(&*ahead_, kPublishedKey, std::to_string(now_us));
+  send();
+}
+
+void CameraNode::send() {
+  last_utime_us_ = ahead_->utime;
+  ++published_;
+  if (!bus_.publish(channels::kCamera, *ahead_) && !publish_failed_) {
+    publish_failed_ = true;
+    spdlog::error("an image could not be published ({} bytes)", ahead_->size);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  ahead_ = source_->next();
+  load_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  ++loads_;
+}
+
+void CameraNode::report_progress(int64_t now_us) {
+  const int64_t elapsed_us = now_us - progress_us_;
+  if (elapsed_us < kProgressUs && ahead_) return;
+  const double rate_hz = static_cast<double>(published_ - progress_count_) * 1e6 / static_cast<double>(elapsed_us + 1);
+  spdlog::info("{}{}{}", detail(), elapsed_us >= kProgressUs ? fmt::format(", {:.1f} Hz", rate_hz) : "",
+               ahead_ ? "" : ": the end");
+  progress_us_ = now_us;
+  progress_count_ = published_;
+}
+
+std::string CameraNode::detail() const {
+  const std::string total = source_->total() < 0 ? "" : fmt::format(" of {}", source_->total());
+  std::string text = fmt::format("{}{} images, {:.1f} s", published_, total,
+                                 static_cast<double>(std::max<int64_t>(0, recorded_us_ - first_utime_us_)) * 1e-6);
+  if (const std::string skipped = source_->skipped().to_string(); !skipped.empty()) text += "; left out: " + skipped;
+  if (publish_failed_) text += "; some could not be published";
+  if (late_us_ > kDegradedLateUs)
+    text += fmt::format("; {:.1f} s behind the pace", static_cast<double>(late_us_) * 1e-6);
+  return text;
+}
+
+NodeStatus CameraNode::status() {
+  NodeStatus status;
+  status.detail = detail();
+  status.degraded = publish_failed_ || late_us_ > kDegradedLateUs;
+  status.last_utime_us = last_utime_us_;
+  status.processing_ms = loads_ > 0 ? load_ms_ / static_cast<double>(loads_) : 0;
+  load_ms_ = 0;
+  loads_ = 0;
+  return status;
+}
+
+std::optional<int64_t> CameraNode::next_utime_us() {
+  live_ = false;
+  if (!ahead_) return std::nullopt;
+  return ahead_->utime;
+}
+
+void CameraNode::publish_next() {
+  live_ = false;
+  if (!ahead_) return;
+  recorded_us_ = ahead_->utime;
+  send();
+}
+
+}  // namespace rumi

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Publishes the images of a source on CAMERA: paced by the clock when live, one by one when a replay asks for them.
+#pragma once
+
+#include <memory>
+
+#include "bus/process.h"
+#include "camera_driver/image_source.h"
+
+namespace rumi {
+
+class CameraNode : public Node {
+ public:
+  CameraNode(Bus& bus, std::unique_ptr<ImageSource> source, const CameraOptions& options);
+  // Opens the input; throws std::runtime_error with a message for the user if it cannot be used.
+  CameraNode(Bus& bus, const std::string& input, const CameraOptions& options);
+
+  // Live: publishes what is due. Nothing is left out if reading cannot keep up.
+  void tick(int64_t now_us) override;
+  int64_t next_tick_us(int64_t now_us) const override;
+  NodeStatus status() override;
+  bool done() const override { return !ahead_; }
+
+  // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
+  // is not live any more: tick() does nothing.
+  std::optional<int64_t> next_utime_us();
+  void publish_next();
+
+  const ImageSource& source() const { return *source_; }
+
+ private:
+  int64_t due_us() const;
+  std::string detail() const;
+  void publish(int64_t now_us);
+  void send();
+  void report_progress(int64_t now_us);
+
+  Bus& bus_;
+  std::unique_ptr<ImageSource> source_;
+  CameraOptions options_;
+  std::optional<image_t> ahead_;
+  bool live_ = true;
+  bool publish_failed_ = false;
+  int64_t first_utime_us_ = 0;         // of the recording
+  std::optional<int64_t> started_us_;  // clock at the first image
+  int64_t last_utime_us_ = 0;          // as published
+  int64_t recorded_us_ = 0;            // recorded time of the last one
+  int64_t published_ = 0, late_us_ = 0;
+  int64_t progress_us_ = 0, progress_count_ = 0;  // at the last progress line
+  double load_ms_ = 0;                            // since the last status
+  int64_t loads_ = 0;
+};
+
+}  // namespace rumi

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where images come from: one interface, whatever the recording.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "camera_driver/options.h"
+#include "lcmtypes/rumi/image_t.hpp"
+#include "slam/geometry/camera.h"
+
+namespace rumi {
+
+// Frames of the recording that are not handed out, by reason.
+struct SkippedFrames {
+  int64_t malformed = 0;     // lines or messages that are no frame
+  int64_t duplicate = 0;     // time equal to that of the frame before
+  int64_t out_of_order = 0;  // time before that of the frame before
+  int64_t unreadable = 0;    // missing or corrupt
+  int64_t wrong_size = 0;    // not that of the calibration
+  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size; }
+  std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
+};
+
+class ImageSource {
+ public:
+  virtual ~ImageSource() = default;
+
+  // The next image, ready to publish: utime rising strictly, encoded, of the camera's size, with the calibration in its
+  // metadata. Nothing at the end. What is skipped is counted; the first of a kind and the totals at the end are logged.
+  virtual std::optional<image_t> next() = 0;
+  virtual const Camera& camera() const = 0;
+  // The input, for messages.
+  virtual const std::string& name() const = 0;
+  // How many images there are to hand out, those that will turn out unreadable included; -1: unknown or endless.
+  virtual int64_t total() const = 0;
+  virtual const SkippedFrames& skipped() const = 0;
+};
+
+struct OpenedSource {
+  std::unique_ptr<ImageSource> source;
+  std::string error;  // empty, or file, what is wrong, and what to do
+  bool ok() const { return source != nullptr; }
+};
+
+// input: TUM-style folder (rgb.txt), EuRoC folder (mav0/cam0/data.csv, mav0 or cam0 itself), folder of images, lcm log
+// or video. The camera comes from options.camera_file, else calibration.yaml beside the data (EuRoC: else sensor.yaml);
+// in a log from the images' metadata, else calibration.yaml beside it. Fails if the first readable image does not fit
+// it.
+OpenedSource open_image_source(const std::string& input, const CameraOptions& options);
+
+}  // namespace rumi

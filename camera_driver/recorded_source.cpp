@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recorded_source.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+#include "bus/camera_file.h"
+#include "bus/image_codec.h"
+
+namespace rumi {
+namespace {
+
+int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
+
+// The image in the wanted form; nothing, and why in *error, if its pixels are needed and cannot be had.
+std::optional<image_t> encode_as(image_t image, const CameraOptions& options, std::string* error) {
+  const bool is_grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
+  if (options.encoding == "auto") return image;
+  if (options.encoding == "grey" && is_grey) return image;
+  if (options.encoding == "rgb" && image.pixelformat == image_t::PIXEL_FORMAT_RGB) return image;
+  if (options.encoding == "jpeg" && image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return image;
+
+  const bool want_grey = options.encoding == "grey" || (options.encoding == "jpeg" && is_grey);
+  const cv::Mat pixels = want_grey ? decode_grey(image, error) : decode_bgr(image, error);
+  if (pixels.empty()) return std::nullopt;
+  if (options.encoding == "jpeg") return make_jpeg_image(image.utime, pixels, options.jpeg_quality);
+  return want_grey ? make_grey_image(image.utime, pixels) : make_rgb_image(image.utime, pixels);
+}
+
+int64_t count_wanted(const std::vector<int64_t>& utimes, const CameraOptions& options) {
+  FrameSelector selector(options);
+  int64_t count = 0;
+  for (const int64_t utime_us : utimes) {
+    const FrameSelector::Verdict verdict = selector.judge(utime_us);
+    if (verdict == FrameSelector::Verdict::kEnd) break;
+    count += verdict == FrameSelector::Verdict::kTake ? 1 : 0;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::string SkippedFrames::to_string() const {
+  std::string out;
+  const auto add = [&out](int64_t count, const char* what) {
+    if (count > 0) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", count, what);
+  };
+  add(malformed, "malformed entries");
+  add(duplicate, "duplicate times");
+  add(out_of_order, "times going backwards");
+  add(unreadable, "unreadable images");
+  add(wrong_size, "images of another size");
+  return out;
+}
+
+FrameSelector::FrameSelector(const CameraOptions& options)
+    : start_us_(to_us(options.start_s)), duration_us_(to_us(options.duration_s)), every_(options.every) {}
+
+FrameSelector::Verdict FrameSelector::judge(int64_t utime_us) {
+  if (last_us_ && utime_us == *last_us_) return Verdict::kDuplicate;
+  if (last_us_ && utime_us < *last_us_) return Verdict::kOutOfOrder;
+  if (!first_us_) first_us_ = utime_us;
+  last_us_ = utime_us;
+  const int64_t since_start_us = utime_us - *first_us_ - start_us_;
+  if (since_start_us < 0) return Verdict::kPass;
+  if (duration_us_ > 0 && since_start_us >= duration_us_) return Verdict::kEnd;
+  return wanted_++ % every_ == 0 ? Verdict::kTake : Verdict::kPass;
+}
+
+void FrameSelector::rewind() {
+  first_us_.reset();
+  last_us_.reset();
+  wanted_ = 0;
+}
+
+RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
+                               const CameraOptions& options)
+    : name_(std::move(name)),
+      calibration_(camera_to_yaml(camera)),
+      reader_(std::move(reader)),
+      camera_(camera),
+      options_(options),
+      selector_(options) {
+  const std::vector<int64_t> utimes = reader_->utimes();
+  if (!utimes.empty() && !options_.loop) total_ = count_wanted(utimes, options_);
+}
+
+std::string RecordedSource::start() {
+  ahead_ = fetch();
+  started_ = true;
+  if (ahead_ && skipped_.wrong_size == 0) return {};
+  if (!first_problem_.empty()) return first_problem_;
+  return fmt::format("{}: no image between start {} s and its end; lower --start", name_, options_.start_s);
+}
+
+std::optional<image_t> RecordedSource::next() {
+  if (!started_) return fetch();
+  started_ = false;
+  return std::move(ahead_);
+}
+
+std::optional<image_t> RecordedSource::fetch() {
+  while (const std::optional<FrameStamp> stamp = next_wanted()) {
+    // Before loading: an unreadable image leaves a gap, it does not shift the others' times.
+    const int64_t utime_us = new_time(stamp->utime_us);
+    std::optional<image_t> image = load_checked(*stamp);
+    if (!image) continue;
+    image->utime = utime_us;
+    // What an earlier process noted in a log, such as when it was published, is not true of this one.
+    image->metadata.clear();
+    set_metadata(&*image, kCalibrationKey, calibration_);
+    return image;
+  }
+  report_end();
+  return std::nullopt;
+}
+
+// The next frame that is wanted, in this pass or the next one.
+std::optional<FrameStamp> RecordedSource::next_wanted() {
+  using Verdict = FrameSelector::Verdict;
+  while (true) {
+    const std::optional<FrameStamp> stamp = reader_->advance();
+    const Verdict verdict = stamp ? selector_.judge(stamp->utime_us) : Verdict::kEnd;
+    if (verdict == Verdict::kTake) return stamp;
+    if (verdict == Verdict::kDuplicate)
+      skip(&SkippedFrames::duplicate, stamp->where + ": has the same time as the image before; left out");
+    if (verdict == Verdict::kOutOfOrder)
+      skip(&SkippedFrames::out_of_order, stamp->where + ": its time is before that of the image before; left out");
+    if (verdict == Verdict::kEnd && !begin_next_pass()) return std::nullopt;
+  }
+}
+
+bool RecordedSource::begin_next_pass() {
+  const Malformed malformed = reader_->malformed();
+  if (pass_ == 0 && malformed.count > 0) {
+    skip(&SkippedFrames::malformed, malformed.first);
+    skipped_.malformed = malformed.count;
+  }
+  if (!options_.loop || taken_in_pass_ == 0) return false;
+  const int64_t span_us = pass_last_us_ - pass_first_us_;
+  const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
+  const int64_t period_us = taken_in_pass_ > 1 ? span_us / (taken_in_pass_ - 1) : std::llround(1e6 / nominal_hz);
+  offset_us_ += span_us + period_us;
+  taken_in_pass_ = 0;
+  ++pass_;
+  selector_.rewind();
+  reader_->rewind();
+  return true;
+}
+
+int64_t RecordedSource::new_time(int64_t recorded_us) {
+  if (taken_ == 0) origin_us_ = recorded_us;
+  if (taken_in_pass_++ == 0) pass_first_us_ = recorded_us;
+  pass_last_us_ = recorded_us;
+  const int64_t index = taken_++;
+  if (options_.rate_hz > 0) return origin_us_ + std::llround(static_cast<double>(index) * 1e6 / options_.rate_hz);
+  return recorded_us + offset_us_;
+}
+
+std::optional<image_t> RecordedSource::load_checked(const FrameStamp& stamp) {
+  const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
+  std::string error;
+  std::optional<image_t> image = reader_->load(colour, &error);
+  if (!image) {
+    skip(&SkippedFrames::unreadable, error + "; left out");
+    return std::nullopt;
+  }
+  if (image->width != camera_.width || image->height != camera_.height) {
+    skip(&SkippedFrames::wrong_size,
+         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; give the calibration of this "
+                     "camera and size (--camera FILE)",
+                     stamp.where, image->width, image->height, camera_.width, camera_.height));
+    return std::nullopt;
+  }
+  image = encode_as(std::move(*image), options_, &error);
+  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}; left out", stamp.where, error));
+  return image;
+}
+
+// Counts in the first pass only: in a loop the same frames would be counted again and again.
+void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& message) {
+  if (pass_ > 0) return;
+  if (first_problem_.empty()) first_problem_ = message;
+  if (++(skipped_.*reason) == 1) spdlog::warn("{}", message);
+}
+
+void RecordedSource::report_end() {
+  if (!reported_ && skipped_.total() > 0) spdlog::warn("{}: left out in all: {}", name_, skipped_.to_string());
+  reported_ = true;
+}
+
+}  // namespace rumi

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A recording as an ImageSource: selects, checks, restamps and encodes what a FrameReader reads.
+#pragma once
+
+#include "camera_driver/frame_reader.h"
+#include "camera_driver/image_source.h"
+
+namespace rumi {
+
+// Which frames of a recording are wanted, from their times alone.
+class FrameSelector {
+ public:
+  enum class Verdict { kTake, kPass, kEnd, kDuplicate, kOutOfOrder };
+  explicit FrameSelector(const CameraOptions& options);
+  Verdict judge(int64_t utime_us);
+  void rewind();
+
+ private:
+  int64_t start_us_, duration_us_;
+  int every_;
+  std::optional<int64_t> first_us_, last_us_;  // recorded times in this pass
+  int64_t wanted_ = 0;                         // frames within start and duration so far
+};
+
+class RecordedSource : public ImageSource {
+ public:
+  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
+                 const CameraOptions& options);
+
+  // Reads the first image. Returns an empty string, or why the recording cannot be used with this camera.
+  std::string start();
+
+  std::optional<image_t> next() override;
+  const Camera& camera() const override { return camera_; }
+  const std::string& name() const override { return name_; }
+  int64_t total() const override { return total_; }
+  const SkippedFrames& skipped() const override { return skipped_; }
+
+ private:
+  std::optional<image_t> fetch();
+  std::optional<FrameStamp> next_wanted();
+  bool begin_next_pass();
+  int64_t new_time(int64_t recorded_us);
+  std::optional<image_t> load_checked(const FrameStamp& stamp);
+  void skip(int64_t SkippedFrames::*reason, const std::string& message);
+  void report_end();
+
+  std::string name_, calibration_;
+  std::unique_ptr<FrameReader> reader_;
+  Camera camera_;
+  CameraOptions options_;
+  FrameSelector selector_;
+  int64_t total_ = -1;
+  std::optional<image_t> ahead_;
+  bool started_ = false, reported_ = false;
+  std::string first_problem_;
+  SkippedFrames skipped_;
+  int pass_ = 0;
+  int64_t taken_ = 0;  // over all passes
+  int64_t taken_in_pass_ = 0;
+  int64_t pass_first_us_ = 0, pass_last_us_ = 0;  // recorded times of taken frames
+  int64_t origin_us_ = 0;                         // recorded time of the first taken frame
+  int64_t offset_us_ = 0;                         // added to recorded times in later passes
+};
+
+}  // namespace rumi
