@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/initializer.h"
+
+#include <gtest/gtest.h>
+
+#include "feature_scene.h"
+#include "slam/geometry/alignment.h"
+
+namespace rumi {
+namespace {
+
+using Motion = std::function<SE3(int)>;
+
+std::optional<InitialMap> run(FeatureScene& scene, const Motion& motion, int frames, std::string* refusal = nullptr) {
+  Initializer initializer(test_camera(), {}, test_octave_scales());
+  for (int i = 0; i < frames; ++i) {
+    auto map = initializer.add(scene.frame(33'333 * (i + 1), motion(i)));
+    if (map) return map;
+  }
+  if (refusal) *refusal = initializer.refusal();
+  return std::nullopt;
+}
+
+void expect_true_structure(const InitialMap& map, const Motion& motion) {
+  std::vector<Eigen::Vector3d> estimated, truth;
+  for (const InitialMap::View& v : map.views) {
+    estimated.push_back(v.cam_from_submap.center());
+    truth.push_back(motion(static_cast<int>(v.frame)).center());
+  }
+  const auto truth_from_submap = umeyama(estimated, truth);
+  ASSERT_TRUE(truth_from_submap);
+  double path = (truth.front() - truth[1]).norm();
+  for (size_t i = 0; i < truth.size(); ++i)
+    EXPECT_LT((*truth_from_submap * estimated[i] - truth[i]).norm(), 0.05 * path);
+  const SE3 reference = motion(static_cast<int>(map.views[0].frame));
+  for (const InitialMap::View& v : map.views)
+    EXPECT_LT(rotation_error_deg(v.cam_from_submap, motion(static_cast<int>(v.frame)) * reference.inverse()), 0.7);
+}
+
+TEST(Initializer, SidewaysMotionGivesTrueStructureAndEveryFrameAPose) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed);
+    const Motion motion = [](int i) { return SyntheticScene::pose(0.03 * i, 0.005 * i, 0.01 * i, -0.003 * i); };
+    const auto map = run(scene, motion, 60);
+    ASSERT_TRUE(map) << seed;
+    expect_true_structure(*map, motion);
+    EXPECT_EQ(map->views.size(), map->frames.size()) << "frames between have poses too";
+    EXPECT_GE(map->points.size(), 60u);
+    int keyframes = 0;
+    for (const auto& v : map->views) keyframes += v.keyframe;
+    EXPECT_GE(keyframes, 2);
+    EXPECT_LE(keyframes, 6);
+  }
+}
+
+TEST(Initializer, NeverBeginsFromPureRotation) {
+  for (unsigned seed = 0; seed < 3; ++seed) {
+    FeatureScene scene(seed, 1500);
+    const Motion motion = [](int i) { return SyntheticScene::pose(0, 0, 0, 0.008 * i, 0.002 * i); };
+    EXPECT_FALSE(run(scene, motion, 40));
+  }
+}
+
+TEST(Initializer, NeverBeginsFromAStillCamera) {
+  FeatureScene scene(1);
+  std::string refusal;
+  EXPECT_FALSE(run(
+      scene, [](int) { return SE3(); }, 30, &refusal));
+  EXPECT_FALSE(refusal.empty());
+}
+
+TEST(Initializer, APlaneBeginsRightOrNotAtAll) {
+  int begun = 0;
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed);
+    for (Eigen::Vector3d& p : scene.points()) p *= 4.0 / (p.z() + 0.4 * p.x() + 0.2 * p.y());
+    const Motion motion = [](int i) {
+      return SyntheticScene::pose(0.03 * i, 0.002 * i * i * 0.3, 0.01 * i, -0.004 * i);
+    };
+    const auto map = run(scene, motion, 50);
+    if (!map) continue;
+    ++begun;
+    expect_true_structure(*map, motion);
+  }
+  EXPECT_GE(begun, 3);
+}
+
+TEST(Initializer, UnrelatedImagesAndEmptyOnesGiveNothing) {
+  Initializer initializer(test_camera(), {}, test_octave_scales());
+  for (int i = 0; i < 10; ++i) {
+    FeatureScene other(100 + i);
+    EXPECT_FALSE(initializer.add(other.frame(1000 * i, SE3())));
+    EXPECT_FALSE(initializer.add(make_frame(1000 * i + 500, Features{}, test_camera())));
+  }
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "feature_scene.h"
+#include "front_tracker/mapper.h"
+#include "front_tracker/projection_search.h"
+#include "front_tracker/relocalizer.h"
+
+namespace rumi {
+namespace {
+
+std::vector<SE3> walk(int count) {
+  std::vector<SE3> poses;
+  for (int i = 0; i < count; ++i) poses.push_back(SyntheticScene::pose(0.12 * i, 0.02 * i, 0.03 * i, -0.02 * i));
+  return poses;
+}
+
+std::vector<const Landmark*> all_landmarks(const FrontSubmap& s) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : s.map.landmarks) landmarks.push_back(&lm);
+  return landmarks;
+}
+
+TEST(ProjectionSearch, FindsTheRightKeypoints) {
+  FeatureScene scene(1);
+  const auto s = scene.submap(walk(4));
+  std::vector<int> point_of;
+  const SE3 truth = SyntheticScene::pose(0.2, 0.02, 0, -0.03);
+  Frame frame = scene.frame(1, truth, &point_of);
+  // 15 px off at the mean depth.
+  frame.cam_from_submap = SyntheticScene::pose(0.2, 0.02, 0, -0.01);
+  std::vector<int> visible;
+  const int found =
+      search_by_projection(test_camera(), all_landmarks(*s), {.radius_px = 20}, s->octave_scales, &frame, &visible);
+  EXPECT_GT(found, 0.9 * static_cast<double>(visible.size()));
+  for (size_t i = 0; i < point_of.size(); ++i)
+    if (frame.landmark_ids[i] != kNone) {
+      ASSERT_NE(point_of[i], kNone);
+      EXPECT_EQ(s->map.landmark(frame.landmark_ids[i])->position, scene.points()[point_of[i]]);
+    }
+  EXPECT_GT(refine_pose(test_camera(), s->map, s->octave_scales, &frame), 200);
+  EXPECT_LT(rotation_error_deg(frame.cam_from_submap, truth), 0.1);
+}
+
+TEST(ProjectionSearch, SeesNothingBehindOrFromTheOtherSide) {
+  FeatureScene scene(2);
+  const auto s = scene.submap(walk(3));
+  Frame frame = scene.frame(1, SE3());
+  frame.cam_from_submap = SyntheticScene::pose(0, 0, 0, M_PI);
+  EXPECT_EQ(search_by_projection(test_camera(), all_landmarks(*s), {}, s->octave_scales, &frame), 0);
+  frame.cam_from_submap = SyntheticScene::pose(0, 0, 12, M_PI);
+  EXPECT_EQ(search_by_projection(test_camera(), all_landmarks(*s), {}, s->octave_scales, &frame), 0);
+}
+
+TEST(Mapper, MakesTrueLandmarksAndImprovesWhatIsThere) {
+  FeatureScene scene(3);
+  const std::vector<SE3> poses = walk(6);
+  auto s = scene.submap(poses);
+  // Forget two thirds of the landmarks, disturb the others and the younger keyframes.
+  SyntheticScene random(4);
+  for (int id = 0; id < 400; ++id) s->map.remove_landmark(id);
+  for (auto& [id, lm] : s->map.landmarks) lm.position *= 1 + random.uniform(-0.03, 0.03);
+  for (auto& [id, kf] : s->map.keyframes) {
+    if (id < 2) continue;
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = random.uniform(-0.003, 0.003);
+    kf.cam_from_submap = SE3::exp(twist) * kf.cam_from_submap;
+  }
+  const size_t before = s->map.landmarks.size();
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  const Mapper mapper(test_camera(), options);
+  std::mutex mutex;
+  for (int id = 0; id < 6; ++id) mapper.process(*s, id, mutex);
+  EXPECT_GT(s->map.landmarks.size(), before + 150);
+  for (int id = 2; id < 6; ++id) {
+    EXPECT_LT(rotation_error_deg(s->map.keyframe(id)->cam_from_submap, poses[id]), 0.2);
+    EXPECT_LT((s->map.keyframe(id)->cam_from_submap.center() - poses[id].center()).norm(), 0.02);
+  }
+  int wrong = 0;
+  for (const auto& [id, lm] : s->map.landmarks) {
+    double nearest = 1e9;
+    for (const Eigen::Vector3d& p : scene.points()) nearest = std::min(nearest, (p - lm.position).norm() / p.z());
+    wrong += nearest > 0.25;  // half a pixel at the least parallax allowed, 1 degree, is 8 % of the depth
+  }
+  EXPECT_LT(wrong, 0.02 * static_cast<double>(s->map.landmarks.size()));
+}
+
+TEST(Mapper, DropsRedundantKeyframesAndKeepsTheirFrames) {
+  FeatureScene scene(5);
+  std::vector<SE3> poses;
+  for (int i = 0; i < 10; ++i) poses.push_back(SyntheticScene::pose(0.02 * i, 0, 0));
+  auto s = scene.submap(poses);
+  const Mapper mapper(test_camera(), {});
+  std::mutex mutex;
+  mapper.process(*s, 9, mutex);
+  EXPECT_LT(s->map.keyframes.size(), 10u);
+  EXPECT_TRUE(s->map.keyframes.contains(0));
+  ASSERT_EQ(s->map.frames.size(), 10u);
+  for (const auto& [utime, frame] : s->map.frames) {
+    ASSERT_NE(s->map.keyframe(frame.reference_keyframe), nullptr);
+    const SE3& truth = poses[static_cast<size_t>(utime / 100'000 - 1)];
+    EXPECT_LT((s->map.cam_from_submap(frame).center() - truth.center()).norm(), 0.02);
+  }
+}
+
+TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
+  int found = 0, tried = 0;
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed), elsewhere(seed + 50);
+    const auto s = scene.submap(walk(5));
+    Relocalizer relocalizer(test_camera(), {});
+    for (const auto& [id, kf] : s->map.keyframes) relocalizer.add_keyframe(0, kf);
+    SyntheticScene random(seed);
+    for (int i = 0; i < 5; ++i) {
+      const SE3 truth = SyntheticScene::pose(random.uniform(0, 0.5), random.uniform(-0.1, 0.1),
+                                             random.uniform(-0.3, 0.3), random.uniform(-0.15, 0.1));
+      Frame frame = scene.frame(1, truth), foreign = elsewhere.frame(1, truth);
+      ++tried;
+      for (const auto& c : relocalizer.candidates(frame))
+        if (relocalizer.relocalize(*s, c.keyframe_id, &frame)) {
+          ++found;
+          EXPECT_LT(rotation_error_deg(frame.cam_from_submap, truth), 0.3);
+          EXPECT_LT((frame.cam_from_submap.center() - truth.center()).norm(), 0.03);
+          break;
+        }
+      for (const auto& [id, kf] : s->map.keyframes) EXPECT_FALSE(relocalizer.relocalize(*s, id, &foreign));
+      EXPECT_EQ(foreign.matches(), 0) << "a failed try leaves the frame as it was";
+    }
+  }
+  EXPECT_EQ(found, tried);
+}
+
+}  // namespace
+}  // namespace rumi
