@@ -25,10 +25,6 @@ int32_t keyframes(const std::vector<Sample>& samples) {
       std::count_if(samples.begin(), samples.end(), [](const Sample& s) { return s.is_keyframe; }));
 }
 
-bool contains(const std::vector<Sample>& samples, int64_t utime_us) {
-  return std::any_of(samples.begin(), samples.end(), [utime_us](const Sample& s) { return s.utime_us == utime_us; });
-}
-
 }  // namespace
 
 window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t state) {
@@ -120,10 +116,14 @@ void RuminatorNode::settle(int64_t utime_us) {
 }
 
 bool RuminatorNode::is_needed(int64_t utime_us) const {
-  return retained_.contains(utime_us) ||
-         std::any_of(queued_.begin(), queued_.end(), [utime_us](const RuminationWindow& w) {
-           return contains(w.approach, utime_us) || contains(w.gap, utime_us) || contains(w.departure, utime_us);
-         });
+  return retained_.contains(utime_us) || queued_utimes_.contains(utime_us);
+}
+
+void RuminatorNode::note_queued_utimes() {
+  queued_utimes_.clear();
+  for (const RuminationWindow& window : queued_)
+    for (const auto* part : {&window.approach, &window.gap, &window.departure})
+      for (const Sample& sample : *part) queued_utimes_.insert(sample.utime_us);
 }
 
 // The newest loss matters most: what waited longest goes first, then the open window gets thinner.
@@ -144,6 +144,7 @@ void RuminatorNode::drop_oldest_window() {
   queued_.front().reason = "dropped for want of memory before it was rebuilt";
   announce(queued_.front(), window_t::FAILED);
   queued_.pop_front();
+  note_queued_utimes();
   ++dropped_windows_;
 }
 
@@ -154,6 +155,7 @@ void RuminatorNode::enqueue(RuminationWindow window) {
                window.reason.empty() ? "" : ": ", window.reason);
   announce(window, window_t::QUEUED);
   queued_.push_back(std::move(window));
+  note_queued_utimes();
 }
 
 void RuminatorNode::announce(const RuminationWindow& window, int8_t state) {

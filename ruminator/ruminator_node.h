@@ -4,7 +4,9 @@
 #pragma once
 
 #include <deque>
+#include <set>
 #include <string>
+#include <unordered_set>
 
 #include "bus/bus.h"
 #include "bus/process.h"
@@ -40,6 +42,7 @@ class RuminatorNode : public Node {
   void process(const track_t& track);
   void settle(int64_t utime_us);
   bool is_needed(int64_t utime_us) const;
+  void note_queued_utimes();
   void make_room(const image_t& image);
   void drop_oldest_window();
   void enqueue(RuminationWindow window);
@@ -51,7 +54,8 @@ class RuminatorNode : public Node {
   FrameRing ring_;
   std::deque<PendingTrack> pending_;  // in order of arrival
   std::deque<RuminationWindow> queued_;
-  std::set<int64_t> retained_;  // sampler_.retained() after the last frame
+  std::unordered_set<int64_t> queued_utimes_;  // samples of all queued windows
+  std::set<int64_t> retained_;                 // sampler_.retained() after the last frame
   int64_t last_announced_us_ = 0;
   int64_t last_utime_us_ = 0;
   int64_t without_image_ = 0;

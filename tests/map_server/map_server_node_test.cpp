@@ -305,6 +305,37 @@ TEST_F(MapServerNodeTest, GarbageOnEveryChannelIsSurvived) {
   EXPECT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 2), 0)).ok);
 }
 
+// Valid messages with a few wrong bytes: whatever gets through the checks must leave a map that can be stored and read.
+TEST_F(MapServerNodeTest, DamagedMessagesAreSurvived) {
+  const Submap submap = make_submap(kKey, 1, 2);
+  const std::vector<uint8_t> update = encode_message(make_submap_update(submap, 0));
+  map_request_t ask_submap{};
+  ask_submap.requester = "asker";
+  ask_submap.session = kKey.session;
+  ask_submap.submap_id = kKey.id;
+  const std::vector<uint8_t> request = encode_message(ask_submap);
+  const std::vector<uint8_t> track = encode_message(make_track(1, 7, track_t::TRACKING, 1));
+  const auto damaged = [this](std::vector<uint8_t> bytes) {
+    for (size_t i = 0; i < 1 + random_() % 4; ++i)
+      bytes[8 + random_() % (bytes.size() - 8)] = static_cast<uint8_t>(random_());
+    if (random_() % 4 == 0) bytes.resize(random_() % bytes.size());
+    return bytes;
+  };
+  for (int i = 0; i < 1500; ++i) {
+    front_.send("", chunk_t::SUBMAP_UPDATE, 0, damaged(update),
+                [this](const TransferResult& r) { results_.push_back(r); });
+    bus_.publish_raw(channels::kMapRequest, damaged(request));
+    bus_.publish_raw(channels::kTrack, damaged(track));
+    bus_.dispatch();
+  }
+  pass(100);
+  EXPECT_EQ(results_.size(), 1500);
+  EXPECT_TRUE(std::any_of(results_.begin(), results_.end(), [](const TransferResult& r) { return !r.ok; }));
+  node_->finish();
+  expect_same(node_->atlas(), node_->store().load());
+  EXPECT_TRUE(send_and_wait(make_submap_update(make_submap({7, 77}, 1, 2), 0)).ok);
+}
+
 class MapServerNodeOnDisk : public MapServerNodeTest {
  protected:
   MapServerNodeOnDisk() : MapServerNodeTest(folder() / "map.db") {}

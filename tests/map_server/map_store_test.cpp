@@ -136,6 +136,26 @@ TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   EXPECT_THAT(store.write_copy(folder / "absent/copy.db"), HasSubstr("absent/copy.db"));
 }
 
+// A replay must give the same file every time.
+TEST(MapStore, TheSameHistoryGivesTheSameBytes) {
+  std::vector<uint8_t> copies[2];
+  for (std::vector<uint8_t>& copy : copies) {
+    MapStore store(":memory:");
+    Atlas atlas;
+    SubmapMaker maker({7, 1}, 1);
+    for (int i = 0; i < 8; ++i) {
+      maker.step();
+      update_atlas(&atlas, maker.submap());
+      ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+    }
+    std::string error;
+    copy = store.copy_bytes(&error);
+    ASSERT_EQ(error, "");
+  }
+  EXPECT_GT(copies[0].size(), 10'000);
+  EXPECT_EQ(copies[0], copies[1]);
+}
+
 TEST(MapStore, SecondServerOnTheSameFileIsRefusedByName) {
   const TemporaryFolder folder;
   {

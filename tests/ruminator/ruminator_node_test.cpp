@@ -254,6 +254,31 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   EXPECT_EQ(node_->queued().size(), 1);
 }
 
+TEST_F(RuminatorNodeTest, DamagedMessagesAreSurvived) {
+  options_.ring_mb = 2;
+  start();
+  std::mt19937 random(1);
+  const auto damaged = [&random](std::vector<uint8_t> bytes) {
+    for (size_t i = 0; i < 1 + random() % 4; ++i) bytes[8 + random() % 40] = static_cast<uint8_t>(random());
+    if (random() % 4 == 0) bytes.resize(random() % bytes.size());
+    return bytes;
+  };
+  track_t track{};
+  track.state = track_t::TRACKING;
+  for (int i = 0; i < 5000; ++i) {
+    next();
+    track.utime = now_;
+    track.submap_id = i / 50;
+    track.is_keyframe = i % 3 == 0;
+    bus_.publish_raw(channels::kCamera, damaged(encode_message(make_image(now_, i % 2 == 0))));
+    bus_.publish_raw(channels::kTrack, damaged(encode_message(track)));
+    bus_.dispatch();
+    node_->tick(now_);
+    ASSERT_LE(node_->frames().bytes(), 2'000'000);
+  }
+  EXPECT_LE(node_->queued().size(), 16);
+}
+
 TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
   std::vector<std::vector<uint8_t>> runs[2];
   for (auto& run : runs) {
