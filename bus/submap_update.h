@@ -15,10 +15,10 @@ namespace rumi {
 // Everything in the submap that changed after base_revision (0: all of it).
 submap_update_t make_submap_update(const Submap& submap, int64_t base_revision);
 
-// Brings the submap (empty, or an earlier revision of the same one) to update.revision. Returns what is wrong, with field
-// and value, and leaves the submap untouched, if: keys differ; base_revision is beyond the submap's revision; a number is
-// not finite; a count, index or id does not fit; the calibration is bad. An update that is not newer is no error and
-// changes nothing.
+// Brings the submap (empty, or an earlier revision of the same one) to update.revision. Returns what is wrong, with
+// field and value, and leaves the submap untouched, if: keys differ; base_revision is beyond the submap's revision; a
+// number is not finite; a count, index or id does not fit; the calibration is bad. An update that is not newer is no
+// error and changes nothing.
 std::string apply_submap_update(const submap_update_t& update, Submap* submap);
 
 rigid_t to_wire(const SE3& pose);
