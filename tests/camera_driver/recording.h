@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small recordings for the tests, each in a folder of its own that goes away with it.
+#pragma once
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+namespace rumi::testing {
+
+namespace fs = std::filesystem;
+
+class TempFolder {
+ public:
+  TempFolder() {
+    static std::atomic<int> number = 0;
+    path_ = fs::temp_directory_path() / fmt::format("rumi_camera_test_{}_{}", getpid(), number++);
+    fs::create_directories(path_);
+  }
+  ~TempFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  const fs::path& path() const { return path_; }
+  fs::path operator/(const std::string& name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+inline void write(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+inline std::string read(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// A picture that differs for every `number`, with enough structure for a JPEG to have something to damage.
+inline cv::Mat picture(int number, int width = 64, int height = 48, bool colour = false) {
+  cv::Mat out(height, width, colour ? CV_8UC3 : CV_8UC1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width * out.channels(); ++x)
+      out.ptr(y)[x] = static_cast<uint8_t>((x * 7 + y * 13 + number * 29) ^ (x * y));
+  return out;
+}
+
+inline constexpr const char* kCalibration = "fx: 50\nfy: 51\ncx: 32\ncy: 24\nk1: 0.1\nwidth: 64\nheight: 48\nfps: 10\n";
+
+// A TUM-style folder with n images 0.1 s apart, from 1000 s on.
+inline void write_tum(const fs::path& folder, int n, const std::string& extension = ".png") {
+  std::string list = "# seconds file\n";
+  for (int i = 0; i < n; ++i) {
+    const std::string name = fmt::format("rgb/{}{}", i, extension);
+    fs::create_directories(folder / "rgb");
+    cv::imwrite((folder / name).string(), picture(i));
+    list += fmt::format("{}.{}00000 {}\n", 1000 + i / 10, i % 10, name);
+  }
+  write(folder / "rgb.txt", list);
+  write(folder / "calibration.yaml", kCalibration);
+}
+
+}  // namespace rumi::testing
