@@ -12,7 +12,7 @@ namespace rumi {
 namespace {
 
 constexpr double kRow_px = 19, kSample_px = 30;
-const TextStyle kWord{9.5}, kStrong{9.5, {20, 20, 24}, true}, kDetail{8.5, {110, 110, 118}};
+const TextStyle kWord{9.5}, kStrong{9.5, {20, 20, 24}, true}, kDetail{7.5, {110, 110, 118}};
 
 // 12 345
 std::string thousands(int64_t n) {
@@ -40,9 +40,9 @@ void Legend::add_submaps(const Scene& scene, size_t rows_left) {
   const size_t shown = scene.submaps.size() <= rows_left ? scene.submaps.size() : std::max<size_t>(rows_left, 1) - 1;
   for (size_t i = 0; i < shown; ++i) {
     const SubmapView& s = scene.submaps[i];
-    rows_.push_back({Sample::kSubmap, i, fmt::format("submap {}{}", s.id, s.placed ? "" : " (apart)"),
-                     fmt::format("{} frames, {} keyframes, {} landmarks", thousands(s.frames), thousands(s.keyframes),
-                                 thousands(s.landmark_count)),
+    rows_.push_back({Sample::kSubmap, i, fmt::format("submap {}", s.id),
+                     fmt::format("{}{} frames, {} keyframes, {} landmarks", s.placed ? "" : "apart: ",
+                                 thousands(s.frames), thousands(s.keyframes), thousands(s.landmark_count)),
                      false});
   }
   if (shown < scene.submaps.size())

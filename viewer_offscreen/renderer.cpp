@@ -130,6 +130,7 @@ struct PanelStyle {
   double azimuth_rad, elevation_rad;
   double line_px, landmark_px;
   bool frusta;
+  int label_px;  // kept free at the top
 };
 
 // One view of some submaps that share a frame. Returns the length of the grid's cells.
@@ -139,7 +140,8 @@ double draw_view(PlotCanvas& canvas, const Scene& scene, const Views& shown, con
   if (shown.empty()) return 0;
   canvas.clip({panel.x + 1, panel.y + 1, panel.width - 2, panel.height - 2});
   const PrincipalPlane plane = principal_plane(shown);
-  const Projection project(plane, style.azimuth_rad, style.elevation_rad, panel, shown);
+  const cv::Rect below_label(panel.x, panel.y + style.label_px, panel.width, panel.height - style.label_px);
+  const Projection project(plane, style.azimuth_rad, style.elevation_rad, below_label, shown);
   const double step = round_length(plane.extent / 7);
   draw_grid(canvas, plane, step, project);
 
@@ -196,10 +198,10 @@ cv::Mat Renderer::draw(const Scene& scene) {
 
   canvas_.clear(kPaper);
   canvas_.clip({0, 0, kPictureWidth, kPictureHeight});
-  const double step = draw_view(canvas_, scene, placed, kObliquePanel, {-0.55, 0.62, 2.6, 1.0, true});
-  draw_view(canvas_, scene, placed, kTopPanel, {0, M_PI / 2, 1.8, 0.7, false});
+  const double step = draw_view(canvas_, scene, placed, kObliquePanel, {-0.55, 0.62, 2.6, 1.0, true, 0});
+  draw_view(canvas_, scene, placed, kTopPanel, {0, M_PI / 2, 1.8, 0.7, false, 0});
   for (size_t i = 0; i < apart.size(); ++i)
-    draw_view(canvas_, scene, {apart[i]}, apart_panel(i), {0, M_PI / 2, 1.6, 0.6, false});
+    draw_view(canvas_, scene, {apart[i]}, apart_panel(i), {0, M_PI / 2, 1.6, 0.6, false, 20});
   const Legend legend(scene, kLegendPanel);
   legend.draw_samples(canvas_);
 

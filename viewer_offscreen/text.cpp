@@ -13,22 +13,21 @@ constexpr double kCapitalHeight_px = 21;  // of the Hershey font at scale 1
 
 double font_scale(const TextStyle& style) { return PlotCanvas::kScale * style.height_px / kCapitalHeight_px; }
 int thickness(const TextStyle& style) {
-  return std::max(1, static_cast<int>(std::lround(PlotCanvas::kScale * style.height_px * (style.bold ? 0.19 : 0.11))));
+  return std::max(1, static_cast<int>(std::lround(PlotCanvas::kScale * style.height_px * (style.bold ? 0.15 : 0.11))));
 }
-int font(const TextStyle& style) { return style.bold ? cv::FONT_HERSHEY_DUPLEX : cv::FONT_HERSHEY_SIMPLEX; }
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 
 }  // namespace
 
 void draw_text(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style) {
   const cv::Point where(static_cast<int>(std::lround(at.x * PlotCanvas::kScale)),
                         static_cast<int>(std::lround(at.y * PlotCanvas::kScale)));
-  cv::putText(large, text, where, font(style), font_scale(style), cv::Scalar(style.rgb[2], style.rgb[1], style.rgb[0]),
+  cv::putText(large, text, where, kFont, font_scale(style), cv::Scalar(style.rgb[2], style.rgb[1], style.rgb[0]),
               thickness(style), cv::LINE_AA);
 }
 
 double text_width(const std::string& text, const TextStyle& style) {
-  return cv::getTextSize(text, font(style), font_scale(style), thickness(style), nullptr).width /
-         double(PlotCanvas::kScale);
+  return cv::getTextSize(text, kFont, font_scale(style), thickness(style), nullptr).width / double(PlotCanvas::kScale);
 }
 
 std::string fit_text(const std::string& text, double width, const TextStyle& style) {

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer_offscreen/viewer_node.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+
+#include "bus/image_codec.h"
+#include "bus/memory_bus.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+#include "test_map.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Plays map_server with one submap.
+class ViewerNodeTest : public testing::Test {
+ protected:
+  ViewerNodeTest() : sender_(bus_, channels::kMapChunk, channels::kMapAck, "server") {
+    bus_.set_now_us(1'000'000);
+    bus_.subscribe<map_request_t>(channels::kMapRequest, {}, [this](const map_request_t& r) { on_request(r); });
+    bus_.subscribe<image_t>(channels::kViewerImage, {}, [this](const image_t& image) { images_.push_back(image); });
+    std::string name = (fs::temp_directory_path() / "rumi-viewer-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    options_.output = folder_;
+    options_.interval_s = 1;
+  }
+  ~ViewerNodeTest() override { fs::remove_all(folder_); }
+
+  void on_request(const map_request_t& request) {
+    requests_.push_back(request);
+    if (request.what == map_request_t::STATUS) return publish_status();
+    std::vector<uint8_t> payload = encode_message(make_submap_update(submap_, request.base_revision));
+    if (garbage_-- > 0) payload.assign(100, 0xab);
+    sender_.send(request.requester, chunk_t::SUBMAP_UPDATE, request.request_id, payload, [](const TransferResult&) {});
+  }
+  void publish_status() {
+    submap_summary_t summary{};
+    summary.session = 1;
+    summary.submap_id = 1;
+    summary.in_map = true;
+    summary.revision = submap_.revision;
+    summary.map_from_submap = to_wire(Sim3());
+    map_status_t status{};
+    status.utime = bus_.now_us();
+    status.nsubmaps = 1;
+    status.submaps = {summary};
+    bus_.publish(channels::kMapStatus, status);
+  }
+  void publish_tracks() {
+    for (const auto& [utime_us, frame] : submap_.frames) {
+      track_t track{};
+      track.utime = utime_us;
+      track.session = 1;
+      track.state = track_t::TRACKING;
+      track.submap_id = 1;
+      track.cam_from_submap = to_wire(submap_.cam_from_submap(frame));
+      bus_.publish(channels::kTrack, track);
+    }
+  }
+  void run(ViewerNode& node, double seconds) {
+    for (int i = 0; i < seconds * 10; ++i) {
+      bus_.set_now_us(bus_.now_us() + 100'000);
+      bus_.dispatch();
+      sender_.tick(bus_.now_us());
+      node.tick(bus_.now_us());
+    }
+    bus_.dispatch();
+  }
+
+  MemoryBus bus_;
+  ChunkSender sender_;
+  Submap submap_ = make_test_submap(1, 0, 4, test_circle, 800);
+  std::vector<map_request_t> requests_;
+  std::vector<image_t> images_;
+  int garbage_ = 0;
+  std::string folder_;
+  ViewerOptions options_;
+};
+
+int colour_pixels(const image_t& message, const cv::Vec3b& rgb) {
+  std::string error;
+  const cv::Mat picture = decode_bgr(message, &error);
+  EXPECT_EQ(error, "");
+  cv::Mat mask;
+  const cv::Scalar bgr(rgb[2], rgb[1], rgb[0]);
+  cv::inRange(picture, bgr - cv::Scalar::all(30), bgr + cv::Scalar::all(30), mask);  // JPEG
+  return cv::countNonZero(mask);
+}
+
+TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
+  ViewerNode node(bus_, options_);
+  publish_tracks();
+  publish_status();
+  run(node, 3);
+  ASSERT_GE(images_.size(), 1u);
+  EXPECT_EQ(images_.back().width, 1280);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+  EXPECT_TRUE(fs::exists(folder_ + "/trajectory.png"));
+  EXPECT_FALSE(node.status().degraded);
+  // Only what is new is asked for, and nothing when there is nothing new.
+  const size_t asked = requests_.size();
+  publish_status();
+  run(node, 3);
+  EXPECT_EQ(requests_.size(), asked);
+  ++submap_.revision;
+  submap_.touch(submap_.landmarks[0]);
+  publish_status();
+  run(node, 3);
+  ASSERT_EQ(requests_.size(), asked + 1);
+  EXPECT_EQ(requests_.back().base_revision, 1);
+}
+
+TEST_F(ViewerNodeTest, DrawsALastPictureOfTheNewestMap) {
+  options_.interval_s = 1000;
+  ViewerNode node(bus_, options_);
+  publish_tracks();
+  node.finish();
+  EXPECT_FALSE(node.finished());
+  run(node, 2);
+  EXPECT_TRUE(node.finished());
+  ASSERT_EQ(images_.size(), 1u);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+}
+
+TEST_F(ViewerNodeTest, EndsWithoutAMapServer) {
+  MemoryBus lonely;
+  lonely.set_now_us(5);
+  ViewerNode node(lonely, options_);
+  node.finish();
+  for (int i = 1; i < 50; ++i) {
+    lonely.set_now_us(i * 100'000);
+    node.tick(lonely.now_us());
+  }
+  EXPECT_TRUE(node.finished());
+  EXPECT_TRUE(fs::exists(folder_ + "/trajectory.png"));
+}
+
+TEST_F(ViewerNodeTest, GarbageIsRejectedAndAskedForAgain) {
+  garbage_ = 1;
+  ViewerNode node(bus_, options_);
+  publish_status();
+  run(node, 6);
+  EXPECT_GE(requests_.size(), 2u);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+}
+
+TEST_F(ViewerNodeTest, AFolderThatIsNotThereIsReportedAndSurvived) {
+  options_.output = folder_ + "/missing";
+  ViewerNode node(bus_, options_);
+  publish_tracks();
+  publish_status();
+  run(node, 3);
+  EXPECT_TRUE(node.status().degraded);
+  EXPECT_THAT(node.status().detail, testing::HasSubstr("missing"));
+  const size_t before = images_.size();
+  EXPECT_GE(before, 1u);
+  fs::create_directory(options_.output);
+  publish_tracks();
+  run(node, 3);
+  EXPECT_GT(images_.size(), before);
+  EXPECT_FALSE(node.status().degraded);
+}
+
+}  // namespace
+}  // namespace rumi
