@@ -88,16 +88,18 @@ RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> re
 }
 
 std::string RecordedSource::start() {
+  starting_ = true;
   ahead_ = fetch();
-  started_ = true;
+  starting_ = false;
+  have_ahead_ = true;
   if (ahead_ && skipped_.wrong_size == 0) return {};
   if (!first_problem_.empty()) return first_problem_;
   return fmt::format("{}: no image between start {} s and its end; lower --start", name_, options_.start_s);
 }
 
 std::optional<image_t> RecordedSource::next() {
-  if (!started_) return fetch();
-  started_ = false;
+  if (!have_ahead_) return fetch();
+  have_ahead_ = false;
   return std::move(ahead_);
 }
 
@@ -106,6 +108,7 @@ std::optional<image_t> RecordedSource::fetch() {
     // Before loading: an unreadable image leaves a gap, it does not shift the others' times.
     const int64_t utime_us = new_time(stamp->utime_us);
     std::optional<image_t> image = load_checked(*stamp);
+    if (!image && starting_ && skipped_.wrong_size > 0) return std::nullopt;
     if (!image) continue;
     image->utime = utime_us;
     // What an earlier process noted in a log, such as when it was published, is not true of this one.
@@ -182,8 +185,9 @@ std::optional<image_t> RecordedSource::load_checked(const FrameStamp& stamp) {
 // Counts in the first pass only: in a loop the same frames would be counted again and again.
 void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& message) {
   if (pass_ > 0) return;
-  if (first_problem_.empty()) first_problem_ = message;
-  if (++(skipped_.*reason) == 1) spdlog::warn("{}", message);
+  const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start
+  if (first_problem_.empty() || refused) first_problem_ = message;
+  if (++(skipped_.*reason) == 1 && !refused) spdlog::warn("{}", message);
 }
 
 void RecordedSource::report_end() {

@@ -52,7 +52,8 @@ class RecordedSource : public ImageSource {
   FrameSelector selector_;
   int64_t total_ = -1;
   std::optional<image_t> ahead_;
-  bool started_ = false, reported_ = false;
+  bool starting_ = false;  // the first image decides whether the calibration fits
+  bool have_ahead_ = false, reported_ = false;
   std::string first_problem_;
   SkippedFrames skipped_;
   int pass_ = 0;
