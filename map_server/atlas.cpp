@@ -95,7 +95,8 @@ int64_t Atlas::frames_in_map() const {
   for (const auto& [key, owner] : submaps_) {
     if (!owner.in_map) continue;
     for (const auto& [utime_us, frame] : owner.submap.frames)
-      frames += std::none_of(counted.begin(), counted.end(), [&](const Submap* s) { return s->frame(utime_us); });
+      frames += std::none_of(counted.begin(), counted.end(),
+                             [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
     counted.push_back(&owner.submap);
   }
   return frames;
