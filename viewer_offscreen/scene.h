@@ -55,11 +55,11 @@ struct MapPicture {
     std::optional<Sim3> map_from_submap;  // nothing: it is not part of the map
   };
   std::string title = "Rumi";
-  std::vector<Item> submaps;
-  std::vector<int64_t> frame_utimes_us;  // of all frames, ascending, to know the lost ones; may be empty
-  std::map<int64_t, Eigen::Vector3d>
-      groundtruth;            // camera positions by utime_us, in the truth's own gauge; may be empty
-  std::optional<SE3> camera;  // map_from_cam; nothing: the last pose in the map
+  std::vector<Item> submaps = {};
+  std::vector<int64_t> frame_utimes_us = {};  // of all frames, ascending, to know the lost ones; may be empty
+  std::map<int64_t, Eigen::Vector3d> groundtruth =
+      {};                                    // camera positions by utime_us, in the truth's own gauge; may be empty
+  std::optional<SE3> camera = std::nullopt;  // map_from_cam; nothing: the last pose in the map
 };
 
 // Numbers that are not finite are left out. If no submap is placed, the one with most frames stands for the map.

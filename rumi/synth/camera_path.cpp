@@ -90,11 +90,13 @@ CameraPath CameraPath::walk(double seconds, uint64_t seed) {
   for (int i = 0; i < samples; ++i) {
     const double t = i / kSampleHz;
     const double angle = 2 * M_PI * base_hz * t;
-    const double r = 1.25 + 0.25 * radius.at(t);
+    // At its ends the walk keeps to its loop and looks straight outwards: it begins with pure sideways motion.
+    const double free = std::min(1.0, 4 * std::pow(std::sin(M_PI * t / seconds), 2));
+    const double r = 1.25 + 0.25 * free * radius.at(t);
     const Eigen::Vector3d position(r * std::cos(angle) + 0.008 * shake_x.at(t),
                                    0.85 * r * std::sin(angle) + 0.008 * shake_y.at(t),
                                    1.45 + 0.18 * height.at(t) + 0.01 * shake_z.at(t));
-    const double yaw = angle + 0.55 * gaze.at(t) + 0.008 * shake_yaw.at(t);
+    const double yaw = angle + 0.55 * free * gaze.at(t) + 0.008 * shake_yaw.at(t);
     const double pitch = -0.10 + 0.22 * tilt.at(t) + 0.008 * nod.at(t);
     path.times_s_.push_back(kWalkStart_s + t);
     path.poses_.push_back(look(position, yaw, pitch, 0.02 * roll.at(t)));

@@ -11,7 +11,7 @@
 namespace rumi {
 namespace {
 
-constexpr double kSupersampling = 1.3;  // of a picture that is resampled by the lens
+constexpr double kSupersampling = 1.15;  // of a picture that is resampled by the lens
 constexpr int kStock = 1 << 20;
 
 }  // namespace
@@ -25,6 +25,11 @@ Lens::Lens(const Camera& camera) : pinhole_(camera) {
   for (int v = 0; v < camera.height; ++v)
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector3d ray = camera.unproject({u, v});
+      const auto back = camera.project(ray);
+      if (!back || !((*back - Eigen::Vector2d(u, v)).norm() < 0.1))
+        throw std::runtime_error(fmt::format(
+            "camera: its distortion coefficients cannot be inverted at pixel ({}, {}); check k1, k2, p1, p2, k3", u,
+            v));
       rays.at<cv::Vec2d>(v, u) = {ray.x(), ray.y()};
       left = std::min(left, ray.x());
       right = std::max(right, ray.x());

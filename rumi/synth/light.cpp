@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kReach_m = 0.8;  // ambient occlusion looks this far
+constexpr double kReach_m = 0.8;    // ambient occlusion looks this far
+constexpr double kLampReach_m = 9;  // beyond it a lamp does not matter
 
 struct Lamp {
   Vector3d at;
@@ -66,9 +67,12 @@ class Baker {
         near.push_back(&box);
     }
     const Vector3d middle = 0.5 * (part.low + part.high) + Vector3d(0, 0, 0.25 * (part.high.z() - part.low.z()));
+    std::vector<std::vector<const OccluderBox*>> between;
     std::vector<double> visible;
-    if (!part.detailed_light)
-      for (const Lamp& lamp : lamps_) visible.push_back(sees(middle, lamp) ? 1 : 0.35);
+    for (const Lamp& lamp : lamps_) {
+      between.push_back(boxes_between(part, lamp));
+      visible.push_back(part.detailed_light || sees(middle, lamp, between.back()) ? 1 : 0.35);
+    }
     for (uint32_t k = part.first_vertex; k < part.first_vertex + part.vertices; ++k) {
       Vertex& vertex = mesh_.vertices[k];
       if (part.glow > 0) {
@@ -81,8 +85,8 @@ class Baker {
       for (size_t i = 0; i < lamps_.size(); ++i) {
         const Vector3d to = lamps_[i].at - at;
         const double distance = to.norm(), cosine = normal.dot(to) / distance;
-        if (cosine <= 0 || distance > 9) continue;
-        const double shade = part.detailed_light ? (sees(at, lamps_[i]) ? 1.0 : 0.12) : visible[i];
+        if (cosine <= 0 || distance > kLampReach_m) continue;
+        const double shade = part.detailed_light ? (sees(at, lamps_[i], between[i]) ? 1.0 : 0.12) : visible[i];
         light += 0.85 * lamps_[i].strength * shade * std::sqrt(cosine) / (1 + distance * distance / 4);
       }
       vertex.light = static_cast<float>(std::clamp(light, 0.15, 1.25));
@@ -90,13 +94,24 @@ class Baker {
   }
 
  private:
-  bool sees(const Vector3d& at, const Lamp& lamp) const {
+  // Those that could throw the lamp's shadow on the part; none if the lamp is too far to matter.
+  std::vector<const OccluderBox*> boxes_between(const Part& part, const Lamp& lamp) const {
+    std::vector<const OccluderBox*> boxes;
+    if ((lamp.at - lamp.at.cwiseMax(part.low).cwiseMin(part.high)).norm() > kLampReach_m) return boxes;
+    const Vector3d low = part.low.cwiseMin(lamp.at), high = part.high.cwiseMax(lamp.at);
+    for (const OccluderBox& box : mesh_.occluders) {
+      const Vector3d centre = box.box_from_room.center();
+      if ((centre - centre.cwiseMax(low).cwiseMin(high)).norm() < box.half.norm()) boxes.push_back(&box);
+    }
+    return boxes;
+  }
+
+  static bool sees(const Vector3d& at, const Lamp& lamp, const std::vector<const OccluderBox*>& boxes) {
     const Vector3d to = lamp.at - at;
     const double distance = to.norm();
-    if (distance > 9) return false;
-    for (const OccluderBox& box : mesh_.occluders)
-      if (hit(box, at, to / distance) < distance) return false;
-    return true;
+    if (distance > kLampReach_m) return false;
+    return std::none_of(boxes.begin(), boxes.end(),
+                        [&](const OccluderBox* box) { return hit(*box, at, to / distance) < distance; });
   }
 
   // Share of the sky (half sphere) that is not blocked nearby, 0..1.

@@ -102,7 +102,7 @@ struct SequenceRenderer::Impl {
   int sub_exposures(double t) const {
     if (options.exposure_s <= 0) return 1;
     const SE3 move = pose(t - options.exposure_s / 2).inverse() * pose(t + options.exposure_s / 2);
-    constexpr double kTypicalDepth_m = 2.5, kStep_px = 2;
+    constexpr double kTypicalDepth_m = 2.5, kStep_px = 2.5;
     const double px = options.camera.fx * (move.angle_rad() + move.translation.norm() / kTypicalDepth_m);
     return std::clamp(static_cast<int>(std::ceil(px / kStep_px)), 1, options.max_sub_exposures);
   }
