@@ -10,6 +10,7 @@
 
 #include "map_server/output_file.h"
 #include "map_server/writers.h"
+#include "viewer_offscreen/draw_map.h"
 
 namespace rumi {
 namespace {
@@ -69,6 +70,16 @@ Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to)
   MapStore store(received);
   if (const std::string error = store.write_copy(copy_to); !error.empty()) throw std::runtime_error(error);
   return store.load();
+}
+
+MapPicture make_picture(const Atlas& atlas, const std::string& title) {
+  MapPicture picture;
+  picture.title = title;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    picture.submaps.push_back({&owner.submap, owner.in_map ? std::optional(owner.map_from_submap) : std::nullopt});
+  }
+  for (const auto& [utime_us, frame] : atlas.frames()) picture.frame_utimes_us.push_back(utime_us);
+  return picture;
 }
 
 std::string write_run_outputs(const Atlas& atlas, const std::string& folder) { return write_outputs(atlas, folder); }

@@ -8,6 +8,7 @@
 
 #include "map_server/atlas.h"
 #include "map_server/map_store.h"
+#include "viewer_offscreen/scene.h"
 
 namespace rumi {
 
@@ -17,6 +18,9 @@ Atlas load_map(const std::string& file);
 
 // A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
 Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);
+
+// What a picture of the atlas shows; it points into the atlas.
+MapPicture make_picture(const Atlas& atlas, const std::string& title);
 
 // trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
 std::string write_run_outputs(const Atlas& atlas, const std::string& folder);

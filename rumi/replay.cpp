@@ -38,7 +38,9 @@ Replay::Replay(const AllOptions& options, const std::string& input) {
   front_tracker_ = add<FrontTrackerNode>("front_tracker", front_tracker);
   add<RuminatorNode>("ruminator", options.ruminator);
   map_server_ = add<MapServerNode>("map_server", map_server);
-  add<ViewerNode>("viewer_offscreen", options.viewer_offscreen);
+  ViewerOptions viewer = options.viewer_offscreen;
+  viewer.output.clear();
+  add<ViewerNode>("viewer_offscreen", viewer);
 }
 
 Replay::~Replay() = default;
@@ -91,6 +93,8 @@ bool Replay::finish() {
 }
 
 ReplayProgress Replay::progress() { return {frames_, last_utime_us_, front_tracker_->status().detail}; }
+
+const SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }
 
 std::map<std::string, double> Replay::cpu_s() const {
   std::map<std::string, double> cpu_s;

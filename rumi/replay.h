@@ -19,6 +19,7 @@ namespace rumi {
 
 class CameraNode;
 class MeteredBus;
+struct SkippedFrames;
 
 struct ReplayProgress {
   int64_t frames = 0;    // images published
@@ -29,7 +30,7 @@ struct ReplayProgress {
 class Replay {
  public:
   // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no mapping thread, no database file.
+  // to a live system are overruled: no mapping thread, no database file, no picture file.
   Replay(const AllOptions& options, const std::string& input);
   ~Replay();
 
@@ -44,6 +45,7 @@ class Replay {
   MapStore& store() { return map_server_->store(); }
   // CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
+  const SkippedFrames& skipped() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
 
  private:

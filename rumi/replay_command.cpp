@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "camera_driver/options.h"
+#include "camera_driver/image_source.h"
 #include "rumi/all_options.h"
 #include "rumi/commands.h"
 #include "rumi/metered_bus.h"
@@ -66,6 +66,12 @@ ordered_json run_record(const Arguments& arguments, const OptionTable& table, Re
                    {"input", arguments.input},
                    {"options", options_to_json(table.to_yaml())},
                    {"images", frames}};
+  const SkippedFrames& skipped = replay.skipped();
+  run["skipped_images"] = {{"malformed", skipped.malformed},
+                           {"duplicate", skipped.duplicate},
+                           {"out_of_order", skipped.out_of_order},
+                           {"unreadable", skipped.unreadable},
+                           {"wrong_size", skipped.wrong_size}};
   run["counts"] = counts_to_json(count(replay.atlas()));
   run["channels"] = ordered_json::object();
   for (const ChannelCounts& channel : replay.channel_counts()) {

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi view MAP.db -o PNG: a picture of a map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "rumi/commands.h"
+#include "rumi/map_file.h"
+#include "rumi/trajectory.h"
+#include "viewer_offscreen/draw_map.h"
+
+namespace rumi {
+namespace {
+
+struct Arguments {
+  std::string map, out, groundtruth;
+};
+
+std::string view(const Arguments& arguments) {
+  const Atlas atlas = load_map(arguments.map);
+  MapPicture picture = make_picture(atlas, arguments.map);
+  if (!arguments.groundtruth.empty()) {
+    const TrajectoryFile truth = read_groundtruth(arguments.groundtruth);
+    if (!truth.ok()) return truth.error;
+    for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
+  }
+  return write_png(draw_map(picture), arguments.out);
+}
+
+int run(const Arguments& arguments) {
+  std::string error;
+  try {
+    error = view(arguments);
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) return 0;
+  fmt::print(stderr, "rumi view: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("view", "Draw a map");
+  command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
+  command->add_option("-o,--output", arguments->out, "PNG file")->required();
+  command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
+  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace rumi
