@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Running the installed programs as a user does, and reading what they leave.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace rumi {
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  // stdout and stderr
+};
+
+// A shell command; $RUMI is the folder of the executables.
+inline Outcome shell(const std::string& command) {
+  setenv("RUMI", RUMI_BIN_DIR, 1);
+  Outcome outcome;
+  std::FILE* pipe = popen(("( " + command + " ) 2>&1").c_str(), "r");
+  char buffer[4096];
+  for (size_t n; (n = fread(buffer, 1, sizeof(buffer), pipe)) > 0;) outcome.output.append(buffer, n);
+  const int status = pclose(pipe);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+inline std::string read_file(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline nlohmann::json read_json_file(const std::filesystem::path& file) {
+  return nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
+}
+
+inline nlohmann::json evaluate(const std::filesystem::path& out, const std::filesystem::path& truth) {
+  const Outcome outcome =
+      shell("$RUMI/rumi evaluate '" + out.string() + "' --groundtruth '" + truth.string() + "' --json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  return nlohmann::json::parse(outcome.output, nullptr, /*allow_exceptions=*/false);
+}
+
+// A folder of this test program's own, removed at its end.
+class WorkFolder {
+ public:
+  WorkFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "rumi-test-XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+  std::filesystem::path path;
+};
+
+// Renders a sequence of a room with its truth; returns its folder.
+inline std::filesystem::path render(const WorkFolder& work, const std::string& flags) {
+  const std::filesystem::path sequence = work.path / "sequence";
+  const Outcome outcome = shell("$RUMI/rumi synth -q -o '" + sequence.string() + "' " + flags);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  return sequence;
+}
+
+}  // namespace rumi

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The five processes over real LCM multicast. Runs in a network namespace (tests/run_in_netns.sh).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "end_to_end.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class LiveTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    work_ = new WorkFolder;
+    sequence_ = render(*work_, "--seconds 8");
+  }
+  static void TearDownTestSuite() { delete work_; }
+
+  static std::string up(const fs::path& out, const std::string& flags) {
+    return "$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence_.string() + "' --snapshot '" + out.string() +
+           "' --set map_server.database='" + out.string() + "-live.db' --set viewer_offscreen.output='" + out.string() +
+           "-view' " + flags;
+  }
+  static void expect_tracked(const fs::path& out) {
+    const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+    EXPECT_EQ(figures["frames"], 240) << "every image was answered";
+    EXPECT_GE(figures["tracked_frame_ratio"], 0.9);
+    EXPECT_LE(figures["ate_rmse_m"], 0.05);
+  }
+  static WorkFolder* work_;
+  static fs::path sequence_;
+};
+WorkFolder* LiveTest::work_ = nullptr;
+fs::path LiveTest::sequence_;
+
+TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
+  const fs::path out = work_->path / "live";
+  const Outcome outcome = shell(up(out, ""));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  expect_tracked(out);
+  const auto run = read_json_file(out / "run.json");
+  for (const char* process : {"front_tracker", "map_server"}) {
+    ASSERT_TRUE(run["processes"].contains(process)) << run.dump(1);
+  }
+  for (const auto& [process, status] : run["processes"].items()) {
+    for (const auto& [channel, counts] : status["channels"].items()) {
+      EXPECT_EQ(counts["dropped"], 0) << process << " " << channel;
+      EXPECT_EQ(counts["undecodable"], 0) << process << " " << channel;
+    }
+  }
+  EXPECT_TRUE(fs::exists(out.string() + "-view/trajectory.png"));
+}
+
+TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
+  const fs::path out = work_->path / "killed";
+  const Outcome outcome =
+      shell(up(out, "") + " & up=$!; sleep 4; kill -9 $(cat '" + out.string() + "-live.db.lock'); wait $up");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("map_server was ended by signal 9"));
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_GE(figures["tracked_frames"], 216) << "poses travel with the submaps, which are sent until they are stored";
+}
+
+TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
+  const fs::path out = work_->path / "interrupted";
+  const Outcome outcome = shell(up(out, "--loop") +
+                                " & up=$!; sleep 4; kill -INT $up; begin=$(date +%s); wait $up; "
+                                "code=$?; echo \"after $(($(date +%s) - begin)) s\"; exit $code");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, testing::ContainsRegex("after [0-7] s"));
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+  EXPECT_NE(shell("pgrep -f '" + out.string() + "-live.db'").exit_code, 0) << "somebody lives on";
+}
+
+TEST_F(LiveTest, ASnapshotOfNobodySaysSo) {
+  const Outcome outcome = shell("$RUMI/rumi snapshot --timeout 1 -o '" + (work_->path / "nobody").string() + "'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("no map_server answered within 1 s"));
+}
+
+}  // namespace
+}  // namespace rumi

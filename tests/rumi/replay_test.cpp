@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a recording to the outputs, by the executable.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "end_to_end.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class ReplayTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    work_ = new WorkFolder;
+    sequence_ = render(*work_, "--seconds 8");
+  }
+  static void TearDownTestSuite() { delete work_; }
+
+  static Outcome replay(const fs::path& input, const fs::path& out, const std::string& flags = "") {
+    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' -q " + flags);
+  }
+  // All files below a folder, but for run.json, which has times in it.
+  static std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      const std::string name = fs::relative(entry.path(), folder).string();
+      if (entry.is_regular_file() && name != "run.json") files[name] = read_file(entry.path());
+    }
+    return files;
+  }
+  static void expect_same(const fs::path& a, const fs::path& b) {
+    const auto first = contents(a), second = contents(b);
+    ASSERT_EQ(first.size(), second.size());
+    for (const auto& [name, bytes] : first) {
+      ASSERT_TRUE(second.count(name)) << name;
+      EXPECT_TRUE(bytes == second.at(name)) << name << " differs";
+    }
+    auto run_a = read_json_file(a / "run.json"), run_b = read_json_file(b / "run.json");
+    for (const char* varying : {"cpu_ms_per_frame", "cpu_s", "wall_s", "peak_rss_mb"}) {
+      EXPECT_TRUE(run_a.contains(varying)) << varying;
+      run_a.erase(varying), run_b.erase(varying);
+    }
+    EXPECT_EQ(run_a, run_b);
+  }
+  static WorkFolder* work_;
+  static fs::path sequence_;
+};
+WorkFolder* ReplayTest::work_ = nullptr;
+fs::path ReplayTest::sequence_;
+
+TEST_F(ReplayTest, TracksARenderedRoomTheSameToTheBitEveryTime) {
+  const fs::path first = work_->path / "first", second = work_->path / "second";
+  const Outcome outcome = replay(sequence_, first);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  ASSERT_EQ(replay(sequence_, second).exit_code, 0);
+  for (const char* name :
+       {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.db", "map.ply", "trajectory.png", "run.json"}) {
+    EXPECT_TRUE(fs::exists(first / name)) << name;
+  }
+  expect_same(first, second);
+
+  const auto figures = evaluate(first, sequence_ / "groundtruth.txt");
+  EXPECT_EQ(figures["frames"], 240);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.9);
+  EXPECT_GE(figures["true_rate"], 0.9);
+  EXPECT_LE(figures["ate_rmse_m"], 0.05);
+  EXPECT_TRUE(fs::exists(first / "evaluation.png"));
+}
+
+TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
+  const fs::path out = work_->path / "map", model = work_->path / "model";
+  ASSERT_EQ(replay(sequence_, out, "--duration 4").exit_code, 0);
+  const Outcome outcome =
+      shell("$RUMI/rumi export-map '" + (out / "map.db").string() + "' -o '" + model.string() +
+            "' --format tum && $RUMI/rumi export-map '" + (out / "map.db").string() + "' -o '" + model.string() +
+            "' --format colmap-text && colmap model_analyzer --path '" + model.string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(read_file(model / "trajectory.txt"), read_file(out / "trajectory.txt")) << "the database forgot something";
+  EXPECT_THAT(outcome.output, HasSubstr("Registered images"));
+}
+
+TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
+  const auto refused = [&](const fs::path& input, const std::string& flags = "") {
+    const fs::path out = work_->path / "never";
+    const Outcome outcome = replay(input, out, flags);
+    EXPECT_NE(outcome.exit_code, 0) << outcome.output;
+    EXPECT_FALSE(fs::exists(out / "trajectory.txt"));
+    return outcome.output;
+  };
+  EXPECT_THAT(refused(work_->path / "absent"), HasSubstr("absent"));
+
+  const fs::path empty = work_->path / "empty";
+  fs::create_directories(empty);
+  fs::copy(sequence_ / "calibration.yaml", empty / "calibration.yaml");
+  std::ofstream(empty / "rgb.txt") << "# timestamp filename\n";
+  EXPECT_THAT(refused(empty), HasSubstr("rgb.txt"));
+
+  std::ofstream(work_->path / "nan.yaml")
+      << "fx: .nan\nfy: 525\ncx: 320\ncy: 240\nk1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\nwidth: 640\nheight: 480\n";
+  EXPECT_THAT(refused(sequence_, "--camera '" + (work_->path / "nan.yaml").string() + "'"), HasSubstr("fx"));
+  std::ofstream(work_->path / "small.yaml")
+      << "fx: 262\nfy: 262\ncx: 160\ncy: 120\nk1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\nwidth: 320\nheight: 240\n";
+  EXPECT_THAT(refused(sequence_, "--camera '" + (work_->path / "small.yaml").string() + "'"), HasSubstr("320"));
+
+  EXPECT_THAT(refused(sequence_, "--set front_tracker.keypoint=5"), HasSubstr("front_tracker.keypoints"));
+  EXPECT_THAT(refused(sequence_, "--config /no/such.yaml"), HasSubstr("/no/such.yaml"));
+}
+
+TEST_F(ReplayTest, WritesNowhereElse) {
+  const fs::path foreign = work_->path / "foreign";
+  fs::create_directories(foreign);
+  std::ofstream(foreign / "thesis.txt") << "the only copy";
+  const Outcome mixed = replay(sequence_, foreign);
+  EXPECT_EQ(mixed.exit_code, 1);
+  EXPECT_THAT(mixed.output, HasSubstr("choose another folder"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(foreign), {}), 1);
+  EXPECT_EQ(replay(sequence_, "/proc/rumi").exit_code, 1);
+}
+
+TEST(ReplayOfRealImages, Redkitchen) {
+  const char* data = std::getenv("RUMI_DATA_DIR");
+  const fs::path folder = fs::path(data ? data : RUMI_DEFAULT_DATA_DIR) / "redkitchen";
+  if (!fs::exists(folder / "rgb.txt")) GTEST_SKIP() << "NOT TESTED: no " << folder << " (set RUMI_DATA_DIR)";
+  const WorkFolder work;
+  const Outcome outcome = shell("$RUMI/rumi replay '" + folder.string() + "' -q -o '" + work.path.string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto figures = evaluate(work.path, folder / "groundtruth.txt");
+  EXPECT_EQ(figures["frames"], 1000);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.95);
+  EXPECT_LE(figures["ate_rmse_m"], 0.08);
+}
+
+}  // namespace
+}  // namespace rumi
