@@ -40,10 +40,11 @@ void Legend::add_submaps(const Scene& scene, size_t rows_left) {
   const size_t shown = scene.submaps.size() <= rows_left ? scene.submaps.size() : std::max<size_t>(rows_left, 1) - 1;
   for (size_t i = 0; i < shown; ++i) {
     const SubmapView& s = scene.submaps[i];
-    rows_.push_back({Sample::kSubmap, i, fmt::format("submap {}", s.id),
-                     fmt::format("{}{} frames, {} keyframes, {} landmarks", s.placed ? "" : "apart: ",
-                                 thousands(s.frames), thousands(s.keyframes), thousands(s.landmark_count)),
-                     false});
+    const std::string landmarks = thousands(s.landmark_count) + " landmarks";
+    const std::string detail =
+        s.placed ? fmt::format("{} frames, {} keyframes, {}", thousands(s.frames), thousands(s.keyframes), landmarks)
+                 : fmt::format("apart: {} frames, {}", thousands(s.frames), landmarks);
+    rows_.push_back({Sample::kSubmap, i, fmt::format("submap {}", s.id), detail, false});
   }
   if (shown < scene.submaps.size())
     rows_.push_back({Sample::kNone, 0, fmt::format("and {} more submaps", scene.submaps.size() - shown), "", false});

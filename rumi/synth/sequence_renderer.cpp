@@ -20,7 +20,7 @@ constexpr double kRamp_s = 0.25;                // a hard passage comes and goes
 constexpr double kTurn_rad = 110 * M_PI / 180;  // of a hard rotation, there and back
 constexpr double kBlurPx = 5.0;                 // standard deviation out of focus, at 640 pixels of width
 constexpr double kDarkGain = 0.035;
-constexpr double kExposureGain = 1.35;
+constexpr double kExposureGain = 1.2;
 
 // How much of a hard passage is on at t seconds after the first frame: 0 .. 1.
 double amount(const HardPassage& passage, double t) {
