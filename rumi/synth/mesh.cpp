@@ -23,12 +23,12 @@ void MeshBuilder::begin_part(bool detailed_light, float glow) {
   mesh_.parts.push_back(part);
 }
 
-uint32_t MeshBuilder::vertex(const Eigen::Vector3d& room, const Eigen::Vector3d& normal, const Atlas::Patch& patch,
-                             double u, double v, const Palette& palette) {
+uint32_t MeshBuilder::vertex(const Eigen::Vector3d& room, const Eigen::Vector3d& normal,
+                             const TextureAtlas::Patch& patch, double u, double v, const Palette& palette) {
   Vertex out{};
   for (int i = 0; i < 3; ++i) out.position[i] = static_cast<float>(room[i]);
-  out.uv[0] = static_cast<float>((patch.px.x + u * patch.px.width) / Atlas::kSize);
-  out.uv[1] = static_cast<float>((patch.px.y + v * patch.px.height) / Atlas::kSize);
+  out.uv[0] = static_cast<float>((patch.px.x + u * patch.px.width) / TextureAtlas::kSize);
+  out.uv[1] = static_cast<float>((patch.px.y + v * patch.px.height) / TextureAtlas::kSize);
   out.layer = static_cast<float>(patch.layer);
   out.light = 1;
   copy_colour(palette.dark, out.dark);
@@ -39,17 +39,17 @@ uint32_t MeshBuilder::vertex(const Eigen::Vector3d& room, const Eigen::Vector3d&
   return static_cast<uint32_t>(mesh_.vertices.size() - 1);
 }
 
-Atlas::Patch MeshBuilder::paint_patch(const Look& look, double width_m, double height_m) {
-  const double px_per_m = std::min(look.px_per_m, Atlas::kMaxPatch / std::max(width_m, height_m));
+TextureAtlas::Patch MeshBuilder::paint_patch(const Look& look, double width_m, double height_m) {
+  const double px_per_m = std::min(look.px_per_m, TextureAtlas::kMaxPatch / std::max(width_m, height_m));
   const auto px = [&](double metres) {
-    return std::clamp(static_cast<int>(metres * px_per_m + 0.5), 6, Atlas::kMaxPatch);
+    return std::clamp(static_cast<int>(metres * px_per_m + 0.5), 6, TextureAtlas::kMaxPatch);
   };
   return mesh_.atlas.add(paint(look.material, {px(width_m), px(height_m)}, px_per_m, rng));
 }
 
 void MeshBuilder::quad(const SE3& room_from_local, const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
                        const Eigen::Vector3d& v, const Look& look, double cell_m) {
-  const Atlas::Patch patch = paint_patch(look, u.norm(), v.norm());
+  const TextureAtlas::Patch patch = paint_patch(look, u.norm(), v.norm());
   const Eigen::Vector3d normal = room_from_local.rotation * v.cross(u).normalized();
   const int nu = std::max(1, static_cast<int>(std::ceil(u.norm() / cell_m)));
   const int nv = std::max(1, static_cast<int>(std::ceil(v.norm() / cell_m)));
@@ -84,7 +84,7 @@ void MeshBuilder::box(const SE3& room_from_local, const Eigen::Vector3d& center,
 }
 
 void MeshBuilder::leaf(const SE3& room_from_local, const Eigen::Vector3d& base, const Eigen::Vector3d& along,
-                       const Eigen::Vector3d& across, const Atlas::Patch& patch, const Palette& palette) {
+                       const Eigen::Vector3d& across, const TextureAtlas::Patch& patch, const Palette& palette) {
   const Eigen::Vector3d droop(0, 0, -0.25 * along.norm());
   struct Corner {
     double a, b;

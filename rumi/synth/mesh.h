@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "rumi/synth/atlas.h"
 #include "rumi/synth/painter.h"
+#include "rumi/synth/texture_atlas.h"
 #include "slam/geometry/transform.h"
 
 namespace rumi {
@@ -40,7 +40,7 @@ struct Mesh {
   std::vector<uint32_t> indices;
   std::vector<Part> parts;
   std::vector<OccluderBox> occluders;
-  Atlas atlas;
+  TextureAtlas atlas;
 };
 
 struct Look {
@@ -65,16 +65,16 @@ class MeshBuilder {
            bool underside = false);
   // A leaf from `base` along `along` with its width `across`, both sides.
   void leaf(const SE3& room_from_local, const Eigen::Vector3d& base, const Eigen::Vector3d& along,
-            const Eigen::Vector3d& across, const Atlas::Patch& patch, const Palette& palette);
-  Atlas::Patch paint_patch(const Look& look, double width_m, double height_m);
+            const Eigen::Vector3d& across, const TextureAtlas::Patch& patch, const Palette& palette);
+  TextureAtlas::Patch paint_patch(const Look& look, double width_m, double height_m);
   Mesh finish();
 
   cv::RNG rng;
   double uniform(double low, double high) { return rng.uniform(low, high); }
 
  private:
-  uint32_t vertex(const Eigen::Vector3d& room, const Eigen::Vector3d& normal, const Atlas::Patch& patch, double u,
-                  double v, const Palette& palette);
+  uint32_t vertex(const Eigen::Vector3d& room, const Eigen::Vector3d& normal, const TextureAtlas::Patch& patch,
+                  double u, double v, const Palette& palette);
   Mesh mesh_;
   double px_per_m_;
 };

@@ -60,11 +60,11 @@ Eigen::Matrix4d clip_from_camera(const Camera& c) {
 }
 
 void upload_textures(const std::vector<cv::Mat>& layers) {
-  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8, Atlas::kSize, Atlas::kSize, static_cast<GLsizei>(layers.size()), 0,
-               GL_RG, GL_UNSIGNED_BYTE, nullptr);
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8, TextureAtlas::kSize, TextureAtlas::kSize,
+               static_cast<GLsizei>(layers.size()), 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
   for (size_t i = 0; i < layers.size(); ++i)
-    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), Atlas::kSize, Atlas::kSize, 1, GL_RG,
-                    GL_UNSIGNED_BYTE, layers[i].data);
+    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), TextureAtlas::kSize, TextureAtlas::kSize, 1,
+                    GL_RG, GL_UNSIGNED_BYTE, layers[i].data);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, kMipLevels);
   glGenerateMipmap(GL_TEXTURE_2D_ARRAY);
   glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);

@@ -213,7 +213,7 @@ class Furnisher {
   void surface(const SE3& frame, const Vector3d& corner, const Vector3d& u, const Vector3d& v, Look look) {
     look.px_per_m = surface_px_per_m_;
     const auto pieces = [&](double metres) {
-      return std::max(1, static_cast<int>(std::ceil(metres * surface_px_per_m_ / Atlas::kMaxPatch)));
+      return std::max(1, static_cast<int>(std::ceil(metres * surface_px_per_m_ / TextureAtlas::kMaxPatch)));
     };
     const int nu = pieces(u.norm()), nv = pieces(v.norm());
     for (int i = 0; i < nu; ++i)

@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-class Atlas {
+class TextureAtlas {
  public:
   static constexpr int kSize = 4096;      // pixels, width and height of a layer
   static constexpr int kMaxPatch = 4000;  // pixels, width or height of a picture

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/synth/atlas.h"
+#include "rumi/synth/texture_atlas.h"
 
 #include <opencv2/imgproc.hpp>
 
 namespace rumi {
 
-Atlas::Shelf* Atlas::find_shelf(cv::Size size) {
+TextureAtlas::Shelf* TextureAtlas::find_shelf(cv::Size size) {
   for (Shelf& shelf : shelves_)
     if (shelf.used + size.width <= kSize && size.height <= shelf.height && size.height * 5 > shelf.height * 4)
       return &shelf;
@@ -21,7 +21,7 @@ Atlas::Shelf* Atlas::find_shelf(cv::Size size) {
   }
 }
 
-Atlas::Patch Atlas::add(const cv::Mat& picture) {
+TextureAtlas::Patch TextureAtlas::add(const cv::Mat& picture) {
   const int gutter = std::min(picture.cols, picture.rows) > 300 ? 16 : 4;
   cv::Mat padded;
   cv::copyMakeBorder(picture, padded, gutter, gutter, gutter, gutter, cv::BORDER_REPLICATE);
