@@ -43,12 +43,11 @@ ordered_json or_null(const std::optional<T>& value) {
   return value ? ordered_json(*value) : ordered_json();
 }
 
-// The CPU times of the run, if it recorded them: their absence is no reason not to evaluate the trajectory.
-ordered_json read_cpu(const fs::path& run_json) {
+// What the run said of itself; its absence is no reason not to evaluate the trajectory.
+ordered_json read_run(const fs::path& run_json) {
   std::ifstream in(run_json);
-  const ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
-  if (!run.is_object() || !run.contains("cpu_ms_per_frame") || !run["cpu_ms_per_frame"].is_object()) return {};
-  return run["cpu_ms_per_frame"];
+  ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
+  return run.is_object() ? run : ordered_json::object();
 }
 
 // Returns what is wrong, or nothing.
@@ -75,9 +74,13 @@ std::string load_and_evaluate(const Arguments& arguments, Evaluation* evaluation
     evaluation->submaps.push_back(
         {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, arguments.metrics)});
   }
-  evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, arguments.metrics);
+  const ordered_json run = read_run(out / "run.json");
+  const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
+  evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, arguments.metrics, images);
   evaluation->truth = std::move(truth.poses);
-  evaluation->cpu_ms_per_frame = read_cpu(out / "run.json");
+  if (run.contains("cpu_ms_per_frame") && run["cpu_ms_per_frame"].is_object()) {
+    evaluation->cpu_ms_per_frame = run["cpu_ms_per_frame"];
+  }
   return "";
 }
 

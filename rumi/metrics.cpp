@@ -117,12 +117,12 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
 
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
                         const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
-                        const MetricOptions& options) {
+                        const MetricOptions& options, int images) {
   RunMetrics metrics;
   metrics.map = evaluate_trajectory(map, truth, options);
   std::set<int64_t> times;
   for (const InputFrame& frame : frames) times.insert(frame.utime_us);
-  metrics.frames = static_cast<int>(times.size());
+  metrics.frames = std::max(images, static_cast<int>(times.size()));
   if (times.empty()) return metrics;
 
   const double all = metrics.frames;

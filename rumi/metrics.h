@@ -59,8 +59,9 @@ struct RunMetrics {
 };
 
 // submaps: the trajectories of all submaps, each in its own frame. Poses at times that are no frame's do not count.
+// images: how many there were, if that is more than frames: a live run may have had no time for some.
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
                         const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
-                        const MetricOptions& options = {});
+                        const MetricOptions& options = {}, int images = 0);
 
 }  // namespace rumi

@@ -16,12 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-bool is_own_run(const fs::path& run_json) {
-  std::ifstream in(run_json);
-  const ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
-  return run.is_object() && run.value("program", ordered_json()) == "rumi";
-}
-
 ordered_json to_json(const YAML::Node& node) {
   if (node.IsMap()) {
     ordered_json object = ordered_json::object();
@@ -42,7 +36,14 @@ ordered_json to_json(const YAML::Node& node) {
 
 }  // namespace
 
-std::string prepare_output_folder(const std::string& folder) {
+ordered_json read_run_json(const std::string& folder) {
+  std::ifstream in(fs::path(folder) / "run.json");
+  ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
+  const bool ours = run.is_object() && run.value("program", ordered_json()) == "rumi";
+  return ours ? run : ordered_json();
+}
+
+std::string check_output_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
@@ -50,13 +51,18 @@ std::string prepare_output_folder(const std::string& folder) {
   }
   const bool empty = fs::is_empty(folder, error);
   if (error) return fmt::format("{}: cannot be read: {}", folder, error.message());
-  if (!empty && !is_own_run(fs::path(folder) / "run.json")) {
+  if (!empty && read_run_json(folder).is_null()) {
     return fmt::format(
         "{}: holds files that are not of an earlier run of rumi (no run.json of ours): "
         "choose another folder, or empty this one",
         folder);
   }
-  return write_run_json(folder, {{"finished", false}});
+  return "";
+}
+
+std::string prepare_output_folder(const std::string& folder) {
+  std::string error = check_output_folder(folder);
+  return error.empty() ? write_run_json(folder, {{"finished", false}}) : error;
 }
 
 std::string write_run_json(const std::string& folder, const ordered_json& run) {

@@ -7,9 +7,14 @@
 
 namespace rumi {
 
-// Makes the folder, or finds that it is empty or holds an earlier run, and puts an unfinished run.json there: what
-// cannot be written is to be known before an hour of work, not after it. Returns what is wrong, or nothing.
+// Makes the folder, or finds that it is empty or holds an earlier run. Returns what is wrong, or nothing.
+std::string check_output_folder(const std::string& folder);
+// The same, and puts an unfinished run.json there: what cannot be written is to be known before an hour of work, not
+// after it.
 std::string prepare_output_folder(const std::string& folder);
+
+// Null if there is none that is ours.
+nlohmann::ordered_json read_run_json(const std::string& folder);
 
 // Replaces run.json. "program" and "version" are added. Returns what is wrong, or nothing.
 std::string write_run_json(const std::string& folder, const nlohmann::ordered_json& run);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
@@ -22,6 +23,7 @@ struct Arguments {
   std::string out, lcm_url = kDefaultLcmUrl;
   ChannelNames names;
   double timeout_s = 10;
+  bool update = false;
 };
 
 constexpr double kListenS = 1.5;  // every process tells its status once a second
@@ -38,45 +40,68 @@ nlohmann::ordered_json to_json(const process_status_t& status) {
           {"channels", channels}};
 }
 
-nlohmann::ordered_json run_record(const Arguments& arguments, const Atlas& atlas, const SnapshotResult& snapshot) {
+// How many images reached front_tracker, those included that it had no time for: the map knows nothing of the latter.
+std::optional<int64_t> images_of(const nlohmann::ordered_json& processes) {
+  const nlohmann::ordered_json::json_pointer received("/front_tracker/channels/CAMERA/received");
+  if (!processes.contains(received)) return std::nullopt;
+  return processes[received].get<int64_t>();
+}
+
+nlohmann::ordered_json run_record(const Arguments& arguments, const Atlas& atlas,
+                                  const nlohmann::ordered_json& processes) {
   nlohmann::ordered_json run{{"finished", true}, {"command", "snapshot"}, {"lcm_url", arguments.lcm_url}};
   run["counts"] = counts_to_json(count(atlas));
-  run["processes"] = nlohmann::ordered_json::object();
-  nlohmann::ordered_json cpu = nlohmann::ordered_json::object();
-  for (const auto& [name, status] : snapshot.processes) {
-    run["processes"][name] = to_json(status);
-    if (!atlas.frames().empty()) cpu[name] = status.cpu_s * 1e3 / static_cast<double>(atlas.frames().size());
+  run["processes"] = processes;
+  if (const auto images = images_of(processes)) run["images"] = *images;
+  run["cpu_ms_per_frame"] = nlohmann::ordered_json::object();
+  for (const auto& [name, status] : processes.items()) {
+    if (atlas.frames().empty() || !status.contains("cpu_s")) continue;
+    run["cpu_ms_per_frame"][name] = status["cpu_s"].get<double>() * 1e3 / static_cast<double>(atlas.frames().size());
   }
-  run["cpu_ms_per_frame"] = cpu;
   return run;
 }
 
-void print_processes(const std::map<std::string, process_status_t>& processes) {
+// What is known of each process: what was heard now, or, with --update, what the earlier snapshot heard of those that
+// have ended since.
+nlohmann::ordered_json known_processes(const Arguments& arguments, const SnapshotResult& snapshot) {
+  nlohmann::ordered_json processes = nlohmann::ordered_json::object();
+  if (arguments.update) {
+    const nlohmann::ordered_json earlier = read_run_json(arguments.out);
+    if (earlier.contains("processes")) processes = earlier["processes"];
+  }
+  for (const auto& [name, status] : snapshot.processes) processes[name] = to_json(status);
+  return processes;
+}
+
+void print_processes(const nlohmann::ordered_json& processes) {
   fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8}{:>9}\n", "process", "received", "dropped", "undecodable", "CPU %", "MB");
-  for (const auto& [name, status] : processes) {
+  for (const auto& [name, status] : processes.items()) {
     int64_t received = 0, dropped = 0, undecodable = 0;
-    for (const channel_count_t& channel : status.channels) {
-      received += channel.received, dropped += channel.dropped, undecodable += channel.undecodable;
+    for (const auto& [channel, counts] : status["channels"].items()) {
+      received += counts["received"].get<int64_t>();
+      dropped += counts["dropped"].get<int64_t>();
+      undecodable += counts["undecodable"].get<int64_t>();
     }
-    const double running_s = std::max(1e-3, static_cast<double>(status.utime - status.started_utime) * 1e-6);
+    const double running_s = std::max(1e-3, status["running_s"].get<double>());
     fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8.1f}{:>9.1f}\n", name, received, dropped, undecodable,
-               100 * status.cpu_s / running_s, static_cast<double>(status.rss_bytes) / 1e6);
+               100 * status["cpu_s"].get<double>() / running_s, status["rss_mb"].get<double>());
   }
 }
 
 std::string take_snapshot(const Arguments& arguments) {
-  if (std::string error = prepare_output_folder(arguments.out); !error.empty()) return error;
-  std::string error;
+  std::string error = check_output_folder(arguments.out);
+  if (!error.empty()) return error;
   const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
   if (!bus) return error;
   const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
   if (!snapshot.error.empty()) return snapshot.error;
+  const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
   const Atlas atlas = load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string());
   error = write_run_outputs(atlas, arguments.out);
-  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, snapshot));
+  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, processes));
   if (error.empty()) {
     print_summary(count(atlas), arguments.out);
-    print_processes(snapshot.processes);
+    print_processes(processes);
   }
   return error;
 }
@@ -104,6 +129,7 @@ void add_snapshot_command(CLI::App& app, std::function<int()>* chosen) {
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
   command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 

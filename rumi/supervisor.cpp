@@ -206,7 +206,7 @@ void Supervisor::stop_all(const std::function<void()>& before_last_stage) {
   }
 }
 
-std::string Supervisor::run(const std::atomic<bool>& stop, const std::function<void()>& before_last_stage) {
+std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {
     if (!start(child)) reason = fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
@@ -223,7 +223,8 @@ std::string Supervisor::run(const std::atomic<bool>& stop, const std::function<v
       reason = watch(&source_ended);
     }
   }
-  stop_all(reason.empty() ? before_last_stage : nullptr);
+  if (reason.empty() && hooks.before_stop) hooks.before_stop();
+  stop_all(reason.empty() ? hooks.before_last_stage : nullptr);
   return reason;
 }
 

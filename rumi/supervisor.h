@@ -39,9 +39,14 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  // Runs until the source ends, *stop becomes true, or a process cannot be kept alive. before_last_stage runs while
-  // only the last stage is alive (to ask it for what it knows). Returns an empty string, or why it was given up.
-  std::string run(const std::atomic<bool>& stop, const std::function<void()>& before_last_stage = {});
+  // What to do on the way to the end, unless all was given up.
+  struct Hooks {
+    std::function<void()> before_stop;        // everybody is alive
+    std::function<void()> before_last_stage;  // only the last stage is
+  };
+  // Runs until the source ends, stop becomes true, or a process cannot be kept alive. Returns an empty string, or why
+  // it was given up.
+  std::string run(const std::atomic<bool>& stop, const Hooks& hooks);
 
   int restarts() const { return restarts_; }
 

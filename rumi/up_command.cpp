@@ -88,8 +88,9 @@ std::vector<ChildProcess> processes(const UpOptions& up, const std::string& conf
   return children;
 }
 
-void take_snapshot(const UpOptions& up, const std::string& out) {
+void take_snapshot(const UpOptions& up, const std::string& out, bool update) {
   std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
+  if (update) command.push_back("--update");
   if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
   if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
   ChildProcess child{"snapshot", command, true, 0};
@@ -101,7 +102,7 @@ void take_snapshot(const UpOptions& up, const std::string& out) {
     fmt::print(stderr, "{:>16}| {}\n", name, line);
   });
   const std::atomic<bool> never = false;
-  if (const std::string reason = supervisor.run(never); !reason.empty()) throw std::runtime_error(reason);
+  if (const std::string reason = supervisor.run(never, {}); !reason.empty()) throw std::runtime_error(reason);
 }
 
 int up(const Arguments& arguments) {
@@ -128,18 +129,22 @@ int up(const Arguments& arguments) {
     Supervisor supervisor(
         processes(options.up, config.file(), arguments.camera_flags), supervision,
         [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
-    std::function<void()> snapshot;
+    // Once while everybody can still say how it went, and once when the last poses have arrived.
+    Supervisor::Hooks hooks;
     std::string snapshot_error;
+    const auto snapshot = [&](bool update) {
+      try {
+        take_snapshot(options.up, arguments.snapshot, update);
+        snapshot_error.clear();
+      } catch (const std::exception& e) {
+        snapshot_error = e.what();
+      }
+    };
     if (!arguments.snapshot.empty()) {
-      snapshot = [&] {
-        try {
-          take_snapshot(options.up, arguments.snapshot);
-        } catch (const std::exception& e) {
-          snapshot_error = e.what();
-        }
-      };
+      hooks.before_stop = [&] { snapshot(false); };
+      hooks.before_last_stage = [&] { snapshot(true); };
     }
-    error = supervisor.run(g_stop, snapshot);
+    error = supervisor.run(g_stop, hooks);
     if (error.empty()) error = snapshot_error;
   } catch (const std::exception& e) {
     error = e.what();

@@ -138,6 +138,15 @@ TEST(RunMetricsTest, RatesCountFramesNotPoses) {
   EXPECT_NEAR(metrics.true_rate.value(), 0.50, 1e-12);
 }
 
+TEST(RunMetricsTest, ImagesThatNobodyHadTimeForCountAsFrames) {
+  const auto truth = walk(100);
+  const auto metrics = evaluate_run(truth, {truth}, frames_of(truth), truth, {}, 200);
+  EXPECT_EQ(metrics.frames, 200);
+  EXPECT_NEAR(metrics.tracked_frame_ratio.value(), 0.5, 1e-12);
+  EXPECT_NEAR(metrics.true_rate.value(), 0.5, 1e-12);
+  EXPECT_NEAR(metrics.submap_frame_ratio.value(), 0.5, 1e-12);
+}
+
 TEST(RunMetricsTest, TrueRateIsNotImprovedByGuesses) {
   const auto truth = walk(1000);
   auto guessed = truth;

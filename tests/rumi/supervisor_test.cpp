@@ -41,7 +41,7 @@ class SupervisorTest : public testing::Test {
       if (line == "stop") stop_ = true;
     });
     const auto begin = steady_clock::now();
-    std::string reason = supervisor.run(stop_, before_last_stage);
+    std::string reason = supervisor.run(stop_, {[this] { before_stop_ = true; }, before_last_stage});
     duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
     restarts_ = supervisor.restarts();
     return reason;
@@ -50,6 +50,7 @@ class SupervisorTest : public testing::Test {
   std::vector<std::pair<std::string, std::string>> lines_;
   milliseconds duration_{0};
   int restarts_ = 0;
+  bool before_stop_ = false;
 };
 
 TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
@@ -61,6 +62,7 @@ TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
   EXPECT_THAT(lines_, Contains(Pair("camera", "three"))) << "a last line without an end";
   EXPECT_THAT(lines_, Contains(Pair("server", "bye"))) << "it was asked to end, not killed";
   EXPECT_EQ(restarts_, 0);
+  EXPECT_TRUE(before_stop_);
 }
 
 TEST_F(SupervisorTest, StartsWhatDiesAgain) {
@@ -84,6 +86,7 @@ TEST_F(SupervisorTest, GivesUpOnWhatNeverStarts) {
 
 TEST_F(SupervisorTest, GivesUpAtOnceOnAWrongCommandLine) {
   EXPECT_THAT(run({shell("server", "exit 2")}), HasSubstr("wrong command line"));
+  EXPECT_FALSE(before_stop_) << "there is nobody to ask";
   EXPECT_EQ(restarts_, 0);
 }
 
