@@ -82,7 +82,10 @@ MapPicture make_picture(const Atlas& atlas, const std::string& title) {
   return picture;
 }
 
-std::string write_run_outputs(const Atlas& atlas, const std::string& folder) { return write_outputs(atlas, folder); }
+std::string write_run_outputs(const Atlas& atlas, const std::string& folder) {
+  if (std::string error = write_outputs(atlas, folder); !error.empty()) return error;
+  return write_png(draw_map(make_picture(atlas, "Rumi")), (fs::path(folder) / "trajectory.png").string());
+}
 
 AtlasCounts count(const Atlas& atlas) {
   AtlasCounts counts;
