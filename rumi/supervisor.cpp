@@ -161,8 +161,9 @@ std::string Supervisor::watch(bool* source_ended) {
       }
       if (std::string reason = on_death(child, status); !reason.empty()) return reason;
     } else if (child.pid == 0 && !(child.process.source && *source_ended) && Clock::now() >= child.restart_at) {
+      const bool again = child.started != Clock::time_point();
       if (!start(child)) return fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
-      ++restarts_;
+      restarts_ += again;
     }
   }
   return "";
@@ -209,7 +210,10 @@ void Supervisor::stop_all(const std::function<void()>& before_last_stage) {
 std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {
-    if (!start(child)) reason = fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
+    child.restart_at = Clock::now() + options_.source_delay;
+    if (!child.process.source && !start(child)) {
+      reason = fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
+    }
   }
   bool source_ended = false;
   while (!stop && !source_ended && reason.empty()) {

@@ -21,6 +21,7 @@ struct ChildProcess {
 };
 
 struct SupervisorOptions {
+  std::chrono::milliseconds source_delay{1000};  // of the source's start: the others are to hear all of it
   std::chrono::milliseconds restart_delay{500};  // before the first restart; doubles up to the next one
   std::chrono::milliseconds restart_delay_max{10000};
   std::chrono::milliseconds failed_start{2000};   // dead within this time: it did not start

@@ -95,6 +95,7 @@ void take_snapshot(const UpOptions& up, const std::string& out, bool update) {
   if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
   ChildProcess child{"snapshot", command, true, 0};
   SupervisorOptions once;
+  once.source_delay = std::chrono::milliseconds(0);
   once.max_failed_starts = 1;
   once.failed_start = std::chrono::hours(1);
   once.settle = std::chrono::milliseconds(0);

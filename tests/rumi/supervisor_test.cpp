@@ -23,6 +23,7 @@ ChildProcess shell(const std::string& name, const std::string& script) {
 
 SupervisorOptions quick() {
   SupervisorOptions options;
+  options.source_delay = milliseconds(0);
   options.restart_delay = milliseconds(20);
   options.failed_start = milliseconds(0);  // every start counts as a good one
   options.settle = milliseconds(50);
@@ -63,6 +64,18 @@ TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
   EXPECT_THAT(lines_, Contains(Pair("server", "bye"))) << "it was asked to end, not killed";
   EXPECT_EQ(restarts_, 0);
   EXPECT_TRUE(before_stop_);
+}
+
+TEST_F(SupervisorTest, StartsItsSourceLast) {
+  SupervisorOptions options = quick();
+  options.source_delay = milliseconds(300);
+  ChildProcess source = shell("camera", "echo image");
+  source.source = true;
+  EXPECT_EQ(run({source, shell("server", "echo ready; sleep 10")}, options), "");
+  ASSERT_GE(lines_.size(), 2u);
+  EXPECT_EQ(lines_[0].second, "ready");
+  EXPECT_EQ(lines_[1].second, "image");
+  EXPECT_EQ(restarts_, 0);
 }
 
 TEST_F(SupervisorTest, StartsWhatDiesAgain) {
