@@ -36,6 +36,7 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
   t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
         10, 1000);
+  t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
   t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
   t.add(s + "local_keyframes", &r.local_keyframes, "", "whose landmarks are looked for in a frame", 1, 200);
 

@@ -31,7 +31,8 @@ struct TrackingOptions {
   int local_keyframes = 25;      // whose landmarks are looked for
   double recently_lost_s = 1.0;  // only relocalization is tried; after it a new submap is begun
   int relocalization_min_inliers = 40;
-  int relocalization_candidates = 5;  // keyframes that are compared in full, per frame
+  double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view
+  int relocalization_candidates = 5;      // keyframes that are compared in full, per frame
 };
 
 struct KeyframeOptions {

@@ -69,16 +69,24 @@ bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* 
     if (neighbours++ == 10) break;
     collect(id);
   }
+  size_t in_view = 0;
   for (const double radius : {2.0 * options_.local_radius_px, options_.local_radius_px}) {
     std::set<int> matched(found.landmark_ids.begin(), found.landmark_ids.end());
+    matched.erase(kNone);
     std::vector<const Landmark*> landmarks;
     for (int id : near)
       if (!matched.contains(id)) landmarks.push_back(submap.map.landmark(id));
+    std::vector<int> visible;
     search_by_projection(camera_, landmarks, {.radius_px = radius, .max_distance = options_.max_distance},
-                         submap.octave_scales, &found);
+                         submap.octave_scales, &found, &visible);
+    in_view = matched.size() + visible.size();
     if (refine_pose(camera_, submap.map, submap.octave_scales, &found) == 0) return false;
   }
-  if (found.matches() < options_.relocalization_min_inliers) return false;
+  const int inliers = found.matches();
+  if (inliers < options_.relocalization_min_inliers) return false;
+  // Most of what should be in view must be there: a few dozen agreeing by chance or at the rim of the image are no
+  // proof.
+  if (inliers < options_.relocalization_min_ratio * static_cast<double>(in_view)) return false;
   found.reference_keyframe = keyframe_id;
   *frame = std::move(found);
   return true;

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/front_tracker_node.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "bus/camera_file.h"
+#include "bus/image_codec.h"
+#include "bus/memory_bus.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/track_t.hpp"
+#include "rumi/synth/sequence_renderer.h"
+
+namespace rumi {
+namespace {
+
+// A front_tracker on a bus, with a stand-in for map_server that applies every update.
+class Fixture : public testing::Test {
+ protected:
+  Fixture()
+      : receiver_(bus_, channels::kSubmap, channels::kSubmapAck, "server", true,
+                  [this](const auto& p) { return store(p); }) {
+    FrontTrackerOptions options;
+    options.mapping_thread = false;
+    node_ = std::make_unique<FrontTrackerNode>(bus_, options);
+    bus_.subscribe<track_t>(channels::kTrack, {}, [this](const track_t& t) { tracks_.push_back(t); });
+  }
+
+  ChunkReceiver::Verdict store(const ChunkReceiver::Payload& payload) {
+    submap_update_t update;
+    EXPECT_TRUE(Bus::decode(std::span<const uint8_t>(payload.bytes), &update));
+    Submap& copy = copies_[{update.session, update.submap_id}];
+    const std::string error = apply_submap_update(update, &copy);
+    EXPECT_EQ(error, "");
+    return {error.empty(), error, copy.revision};
+  }
+
+  image_t image(int64_t utime_us, const cv::Mat& grey, bool calibrated = true) {
+    image_t message = make_jpeg_image(utime_us, grey);
+    if (calibrated) set_metadata(&message, kCalibrationKey, camera_to_yaml(camera_));
+    return message;
+  }
+
+  void give(const image_t& message) {
+    bus_.set_now_us(std::max(bus_.now_us() + 1, message.utime));
+    bus_.publish(channels::kCamera, message);
+    bus_.dispatch();
+    tick();
+  }
+  void tick() {
+    node_->tick(bus_.now_us());
+    receiver_.tick(bus_.now_us());
+    bus_.dispatch();
+  }
+
+  MemoryBus bus_;
+  std::map<SubmapKey, Submap> copies_;
+  ChunkReceiver receiver_;
+  std::unique_ptr<FrontTrackerNode> node_;
+  std::vector<track_t> tracks_;
+  Camera camera_ = default_synth_camera(320, 240);
+  const cv::Mat grey_ = cv::Mat(240, 320, CV_8U, cv::Scalar(99));
+};
+
+TEST_F(Fixture, AnImageWithoutCalibrationSaysWhatToDo) {
+  give(image(1000, grey_, false));
+  EXPECT_TRUE(tracks_.empty());
+  const NodeStatus status = node_->status();
+  EXPECT_TRUE(status.degraded);
+  EXPECT_NE(status.detail.find("--camera FILE"), std::string::npos) << status.detail;
+  give(image(2000, grey_));
+  EXPECT_EQ(tracks_.size(), 1u) << "it goes on as soon as there is one";
+  EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(Fixture, ImagesOfAnotherSizeAreRefusedByNameOfBothSizes) {
+  give(image(1000, cv::Mat(480, 640, CV_8U, cv::Scalar(9))));
+  EXPECT_NE(node_->status().detail.find("640x480"), std::string::npos);
+  EXPECT_NE(node_->status().detail.find("320x240"), std::string::npos);
+  give(image(2000, grey_));
+  give(image(3000, cv::Mat(100, 100, CV_8U, cv::Scalar(9))));
+  give(image(4000, grey_));
+  ASSERT_EQ(tracks_.size(), 2u);
+  EXPECT_EQ(tracks_[0].utime, 2000);
+  EXPECT_EQ(tracks_[1].utime, 4000);
+}
+
+TEST_F(Fixture, DamagedImagesAreCountedAndPassedOver) {
+  give(image(1000, grey_));
+  image_t damaged = image(2000, grey_);
+  damaged.data.resize(damaged.data.size() / 2);
+  damaged.size = static_cast<int32_t>(damaged.data.size());
+  give(damaged);
+  image_t lying = make_grey_image(3000, grey_);
+  lying.width = 100000;
+  give(lying);
+  give(image(4000, grey_));
+  EXPECT_EQ(tracks_.size(), 2u);
+  EXPECT_NE(node_->status().detail.find("2 images refused: decode"), std::string::npos) << node_->status().detail;
+}
+
+TEST_F(Fixture, BadCalibrationNamesFieldAndValue) {
+  camera_.fx = std::numeric_limits<double>::quiet_NaN();
+  give(image(1000, grey_));
+  EXPECT_TRUE(tracks_.empty());
+  EXPECT_NE(node_->status().detail.find("fx"), std::string::npos) << node_->status().detail;
+}
+
+TEST_F(Fixture, OldImagesAreRefusedAndARestartedRecordingIsANewSession) {
+  for (int i = 0; i < 20; ++i) give(image(1'000'000 + 1000 * i, grey_));
+  ASSERT_EQ(tracks_.size(), 20u);
+  give(image(1'005'000, grey_));
+  EXPECT_EQ(tracks_.size(), 20u) << "one image out of order";
+  give(image(1'030'000, grey_));
+  ASSERT_EQ(tracks_.size(), 21u);
+  for (int i = 0; i < 20; ++i) give(image(5000 + 1000 * i, grey_));
+  EXPECT_GT(tracks_.back().session, tracks_.front().session);
+  EXPECT_EQ(tracks_.back().utime, 24'000);
+  for (size_t i = 1; i < tracks_.size(); ++i)
+    EXPECT_EQ(tracks_[i].sequence, tracks_[i].session == tracks_[i - 1].session ? tracks_[i - 1].sequence + 1 : 0);
+}
+
+TEST_F(Fixture, ACameraFileThatIsNoGoodStopsItAtTheStart) {
+  FrontTrackerOptions options;
+  options.camera_file = "/nonexistent/camera.yaml";
+  EXPECT_THROW(FrontTrackerNode(bus_, options), std::runtime_error);
+}
+
+TEST_F(Fixture, TheServersCopyIsComplete) {
+  SynthOptions options;
+  options.seconds = 2.5;
+  options.rate_hz = 20;
+  options.grey = true;
+  options.camera = camera_;
+  options.exposure_s = 0;
+  SequenceRenderer renderer(options);
+  std::mt19937 rng(3);
+  // A bus that loses a fifth of what passes between the two.
+  bus_.set_tap([&rng](const std::string& channel, auto) {
+    return (channel != channels::kSubmap && channel != channels::kSubmapAck) || rng() % 5 != 0;
+  });
+  for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));
+  ASSERT_FALSE(node_->tracker()->submaps().empty());
+  const Submap made = node_->tracker()->submaps()[0]->map;
+  node_->finish();
+  for (int i = 0; i < 500 && !node_->finished(); ++i) {
+    bus_.set_now_us(bus_.now_us() + 100'000);
+    tick();
+  }
+  ASSERT_TRUE(node_->finished());
+  ASSERT_EQ(copies_.size(), 1u);
+  const Submap& copy = copies_.begin()->second;
+  EXPECT_TRUE(copy.closed);
+  ASSERT_EQ(copy.keyframes.size(), made.keyframes.size());
+  ASSERT_EQ(copy.landmarks.size(), made.landmarks.size());
+  ASSERT_EQ(copy.frames.size(), made.frames.size());
+  for (const auto& [id, kf] : made.keyframes) {
+    EXPECT_EQ(copy.keyframe(id)->cam_from_submap.translation, kf.cam_from_submap.translation);
+    EXPECT_EQ(copy.keyframe(id)->landmark_ids, kf.landmark_ids);
+    EXPECT_EQ(copy.keyframe(id)->features->descriptors, kf.features->descriptors);
+  }
+  for (const auto& [id, lm] : made.landmarks) {
+    EXPECT_EQ(copy.landmark(id)->position, lm.position);
+    EXPECT_EQ(copy.landmark(id)->observations.size(), lm.observations.size());
+  }
+  int64_t with_pose = 0;
+  for (const track_t& t : tracks_) with_pose += t.submap_id != kNone;
+  EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
+}
+
+TEST_F(Fixture, GarbageOnItsChannelsDoesNoHarm) {
+  give(image(1000, grey_));
+  std::mt19937 rng(9);
+  const std::vector<uint8_t> real = encode_message(image(2000, grey_));
+  for (int i = 0; i < 10'000; ++i) {
+    std::vector<uint8_t> bytes;
+    if (i % 3 == 0) {
+      bytes.resize(rng() % 300);
+      for (uint8_t& b : bytes) b = static_cast<uint8_t>(rng());
+    } else {
+      bytes = real;
+      if (i % 3 == 1) bytes.resize(rng() % bytes.size());
+      for (int k = 0; k < 5 && !bytes.empty(); ++k)
+        bytes[rng() % bytes.size()] ^= static_cast<uint8_t>(1u << rng() % 8);
+    }
+    bus_.publish_raw(i % 2 ? channels::kCamera : channels::kMapStatus, bytes);
+    bus_.publish_raw(channels::kSubmapAck, bytes);
+    bus_.dispatch();
+  }
+  const size_t before = tracks_.size();
+  give(image(int64_t{1} << 62, grey_));
+  EXPECT_GE(tracks_.size(), before);
+  EXPECT_FALSE(node_->status().detail.empty());
+}
+
+}  // namespace
+}  // namespace rumi

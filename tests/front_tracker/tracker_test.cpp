@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tracker on rendered images of a room, with the camera's true path.
+#include "front_tracker/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "rumi/synth/sequence_renderer.h"
+#include "slam/geometry/alignment.h"
+
+namespace rumi {
+namespace {
+
+struct Sequence {
+  std::vector<cv::Mat> images;
+  std::vector<int64_t> utime_us;
+  std::map<int64_t, Eigen::Vector3d> center;
+  Camera camera;
+};
+
+// Rendered once for all tests: a walk of six seconds.
+const Sequence& sequence() {
+  static const Sequence s = [] {
+    SynthOptions options;
+    options.seconds = 6;
+    options.rate_hz = 20;
+    options.grey = true;
+    options.camera = default_synth_camera(320, 240);
+    options.exposure_s = 0;
+    SequenceRenderer renderer(options);
+    Sequence made;
+    made.camera = renderer.camera();
+    for (int i = 0; i < renderer.frames(); ++i) {
+      made.images.push_back(renderer.render(i));
+      made.utime_us.push_back(renderer.utime_us(i));
+      made.center[renderer.utime_us(i)] = renderer.map_from_cam(i).translation;
+    }
+    return made;
+  }();
+  return s;
+}
+
+FrontTrackerOptions replay_options() {
+  FrontTrackerOptions options;
+  options.mapping_thread = false;
+  return options;
+}
+
+struct Error {
+  double rmse_m = 0;
+  double path_m = 0;
+  size_t frames = 0;
+};
+
+Error error_of(const Submap& map) {
+  std::vector<Eigen::Vector3d> estimated, truth;
+  Error e;
+  for (const auto& [utime, frame] : map.frames) {
+    estimated.push_back(map.cam_from_submap(frame).center());
+    if (!truth.empty()) e.path_m += (sequence().center.at(utime) - truth.back()).norm();
+    truth.push_back(sequence().center.at(utime));
+  }
+  e.frames = estimated.size();
+  const auto truth_from_submap = umeyama(estimated, truth);
+  if (!truth_from_submap) return e;
+  for (size_t i = 0; i < truth.size(); ++i) e.rmse_m += (*truth_from_submap * estimated[i] - truth[i]).squaredNorm();
+  e.rmse_m = std::sqrt(e.rmse_m / static_cast<double>(truth.size()));
+  return e;
+}
+
+TEST(Tracker, TracksTheWholeWalkAndRepeatsItself) {
+  Tracker a(sequence().camera, replay_options(), 1), b(sequence().camera, replay_options(), 1);
+  for (size_t i = 0; i < sequence().images.size(); ++i) {
+    const auto ra = a.process(sequence().utime_us[i], sequence().images[i]);
+    const auto rb = b.process(sequence().utime_us[i], sequence().images[i]);
+    ASSERT_TRUE(ra && rb);
+    ASSERT_EQ(ra->cam_from_submap.translation, rb->cam_from_submap.translation) << "frame " << i;
+  }
+  ASSERT_EQ(a.submaps().size(), 1u);
+  const Error e = error_of(a.submaps()[0]->map);
+  EXPECT_EQ(e.frames, sequence().images.size()) << "frames before the start get their poses afterwards";
+  EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
+}
+
+TEST(Tracker, MappingInItsOwnThreadIsAsGood) {
+  FrontTrackerOptions options = replay_options();
+  options.mapping_thread = true;
+  Tracker tracker(sequence().camera, options, 1);
+  for (size_t i = 0; i < sequence().images.size(); ++i) {
+    tracker.process(sequence().utime_us[i], sequence().images[i]);
+    tracker.wait_for_mapping();  // a camera gives it time; a test must not depend on how much
+  }
+  ASSERT_EQ(tracker.submaps().size(), 1u);
+  const Error e = error_of(tracker.submaps()[0]->map);
+  EXPECT_EQ(e.frames, sequence().images.size());
+  EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
+}
+
+TEST(Tracker, CoveredLensLosesTrackAndIsFoundAgainWithoutForgetting) {
+  FrontTrackerOptions options = replay_options();
+  Tracker tracker(sequence().camera, options, 1);
+  const cv::Mat black(sequence().images[0].size(), CV_8U, cv::Scalar(0));
+  const size_t n = sequence().images.size(), cover = n / 2;
+  std::vector<TrackingState> states;
+  for (size_t i = 0; i < n; ++i) {
+    const bool covered = i >= cover && i < cover + 10;
+    const auto r = tracker.process(sequence().utime_us[i], covered ? black : sequence().images[i]);
+    states.push_back(r->state);
+    EXPECT_EQ(covered && r->submap_id != kNone, false) << "no pose for a black image";
+  }
+  EXPECT_EQ(states[cover - 1], TrackingState::kTracking);
+  EXPECT_EQ(states[cover], TrackingState::kRecentlyLost);
+  EXPECT_EQ(states.back(), TrackingState::kTracking);
+  size_t posed = 0;
+  for (const auto& s : tracker.submaps()) {
+    posed += s->map.frames.size();
+    const Error e = error_of(s->map);
+    EXPECT_LT(e.rmse_m, 0.03 * e.path_m + 0.005);
+  }
+  EXPECT_GE(posed, n - 20);
+}
+
+TEST(Tracker, FrozenImagesKeepThePose) {
+  Tracker tracker(sequence().camera, replay_options(), 1);
+  const size_t freeze = sequence().images.size() / 2;
+  std::optional<TrackResult> before, after;
+  for (size_t i = 0; i < freeze; ++i) before = tracker.process(sequence().utime_us[i], sequence().images[i]);
+  ASSERT_NE(before->submap_id, kNone);
+  for (int i = 1; i <= 60; ++i)
+    after = tracker.process(sequence().utime_us[freeze - 1] + 50'000 * i, sequence().images[freeze - 1]);
+  ASSERT_EQ(after->state, TrackingState::kTracking);
+  const double depth = tracker.submaps()[0]->median_depth(after->reference_keyframe);
+  EXPECT_LT((after->cam_from_submap.center() - before->cam_from_submap.center()).norm(), 0.02 * depth);
+}
+
+TEST(Tracker, NothingToSeeIsNoSubmap) {
+  Tracker tracker(sequence().camera, replay_options(), 1);
+  cv::Mat image(sequence().images[0].size(), CV_8U);
+  for (int i = 0; i < 30; ++i) {
+    image.setTo(i % 3 == 0 ? 0 : i % 3 == 1 ? 255 : 128);
+    const auto r = tracker.process(1000 * (i + 1), image);
+    ASSERT_TRUE(r);
+    EXPECT_EQ(r->state, TrackingState::kNotInitialized);
+  }
+  EXPECT_TRUE(tracker.submaps().empty());
+  EXPECT_FALSE(tracker.process(30'000, image)) << "not newer than the last";
+  EXPECT_FALSE(tracker.process(5, image));
+}
+
+}  // namespace
+}  // namespace rumi
