@@ -17,8 +17,9 @@
 namespace rumi {
 namespace {
 
-// Images waiting while one is worked on: a third of a second at 30 Hz, to ride out a short stall of the machine.
-constexpr QueueOptions kImageQueue{10, DropPolicy::kDropOldest};
+// Images waiting while one is worked on: two seconds at 30 Hz. Beginning a submap takes up to a second (its buffered
+// frames get their poses then), and tracking, at a third of the camera's period, catches up afterwards.
+constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // So many images in a row older than what was seen: a recording that was started again, not a hiccup.
 constexpr int kBackwardImagesOfNewSession = 10;
 

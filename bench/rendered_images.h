@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "rumi/synth/sequence_renderer.h"
+
+namespace rumi {
+
+struct RenderedImages {
+  Camera camera;
+  std::vector<int64_t> utime_us;
+  std::vector<cv::Mat> grey;
+};
+
+// A few seconds of the default walk, 640x480 at 30 Hz, rendered once.
+inline const RenderedImages& rendered_images() {
+  static const RenderedImages images = [] {
+    SynthOptions options;
+    options.seconds = 3;
+    options.grey = true;
+    SequenceRenderer renderer(options);
+    RenderedImages made;
+    made.camera = renderer.camera();
+    for (int i = 0; i < renderer.frames(); ++i) {
+      made.utime_us.push_back(renderer.utime_us(i));
+      made.grey.push_back(renderer.render(i));
+    }
+    return made;
+  }();
+  return images;
+}
+
+}  // namespace rumi

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole front process, mapping included, per image: 90 images from a cold start.
+#include <benchmark/benchmark.h>
+#include <spdlog/spdlog.h>
+
+#include "bench/rendered_images.h"
+#include "front_tracker/tracker.h"
+
+namespace rumi {
+namespace {
+
+void BM_TrackerPerImage(benchmark::State& state) {
+  spdlog::set_level(spdlog::level::warn);
+  FrontTrackerOptions options;
+  options.mapping_thread = false;
+  const RenderedImages& images = rendered_images();
+  for (auto _ : state) {
+    Tracker tracker(images.camera, options, 1);
+    for (size_t i = 0; i < images.grey.size(); ++i)
+      benchmark::DoNotOptimize(tracker.process(images.utime_us[i], images.grey[i]));
+  }
+  state.counters["ms_per_image"] =
+      benchmark::Counter(1e-3 * static_cast<double>(state.iterations() * images.grey.size()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_TrackerPerImage)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace rumi
