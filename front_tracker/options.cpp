@@ -43,6 +43,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   KeyframeOptions& k = o.keyframes;
   t.add(s + "keyframe_ratio", &k.min_tracked_ratio, "",
         "a keyframe is due below this share of the reference's landmarks", 0.1, 1.0);
+  t.add(s + "keyframe_urgent_ratio", &k.urgent_tracked_ratio, "",
+        "a keyframe is due at once below this share, whatever the interval", 0.0, 1.0);
   t.add(s + "keyframe_min_interval", &k.min_interval_frames, "frames", "between keyframes", 0, 100);
   t.add(s + "keyframe_max_interval", &k.max_interval_frames, "frames", "a keyframe is due after so many", 1, 1000);
   t.add(s + "keyframe_min_inliers", &k.min_inliers, "", "fewer matches: a keyframe is due sooner", 0, 5000);

@@ -36,7 +36,8 @@ struct TrackingOptions {
 };
 
 struct KeyframeOptions {
-  double min_tracked_ratio = 0.7;  // of the reference keyframe's landmarks; fewer: a keyframe is due
+  double min_tracked_ratio = 0.7;     // of the reference keyframe's landmarks; fewer: a keyframe is due
+  double urgent_tracked_ratio = 0.6;  // the same, whatever the interval since the last keyframe
   int min_interval_frames = 3;
   int max_interval_frames = 30;
   int min_inliers = 100;  // fewer: a keyframe is due sooner

@@ -149,18 +149,21 @@ void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
   const FrontSubmap& submap = *submaps_[active_];
-  if (frames_since_keyframe_ < options_.keyframes.min_interval_frames || mapping_.pending() > 2) return false;
+  if (mapping_.pending() > 2) return false;
   const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
   int established = 0;
   for (int id : reference->landmark_ids) {
     const Landmark* lm = id == kNone ? nullptr : submap.map.landmark(id);
     if (lm && (lm->observations.size() >= 3 || submap.map.keyframes.size() < 4)) ++established;
   }
+  const KeyframeOptions& o = options_.keyframes;
   const int inliers = frame.matches();
-  if (inliers < options_.keyframes.min_tracked_ratio * established) return true;
-  if (inliers < options_.keyframes.min_inliers && frames_since_keyframe_ >= 3 * options_.keyframes.min_interval_frames)
-    return true;
-  return frames_since_keyframe_ >= options_.keyframes.max_interval_frames;
+  // In a fast turn, or at a low frame rate, the next frame may be too late.
+  if (inliers < o.urgent_tracked_ratio * established) return true;
+  if (frames_since_keyframe_ < o.min_interval_frames) return false;
+  if (inliers < o.min_tracked_ratio * established) return true;
+  if (inliers < o.min_inliers && frames_since_keyframe_ >= 3 * o.min_interval_frames) return true;
+  return frames_since_keyframe_ >= o.max_interval_frames;
 }
 
 void Tracker::accept(Frame frame, TrackResult* result) {
