@@ -12,6 +12,12 @@
 #include "slam/optimization/bundle_adjustment.h"
 
 namespace rumi {
+namespace {
+
+constexpr size_t kMostBetween =
+    10;  // frames between the two that are asked whether they agree; all would take a second
+
+}  // namespace
 
 // Views with poses and the points they see, while it is being worked out. Views and points are those of the bundle
 // problem.
@@ -21,6 +27,7 @@ struct Initializer::Structure {
   std::vector<std::vector<int>> keypoints;  // per view, per point: the keypoint or kNone
   BundleProblem bundle;                     // observations are filled by adjust()
   double rmse_px = 0;                       // after adjust()
+  size_t tried_between = 0;                 // frames between the two that were asked
 };
 
 Initializer::Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& scales)
@@ -124,7 +131,9 @@ void Initializer::add_views_between(Structure* s) const {
   const Features& reference = *frames_[reference_].features;
   std::vector<int> point_of(reference.size(), kNone);
   for (size_t p = 0; p < s->reference_keypoint.size(); ++p) point_of[s->reference_keypoint[p]] = static_cast<int>(p);
-  for (size_t f = reference_ + 1; f + 1 < frames_.size(); ++f) {
+  const size_t step = std::max<size_t>(1, (frames_.size() - reference_) / kMostBetween);
+  for (size_t f = reference_ + step; f + 1 < frames_.size(); f += step) {
+    ++s->tried_between;
     std::vector<int> keypoints(s->bundle.points.size(), kNone);
     std::vector<PointObservation> observations;
     std::vector<int> point;
@@ -147,10 +156,9 @@ void Initializer::add_views_between(Structure* s) const {
 }
 
 bool Initializer::adjust(Structure* s) {
-  const size_t between = frames_.size() - reference_ - 2;
   const size_t found = s->bundle.views.size() - 2;
-  if (2 * found < between) {
-    refusal_ = fmt::format("only {} of {} frames between agree", found, between);
+  if (2 * found < s->tried_between) {
+    refusal_ = fmt::format("only {} of {} frames between agree", found, s->tried_between);
     return false;
   }
   BundleProblem& bundle = s->bundle;
