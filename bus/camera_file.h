@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera calibration files: our flat YAML, and those of ROS camera_info, Kalibr, OpenCV and ORB-SLAM3, told apart by their
-// keys.
+// Camera calibration files: our flat YAML, and those of ROS camera_info, Kalibr, OpenCV and ORB-SLAM3, told apart by
+// their keys.
 #pragma once
 
 #include <string>

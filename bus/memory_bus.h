@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything in one process, one thread, in order: what replay and the tests run on. Its clock is set by whoever drives it.
+// Everything in one process, one thread, in order: what replay and the tests run on. Its clock is set by whoever drives
+// it.
 #pragma once
 
 #include <deque>
