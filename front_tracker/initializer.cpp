@@ -60,6 +60,7 @@ std::vector<std::pair<int, int>> Initializer::match_with_reference(const Frame& 
     const std::vector<Match> matches = match_features(*frames_[reference_].features, {}, *frame.features, {}, match);
     if (static_cast<int>(matches.size()) >= options_.min_matches) {
       std::vector<std::pair<int, int>> pairs;
+      pairs.reserve(matches.size());
       for (const Match& m : matches) pairs.emplace_back(m.first, m.second);
       return pairs;
     }

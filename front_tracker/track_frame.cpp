@@ -109,6 +109,7 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
     for (int lm : map.keyframe(id)->landmark_ids)
       if (lm != kNone && !matched.contains(lm)) ids.insert(lm);
   std::vector<const Landmark*> landmarks;
+  landmarks.reserve(ids.size());
   for (int id : ids) landmarks.push_back(map.landmark(id));
   return landmarks;
 }
