@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "bus/bus.h"
 #include "bus/submap_update.h"
 
 namespace rumi {
@@ -123,6 +124,7 @@ class Validator {
 
   std::string check_frames() {
     for (const frame_t& f : update_.frames) {
+      if (!plausible_utime(f.utime)) return fmt::format("frame {}: its utime is no time", f.utime);
       if (!frames_.insert(f.utime).second) return fmt::format("frame {}: twice in one update", f.utime);
       if (!keyframe_exists(f.reference_keyframe))
         return fmt::format("frame {}: hangs on keyframe {}, which does not exist", f.utime, f.reference_keyframe);
