@@ -173,7 +173,7 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track.processing_ms = static_cast<float>(cpu_ms);
   track.latency_ms = latency_ms(image, bus_.now_us());
   bus_.publish(channels::kTrack, track);
-  if (r.submap_id == kNone) return;
+  if (r.submap_id == kNoSubmap) return;
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
   const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
   if (map_from_submap == map_from_submap_.end()) return;

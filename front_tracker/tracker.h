@@ -20,7 +20,7 @@ enum class TrackingState : int8_t { kNotInitialized = 0, kTracking = 1, kRecentl
 struct TrackResult {
   int64_t utime_us = 0;
   TrackingState state = TrackingState::kNotInitialized;
-  int submap_id = kNone;  // kNone: no pose
+  int submap_id = kNoSubmap;  // kNoSubmap: no pose
   int64_t submap_revision = 0;
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe, cam_from_submap;

@@ -73,6 +73,7 @@ bool Atlas::choose_map() {
     const auto rank = [](const Submap& s) {
       return std::make_tuple(-static_cast<int64_t>(s.frames.size()), first_utime_us(s));
     };
+    if (candidate.submap.kind == SubmapKind::kBack) continue;  // it serves to join front submaps
     if (!best || rank(candidate.submap) < rank(best->submap)) best = &candidate;
   }
   bool changed = false;
@@ -105,8 +106,7 @@ int64_t Atlas::frames_in_map() const {
 std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
   const auto record = frames_.find(utime_us);
   const auto order = [&](const AtlasSubmap& s) {
-    // kNone must not be taken for the back submap -1.
-    const bool tracked_in = record != frames_.end() && record->second.submap_id != kNone &&
+    const bool tracked_in = record != frames_.end() &&
                             s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
     return std::make_tuple(!s.in_map, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };

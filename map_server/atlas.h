@@ -27,7 +27,7 @@ const char* to_string(FrameState state);
 struct FrameRecord {
   int64_t session = 0;
   FrameState state = FrameState::kUnknown;
-  int32_t submap_id = kNone;  // that it was tracked in, kNone: in none
+  int32_t submap_id = kNoSubmap;  // that it was tracked in
   bool operator==(const FrameRecord&) const = default;
 };
 

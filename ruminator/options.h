@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bus/options.h"
+#include "ruminator/build_options.h"
 
 namespace rumi {
 
@@ -16,6 +17,7 @@ struct WindowOptions {
 
 struct RuminatorOptions {
   WindowOptions window;
+  BuildOptions build;
   int ring_mb = 256;            // images kept in memory
   int jpeg_quality = 95;        // of kept images that came uncompressed
   int max_queued_windows = 16;  // complete windows that wait; beyond it the oldest is dropped
@@ -23,6 +25,7 @@ struct RuminatorOptions {
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {
+  describe(table, o.build);
   WindowOptions& w = o.window;
   table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked (inter)", 1, 1000);
   table.add("ruminator.window_length", &w.window_length, "frames", "samples kept from before a loss (len)", 1, 1000);

@@ -3,16 +3,11 @@
 // and the merge needs frames that both submaps share.
 #pragma once
 
-#include <cstdint>
 #include <deque>
 
-namespace rumi {
+#include "ruminator/rumination_window.h"
 
-struct Sample {
-  int64_t utime_us = 0;
-  bool is_keyframe = false;
-  bool operator==(const Sample&) const = default;
-};
+namespace rumi {
 
 class StrideSampler {
  public:

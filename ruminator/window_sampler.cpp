@@ -23,14 +23,14 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
     return std::nullopt;
   }
   last_utime_us_ = frame.utime_us;
-  return frame.submap_id == kNone ? on_untracked(frame) : on_tracked(frame);
+  return frame.submap_id == kNoSubmap ? on_untracked(frame) : on_tracked(frame);
 }
 
 void WindowSampler::start_session(int64_t session) {
   session_ = session;
   has_begun_ = true;
   last_utime_us_ = std::numeric_limits<int64_t>::min();
-  submap_ = kNone;
+  submap_ = kNoSubmap;
   known_submaps_.clear();
   approach_.clear();
   last_tracked_.reset();
@@ -42,7 +42,7 @@ std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& fram
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
   if (frame.submap_id != submap_) approach_.clear();
   submap_ = frame.submap_id;
-  const Sample sample{frame.utime_us, frame.is_keyframe};
+  const Sample sample{frame.utime_us, frame.is_keyframe, frame.submap_id};
   approach_.add(sample, frame.has_image);
   approach_.keep_newest(options_.window_length);
   if (frame.has_image) last_tracked_ = sample;
@@ -78,10 +78,10 @@ std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& fr
       extend_window();
   }
   if (!open_) begin_window(frame);
-  submap_ = kNone;
+  submap_ = kNoSubmap;
   approach_.clear();
   last_tracked_.reset();
-  if (frame.has_image) add_to_gap({frame.utime_us, false});
+  if (frame.has_image) add_to_gap({.utime_us = frame.utime_us});
   return ended;
 }
 
@@ -93,10 +93,10 @@ void WindowSampler::begin_window(const FrameEvent& frame) {
   open_->lost_utime_us = frame.utime_us;
   gap_stride_ = 1;
   gap_phase_ = 0;
-  if (submap_ == kNone) return;
+  if (submap_ == kNoSubmap) return;
   open_->approach.assign(approach_.samples().begin(), approach_.samples().end());
   // The last tracked frame is the nearest to the gap and ties it to the submap.
-  if (last_tracked_ && (open_->approach.empty() || open_->approach.back() != *last_tracked_)) {
+  if (last_tracked_ && (open_->approach.empty() || open_->approach.back().utime_us != last_tracked_->utime_us)) {
     open_->approach.push_back(*last_tracked_);
     if (static_cast<int>(open_->approach.size()) > options_.window_length)
       open_->approach.erase(open_->approach.begin());
@@ -104,8 +104,8 @@ void WindowSampler::begin_window(const FrameEvent& frame) {
 }
 
 void WindowSampler::extend_window() {
-  for (const Sample& sample : since_resume_) add_to_gap({sample.utime_us, false});
-  open_->submap_after = kNone;
+  for (const Sample& sample : since_resume_) add_to_gap({.utime_us = sample.utime_us});
+  open_->submap_after = kNoSubmap;
   open_->resumed_utime_us = 0;
   since_resume_.clear();
   departure_.clear();

@@ -24,8 +24,8 @@
 #include <vector>
 
 #include "ruminator/options.h"
+#include "ruminator/rumination_window.h"
 #include "ruminator/stride_sampler.h"
-#include "slam/map/submap.h"
 
 namespace rumi {
 
@@ -33,21 +33,9 @@ namespace rumi {
 struct FrameEvent {
   int64_t utime_us = 0;
   int64_t session = 0;
-  int32_t submap_id = kNone;  // that it has a pose in
+  int32_t submap_id = kNoSubmap;  // that it has a pose in
   bool is_keyframe = false;
   bool has_image = true;  // without it the frame changes the state but is no sample
-};
-
-struct RuminationWindow {
-  int32_t id = 0;
-  int64_t session = 0;
-  int32_t submap_before = kNone, submap_after = kNone;
-  int64_t lost_utime_us = 0;
-  int64_t resumed_utime_us = 0;  // 0 while lost
-  std::vector<Sample> approach, gap, departure;
-  std::string reason;  // why it ended before it was complete
-
-  bool is_lost() const { return resumed_utime_us == 0; }
 };
 
 class WindowSampler {
@@ -82,7 +70,7 @@ class WindowSampler {
   int64_t session_ = 0;
   int64_t last_utime_us_ = 0;
   bool has_begun_ = false;
-  int32_t submap_ = kNone;           // that the last frame was tracked in
+  int32_t submap_ = kNoSubmap;       // that the last frame was tracked in
   std::set<int32_t> known_submaps_;  // of this session
   StrideSampler approach_;           // of submap_
   std::optional<Sample> last_tracked_;

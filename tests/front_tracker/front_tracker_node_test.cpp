@@ -165,7 +165,7 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
     EXPECT_EQ(copy.landmark(id)->observations.size(), lm.observations.size());
   }
   int64_t with_pose = 0;
-  for (const track_t& t : tracks_) with_pose += t.submap_id != kNone;
+  for (const track_t& t : tracks_) with_pose += t.submap_id != kNoSubmap;
   EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
 }
 

@@ -107,7 +107,7 @@ TEST(Tracker, CoveredLensLosesTrackAndIsFoundAgainWithoutForgetting) {
     const bool covered = i >= cover && i < cover + 10;
     const auto r = tracker.process(sequence().utime_us[i], covered ? black : sequence().images[i]);
     states.push_back(r->state);
-    EXPECT_EQ(covered && r->submap_id != kNone, false) << "no pose for a black image";
+    EXPECT_EQ(covered && r->submap_id != kNoSubmap, false) << "no pose for a black image";
   }
   EXPECT_EQ(states[cover - 1], TrackingState::kTracking);
   EXPECT_EQ(states[cover], TrackingState::kRecentlyLost);
@@ -126,7 +126,7 @@ TEST(Tracker, FrozenImagesKeepThePose) {
   const size_t freeze = sequence().images.size() / 2;
   std::optional<TrackResult> before, after;
   for (size_t i = 0; i < freeze; ++i) before = tracker.process(sequence().utime_us[i], sequence().images[i]);
-  ASSERT_NE(before->submap_id, kNone);
+  ASSERT_NE(before->submap_id, kNoSubmap);
   for (int i = 1; i <= 60; ++i)
     after = tracker.process(sequence().utime_us[freeze - 1] + 50'000 * i, sequence().images[freeze - 1]);
   ASSERT_EQ(after->state, TrackingState::kTracking);

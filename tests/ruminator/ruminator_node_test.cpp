@@ -33,7 +33,7 @@ class RuminatorNodeTest : public ::testing::Test {
     track_t track{};
     track.utime = utime_us;
     track.session = 7;
-    track.state = submap == kNone ? track_t::LOST : track_t::TRACKING;
+    track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
     track.submap_id = submap;
     track.is_keyframe = is_keyframe;
     bus_.publish(channels::kTrack, track);
@@ -44,7 +44,7 @@ class RuminatorNodeTest : public ::testing::Test {
       next();
       send_image(now_);
       bus_.dispatch();
-      send_track(now_, submap, submap != kNone && i % keyframe_every == 0);
+      send_track(now_, submap, submap != kNoSubmap && i % keyframe_every == 0);
       bus_.dispatch();
       node_->tick(now_);
       bus_.dispatch();
@@ -71,7 +71,7 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   start();
   frames(100, 1);
   EXPECT_TRUE(announced_.empty());
-  frames(60, kNone);  // 2 s
+  frames(60, kNoSubmap);  // 2 s
   frames(60, 2);
   ASSERT_GE(announced_.size(), 4);
   EXPECT_EQ(announced_[0].state, window_t::COLLECTING);
@@ -103,7 +103,7 @@ TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {
   start();
   frames(1000, 1);
   EXPECT_LE(node_->frames().size(), 12);
-  frames(30, kNone);
+  frames(30, kNoSubmap);
   EXPECT_LE(node_->frames().size(), 12 + 30);
 }
 
@@ -139,7 +139,7 @@ TEST_F(RuminatorNodeTest, StatesMayComeBeforeImages) {
   for (int i = 0; i < 200; ++i) {
     next();
     const bool lost = i >= 80 && i < 100;
-    send_track(now_, lost ? kNone : i < 80 ? 1 : 2, !lost && i % 5 == 0);
+    send_track(now_, lost ? kNoSubmap : i < 80 ? 1 : 2, !lost && i % 5 == 0);
     bus_.dispatch();
     send_image(now_);
     bus_.dispatch();
@@ -157,7 +157,7 @@ TEST_F(RuminatorNodeTest, LostMessagesOfEitherKindAreLivedWith) {
     next();
     const bool lost = i >= 180 && i < 240;
     if (random() % 10 != 0) send_image(now_);
-    if (random() % 10 != 0) send_track(now_, lost ? kNone : i < 180 ? 1 : 2, !lost && i % 5 == 0);
+    if (random() % 10 != 0) send_track(now_, lost ? kNoSubmap : i < 180 ? 1 : 2, !lost && i % 5 == 0);
     bus_.dispatch();
     node_->tick(now_);
     bus_.dispatch();
@@ -185,7 +185,7 @@ TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
   start();
   for (int loss = 0; loss < 5; ++loss) {
     frames(60, 2 * loss + 1, 4);
-    frames(20, kNone);
+    frames(20, kNoSubmap);
     EXPECT_LE(node_->frames().bytes(), 1'000'000);
   }
   frames(60, 99, 4);
@@ -197,7 +197,7 @@ TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
     return w.state == window_t::FAILED && w.window_id == 1 && !w.reason.empty();
   }));
   EXPECT_TRUE(node_->status().degraded);
-  frames(3000, kNone);  // a gap far larger than the memory
+  frames(3000, kNoSubmap);  // a gap far larger than the memory
   EXPECT_LE(node_->frames().bytes(), 1'000'000);
   node_->finish();
   ASSERT_FALSE(node_->queued().empty());
@@ -210,7 +210,7 @@ TEST_F(RuminatorNodeTest, TheNumberOfWaitingWindowsIsBounded) {
   start();
   for (int loss = 0; loss < 4; ++loss) {
     frames(60, 2 * loss + 1, 4);
-    frames(5, kNone);
+    frames(5, kNoSubmap);
   }
   node_->finish();
   ASSERT_EQ(node_->queued().size(), 2);
@@ -221,7 +221,7 @@ TEST_F(RuminatorNodeTest, TheNumberOfWaitingWindowsIsBounded) {
 TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {
   start();
   frames(50, 1);
-  frames(10, kNone);
+  frames(10, kNoSubmap);
   node_->finish();
   bus_.dispatch();
   ASSERT_EQ(announced_.back().state, window_t::QUEUED);
@@ -249,7 +249,7 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   frames(30, 1);
   EXPECT_EQ(node_->frames().broken(), 2);
   EXPECT_EQ(node_->frames().find(6), nullptr);
-  frames(5, kNone);
+  frames(5, kNoSubmap);
   frames(60, 2);
   EXPECT_EQ(node_->queued().size(), 1);
 }
@@ -294,7 +294,7 @@ TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
       track.utime = utime;
       track.session = 1;
       track.state = track_t::TRACKING;
-      track.submap_id = i % 50 < 20 ? kNone : i / 50 + 1;
+      track.submap_id = i % 50 < 20 ? kNoSubmap : i / 50 + 1;
       track.is_keyframe = i % 3 == 0;
       bus.publish(channels::kTrack, track);
       bus.dispatch();

@@ -23,7 +23,7 @@ class Feed {
   void span(int frames, int32_t submap, int keyframe_every = 0, bool has_image = true) {
     for (int i = 0; i < frames; ++i) {
       ++now;
-      const bool is_keyframe = submap != kNone && keyframe_every > 0 && i % keyframe_every == 0;
+      const bool is_keyframe = submap != kNoSubmap && keyframe_every > 0 && i % keyframe_every == 0;
       auto ended = sampler.process({.utime_us = now,
                                     .session = session,
                                     .submap_id = submap,
@@ -73,7 +73,7 @@ TEST(WindowSampler, NothingHappensWithoutALoss) {
 TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
   Feed feed({.stride = 5, .window_length = 4, .departure_min_keyframes = 3});
   feed.span(103, 1);  // 1..103: samples at 1, 6, ..., 101
-  feed.span(7, kNone);
+  feed.span(7, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
   EXPECT_TRUE(feed.sampler.open()->is_lost());
   feed.span(30, 2, 10);  // 111.. keyframes at 111, 121, 131
@@ -95,10 +95,10 @@ TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
 
 TEST(WindowSampler, ALossBeforeTheFirstSubmapHasNoApproach) {
   Feed feed;
-  feed.span(12, kNone);
+  feed.span(12, kNoSubmap);
   feed.span(200, 1, 4);
   ASSERT_EQ(feed.windows.size(), 1);
-  EXPECT_EQ(feed.windows[0].submap_before, kNone);
+  EXPECT_EQ(feed.windows[0].submap_before, kNoSubmap);
   EXPECT_EQ(feed.windows[0].submap_after, 1);
   EXPECT_THAT(feed.windows[0].approach, IsEmpty());
   EXPECT_EQ(feed.windows[0].gap.size(), 12);
@@ -107,11 +107,11 @@ TEST(WindowSampler, ALossBeforeTheFirstSubmapHasNoApproach) {
 TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(20, kNone);
+  feed.span(20, kNoSubmap);
   EXPECT_THAT(feed.windows, IsEmpty());
   feed.finish();
   ASSERT_EQ(feed.windows.size(), 1);
-  EXPECT_EQ(feed.windows[0].submap_after, kNone);
+  EXPECT_EQ(feed.windows[0].submap_after, kNoSubmap);
   EXPECT_EQ(feed.windows[0].resumed_utime_us, 0);
   EXPECT_EQ(feed.windows[0].gap.size(), 20);
   EXPECT_EQ(feed.windows[0].reason, "the input ended");
@@ -122,9 +122,9 @@ TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
 TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNone);   // 51..55
+  feed.span(5, kNoSubmap);   // 51..55
   feed.span(12, 2, 5);   // 56..67: three keyframes
-  feed.span(4, kNone);   // 68..71
+  feed.span(4, kNoSubmap);   // 68..71
   feed.span(100, 3, 5);  // 72..
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
@@ -140,9 +140,9 @@ TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
 TEST(WindowSampler, LosingAKnownSubmapAgainMakesTwoWindows) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNone);
+  feed.span(5, kNoSubmap);
   feed.span(20, 1, 0);  // relocalized: 56..75, no new keyframes
-  feed.span(5, kNone);  // 76..80
+  feed.span(5, kNoSubmap);  // 76..80
   feed.span(100, 1, 0);
   ASSERT_EQ(feed.windows.size(), 2);
   EXPECT_EQ(feed.windows[0].submap_after, 1);
@@ -156,7 +156,7 @@ TEST(WindowSampler, LosingAKnownSubmapAgainMakesTwoWindows) {
 
 TEST(WindowSampler, ACameraThatStandsStillCompletesTheWindowToo) {
   Feed feed({.departure_max_samples = 6});
-  feed.span(5, kNone);
+  feed.span(5, kNoSubmap);
   feed.span(1000, 1, 0);
   ASSERT_EQ(feed.windows.size(), 1);
   EXPECT_EQ(feed.windows[0].departure.size(), 6);
@@ -165,7 +165,7 @@ TEST(WindowSampler, ACameraThatStandsStillCompletesTheWindowToo) {
 TEST(WindowSampler, ChangingSubmapDuringDepartureEndsTheWindow) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNone);
+  feed.span(5, kNoSubmap);
   feed.span(12, 2, 5);
   feed.span(50, 1, 0);
   ASSERT_EQ(feed.windows.size(), 1);
@@ -175,7 +175,7 @@ TEST(WindowSampler, ChangingSubmapDuringDepartureEndsTheWindow) {
 
 TEST(WindowSampler, ALongGapIsThinnedEvenly) {
   Feed feed({.gap_max_frames = 16});
-  feed.span(1000, kNone);
+  feed.span(1000, kNoSubmap);
   feed.finish();
   const std::vector<Sample>& gap = feed.windows.at(0).gap;
   ASSERT_LE(gap.size(), 16);
@@ -187,9 +187,9 @@ TEST(WindowSampler, ALongGapIsThinnedEvenly) {
 
 TEST(WindowSampler, ThinningOnDemandKeepsTheGapEven) {
   Feed feed;
-  feed.span(10, kNone);  // 1..10
+  feed.span(10, kNoSubmap);  // 1..10
   EXPECT_TRUE(feed.sampler.thin_gap());
-  feed.span(8, kNone);
+  feed.span(8, kNoSubmap);
   feed.finish();
   EXPECT_THAT(utimes(feed.windows.at(0).gap), ElementsAre(1, 3, 5, 7, 9, 11, 13, 15, 17));
   EXPECT_FALSE(feed.sampler.thin_gap());
@@ -198,8 +198,8 @@ TEST(WindowSampler, ThinningOnDemandKeepsTheGapEven) {
 TEST(WindowSampler, FramesWithoutImageCountForTheStateOnly) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(3, kNone, 0, false);  // 51..53
-  feed.span(3, kNone);
+  feed.span(3, kNoSubmap, 0, false);  // 51..53
+  feed.span(3, kNoSubmap);
   feed.span(1, 2, 1, false);  // 57: the resuming frame itself
   feed.span(100, 2, 4);
   ASSERT_EQ(feed.windows.size(), 1);
@@ -213,7 +213,7 @@ TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
   Feed feed;
   feed.span(50, 1, 10);
   feed.now = 20;
-  feed.span(30, kNone);  // 21..50 once more, and not in order
+  feed.span(30, kNoSubmap);  // 21..50 once more, and not in order
   EXPECT_EQ(feed.sampler.ignored(), 30);
   EXPECT_FALSE(feed.sampler.open());
 }
@@ -221,15 +221,15 @@ TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
 TEST(WindowSampler, ANewSessionStartsAfresh) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNone);
+  feed.span(5, kNoSubmap);
   feed.session = 8;
   feed.now = 0;  // even if its time starts again
-  feed.span(4, kNone);
+  feed.span(4, kNoSubmap);
   ASSERT_EQ(feed.windows.size(), 1);
   EXPECT_THAT(feed.windows[0].reason, HasSubstr("started again"));
   ASSERT_TRUE(feed.sampler.open());
   EXPECT_EQ(feed.sampler.open()->session, 8);
-  EXPECT_EQ(feed.sampler.open()->submap_before, kNone);
+  EXPECT_EQ(feed.sampler.open()->submap_before, kNoSubmap);
   EXPECT_EQ(feed.sampler.open()->gap.size(), 4);
   EXPECT_EQ(feed.sampler.open()->id, 2);
 }
@@ -237,7 +237,7 @@ TEST(WindowSampler, ANewSessionStartsAfresh) {
 TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
   Feed feed;
   feed.span(73, 1, 7);
-  feed.span(20, kNone);
+  feed.span(20, kNoSubmap);
   feed.span(25, 2, 6);
   const std::set<int64_t> retained = feed.sampler.retained();
   ASSERT_TRUE(feed.sampler.open());
