@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "bus/submap_update.h"
+
 namespace rumi {
 namespace {
 
@@ -70,7 +72,8 @@ void RuminatorNode::on_image(const image_t& image) {
 }
 
 void RuminatorNode::on_track(const track_t& track) {
-  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST) {
+  const bool has_bad_pose = track.submap_id != kNoSubmap && !from_wire(track.cam_from_submap);
+  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST || has_bad_pose) {
     ++rejected_;
     return;
   }
@@ -100,11 +103,13 @@ void RuminatorNode::process(const track_t& track) {
     return sampler_.open() ? std::pair(sampler_.open()->id, sampler_.open()->is_lost()) : std::pair(0, false);
   };
   const auto before = phase();
-  std::optional<RuminationWindow> ended = sampler_.process({.utime_us = track.utime,
-                                                            .session = track.session,
-                                                            .submap_id = track.submap_id,
-                                                            .is_keyframe = track.is_keyframe != 0,
-                                                            .has_image = has_image});
+  std::optional<RuminationWindow> ended =
+      sampler_.process({.utime_us = track.utime,
+                        .session = track.session,
+                        .submap_id = track.submap_id,
+                        .cam_from_submap = from_wire(track.cam_from_submap).value_or(SE3()),
+                        .is_keyframe = track.is_keyframe != 0,
+                        .has_image = has_image});
   if (ended) enqueue(std::move(*ended));
   if (sampler_.open() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
   settle(track.utime);

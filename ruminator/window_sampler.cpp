@@ -42,7 +42,7 @@ std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& fram
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
   if (frame.submap_id != submap_) approach_.clear();
   submap_ = frame.submap_id;
-  const Sample sample{frame.utime_us, frame.is_keyframe, frame.submap_id};
+  const Sample sample{frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap};
   approach_.add(sample, frame.has_image);
   approach_.keep_newest(options_.window_length);
   if (frame.has_image) last_tracked_ = sample;
@@ -104,7 +104,7 @@ void WindowSampler::begin_window(const FrameEvent& frame) {
 }
 
 void WindowSampler::extend_window() {
-  for (const Sample& sample : since_resume_) add_to_gap({.utime_us = sample.utime_us});
+  for (const Sample& sample : since_resume_) add_to_gap(sample);
   open_->submap_after = kNoSubmap;
   open_->resumed_utime_us = 0;
   since_resume_.clear();

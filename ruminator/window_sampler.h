@@ -2,14 +2,15 @@
 // Which frames belong to a rumination window: S = S1 + S2 + S3 of the paper, section IV.B and Fig. 4. Pure logic:
 // frames in, windows out.
 //
-//   approach S1  while tracked, every `stride` frames, the last `window_length` of them, and the very last tracked
-//   frame gap S2       every frame from the loss until tracking resumes; beyond gap_max_frames evenly thinned departure
-//   S3 after resuming, every `stride` frames, until the new submap has departure_min_keyframes keyframes
+//   S1, approach    while tracked, every `stride` frames, the last `window_length` of them, and the very last frame
+//   S2, gap         every frame from the loss until tracking resumes; beyond gap_max_frames evenly thinned
+//   S3, departure   after resuming, every `stride` frames, until the new submap has departure_min_keyframes keyframes
 //
 // Choices that the paper leaves open:
 // - A window opens with the first untracked frame, also before the first submap (then there is no approach).
-// - A new submap that is lost again before its window is complete died young: its frames count as gap, and the loss
-//   extends the same window. So losses a moment apart are one window.
+// - A new submap that is lost again before its window is complete died young: its frames count as gap (samples
+//   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart
+//   are one window.
 // - A submap that had been left and is tracked again (relocalization) needs no new keyframes: window_length samples
 //   complete the window. Lost before that, the window ends as it is and the new loss opens another: the old submap does
 //   connect the two.
@@ -34,6 +35,7 @@ struct FrameEvent {
   int64_t utime_us = 0;
   int64_t session = 0;
   int32_t submap_id = kNoSubmap;  // that it has a pose in
+  SE3 cam_from_submap = {};
   bool is_keyframe = false;
   bool has_image = true;  // without it the frame changes the state but is no sample
 };

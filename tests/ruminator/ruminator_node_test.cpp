@@ -8,6 +8,7 @@
 
 #include "bus/image_codec.h"
 #include "bus/memory_bus.h"
+#include "bus/submap_update.h"
 
 namespace rumi {
 namespace {
@@ -35,6 +36,7 @@ class RuminatorNodeTest : public ::testing::Test {
     track.session = 7;
     track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
     track.submap_id = submap;
+    track.cam_from_submap = to_wire(SE3());
     track.is_keyframe = is_keyframe;
     bus_.publish(channels::kTrack, track);
   }
@@ -77,7 +79,7 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   EXPECT_EQ(announced_[0].state, window_t::COLLECTING);
   EXPECT_EQ(announced_[0].lost_utime, 1'000'000 + 101 * kPeriodUs);
   EXPECT_EQ(announced_[0].submap_before, 1);
-  EXPECT_EQ(announced_[0].submap_after, -1);
+  EXPECT_EQ(announced_[0].submap_after, kNoSubmap);
   EXPECT_EQ(announced_[0].ngap, 1);
   EXPECT_EQ(announced_[1].state, window_t::COLLECTING);  // 1 s later
   EXPECT_GE(announced_[1].utime - announced_[0].utime, 1'000'000);
@@ -245,8 +247,14 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   image_t liar = make_image(6, false);  // says it is larger than it is
   liar.height = 100000;
   bus_.publish(channels::kCamera, liar);
+  track_t poseless{};  // the quaternion is zero
+  poseless.utime = 7;
+  poseless.state = track_t::TRACKING;
+  poseless.submap_id = 1;
+  bus_.publish(channels::kTrack, poseless);
   send_track(6, 1, true);
   frames(30, 1);
+  EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
   EXPECT_EQ(node_->frames().broken(), 2);
   EXPECT_EQ(node_->frames().find(6), nullptr);
   frames(5, kNoSubmap);
@@ -265,6 +273,7 @@ TEST_F(RuminatorNodeTest, DamagedMessagesAreSurvived) {
   };
   track_t track{};
   track.state = track_t::TRACKING;
+  track.cam_from_submap = to_wire(SE3());
   for (int i = 0; i < 5000; ++i) {
     next();
     track.utime = now_;
@@ -295,6 +304,7 @@ TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
       track.session = 1;
       track.state = track_t::TRACKING;
       track.submap_id = i % 50 < 20 ? kNoSubmap : i / 50 + 1;
+      track.cam_from_submap = to_wire(SE3());
       track.is_keyframe = i % 3 == 0;
       bus.publish(channels::kTrack, track);
       bus.dispatch();

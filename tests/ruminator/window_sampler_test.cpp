@@ -16,6 +16,24 @@ std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
   return list;
 }
 
+std::vector<int64_t> keyframes(const std::vector<Sample>& samples) {
+  std::vector<int64_t> list;
+  for (const Sample& s : samples)
+    if (s.is_keyframe) list.push_back(s.utime_us);
+  return list;
+}
+
+std::vector<Sample> all_of(const StrideSampler& sampler) {
+  return {sampler.samples().begin(), sampler.samples().end()};
+}
+
+Sample frame(int64_t utime_us, bool is_keyframe = false) { return {.utime_us = utime_us, .is_keyframe = is_keyframe}; }
+
+// Poses that tell the frames apart.
+SE3 pose_of(int64_t utime_us) {
+  return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(static_cast<double>(utime_us), 0, 1)};
+}
+
 // Frames 1, 2, 3, ... (also their utime); 'span' frames in one state, every n-th a keyframe.
 class Feed {
  public:
@@ -27,6 +45,7 @@ class Feed {
       auto ended = sampler.process({.utime_us = now,
                                     .session = session,
                                     .submap_id = submap,
+                                    .cam_from_submap = submap == kNoSubmap ? SE3() : pose_of(now),
                                     .is_keyframe = is_keyframe,
                                     .has_image = has_image});
       if (ended) windows.push_back(*ended);
@@ -42,22 +61,22 @@ class Feed {
 
 TEST(StrideSampler, TakesEveryStrideth) {
   StrideSampler sampler(5);
-  for (int i = 1; i <= 21; ++i) sampler.add({i, false}, true);
-  EXPECT_THAT(sampler.samples(),
-              ElementsAre(Sample{1, false}, Sample{6, false}, Sample{11, false}, Sample{16, false}, Sample{21, false}));
+  for (int i = 1; i <= 21; ++i) sampler.add(frame(i), true);
+  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 6, 11, 16, 21));
 }
 
 TEST(StrideSampler, PrefersKeyframes) {
   StrideSampler sampler(5);
   // 4 is a keyframe half a stride early; 11 comes just after 9 was taken and replaces it; 12 is too near to 11.
-  for (int i = 1; i <= 16; ++i) sampler.add({i, i == 4 || i == 11 || i == 12}, true);
-  EXPECT_THAT(sampler.samples(), ElementsAre(Sample{1, false}, Sample{4, true}, Sample{11, true}, Sample{16, false}));
+  for (int i = 1; i <= 16; ++i) sampler.add(frame(i, i == 4 || i == 11 || i == 12), true);
+  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 4, 11, 16));
+  EXPECT_THAT(keyframes(all_of(sampler)), ElementsAre(4, 11));
 }
 
 TEST(StrideSampler, StrideOneTakesAllAndFramesWithoutImageNever) {
   StrideSampler sampler(1);
-  for (int i = 1; i <= 4; ++i) sampler.add({i, i == 2}, i != 3);
-  EXPECT_THAT(sampler.samples(), ElementsAre(Sample{1, false}, Sample{2, true}, Sample{4, false}));
+  for (int i = 1; i <= 4; ++i) sampler.add(frame(i, i == 2), i != 3);
+  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 2, 4));
 }
 
 TEST(WindowSampler, NothingHappensWithoutALoss) {
@@ -122,10 +141,10 @@ TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
 TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
   Feed feed;
   feed.span(50, 1, 10);
-  feed.span(5, kNoSubmap);   // 51..55
-  feed.span(12, 2, 5);   // 56..67: three keyframes
-  feed.span(4, kNoSubmap);   // 68..71
-  feed.span(100, 3, 5);  // 72..
+  feed.span(5, kNoSubmap);  // 51..55
+  feed.span(12, 2, 5);      // 56..67: three keyframes
+  feed.span(4, kNoSubmap);  // 68..71
+  feed.span(100, 3, 5);     // 72..
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.submap_before, 1);
@@ -137,11 +156,34 @@ TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
   EXPECT_EQ(w.departure.front().utime_us, 72);
 }
 
+TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
+  Feed feed;
+  feed.span(50, 1, 10);
+  feed.span(5, kNoSubmap);  // 51..55
+  feed.span(12, 2, 5);      // 56..67, dies young
+  feed.span(4, kNoSubmap);  // 68..71
+  feed.span(100, 3, 5);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const auto expect_tracked_in = [](const std::vector<Sample>& samples, int32_t submap_id) {
+    for (const Sample& s : samples) {
+      EXPECT_EQ(s.submap_id, submap_id) << s.utime_us;
+      EXPECT_EQ(s.cam_from_submap.translation.x(), static_cast<double>(s.utime_us));
+    }
+  };
+  const RuminationWindow& w = feed.windows[0];
+  ASSERT_EQ(w.gap.size(), 21);
+  expect_tracked_in(w.approach, 1);
+  expect_tracked_in(w.departure, 3);
+  EXPECT_THAT(keyframes(w.gap), ElementsAre(56, 61, 66));
+  expect_tracked_in({w.gap.begin() + 5, w.gap.begin() + 17}, 2);
+  for (const Sample& s : w.gap) EXPECT_EQ(s.submap_id, s.utime_us < 56 || s.utime_us > 67 ? kNoSubmap : 2);
+}
+
 TEST(WindowSampler, LosingAKnownSubmapAgainMakesTwoWindows) {
   Feed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
-  feed.span(20, 1, 0);  // relocalized: 56..75, no new keyframes
+  feed.span(20, 1, 0);      // relocalized: 56..75, no new keyframes
   feed.span(5, kNoSubmap);  // 76..80
   feed.span(100, 1, 0);
   ASSERT_EQ(feed.windows.size(), 2);
