@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/global_model.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <numeric>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <random>
+
+#include "slam/map/submap.h"
+
+namespace rumi {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+struct RelativeRotation {
+  int first = 0, second = 0;
+  Quaterniond second_from_first;
+  double weight = 0;  // matches
+  const ColmapPair* pair = nullptr;
+};
+
+Vector3d ray(const Camera& camera, const Eigen::Vector2f& pixel) {
+  return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1};
+}
+
+std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::vector<ColmapImage>& images,
+                                             const ColmapPair& pair) {
+  std::vector<cv::Point2d> a, b;
+  for (const auto& [i, j] : pair.matches) {
+    const Vector3d ra = ray(camera, images[pair.first].keypoints[i]), rb = ray(camera, images[pair.second].keypoints[j]);
+    a.emplace_back(ra.x(), ra.y());
+    b.emplace_back(rb.x(), rb.y());
+  }
+  cv::Mat rotation, translation;
+  try {
+    const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
+    const double threshold = 1.5 / (0.5 * (camera.fx + camera.fy));
+    const cv::Mat essential = cv::findEssentialMat(a, b, k, cv::USAC_ACCURATE, 0.9999, threshold);
+    if (essential.rows != 3 || cv::recoverPose(essential, a, b, k, rotation, translation) < 10) return std::nullopt;
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+  Eigen::Matrix3d r;
+  cv::cv2eigen(rotation, r);
+  if (!r.allFinite()) return std::nullopt;
+  return Quaterniond(r);
+}
+
+struct RotationError {
+  Quaterniond second_from_first;
+  double weight;
+  template <class T>
+  bool operator()(const T* a, const T* b, T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> qa(a), qb(b);
+    Eigen::Quaternion<T> d = second_from_first.cast<T>() * qa * qb.conjugate();
+    if (d.w() < T(0)) d.coeffs() = -d.coeffs();
+    Eigen::Map<Eigen::Matrix<T, 3, 1>>{residual} = T(2 * weight) * d.vec();
+    return true;
+  }
+};
+
+// Rotations cam_from_world along the tree of the strongest pairs, then all pairs together, robustly.
+std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::vector<RelativeRotation> pairs) {
+  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  std::vector<std::optional<Quaterniond>> rotations(images);
+  if (pairs.empty()) return rotations;
+  rotations[pairs[0].first] = Quaterniond::Identity();
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (const RelativeRotation& p : pairs) {
+      if (rotations[p.first].has_value() == rotations[p.second].has_value()) continue;
+      if (rotations[p.first])
+        rotations[p.second] = p.second_from_first * *rotations[p.first];
+      else
+        rotations[p.first] = p.second_from_first.conjugate() * *rotations[p.second];
+      grown = true;
+      break;  // the strongest pair that grows the tree, again
+    }
+  }
+  ceres::Problem problem;
+  for (auto& q : rotations)
+    if (q) problem.AddParameterBlock(q->coeffs().data(), 4, new ceres::EigenQuaternionManifold);
+  for (const RelativeRotation& p : pairs) {
+    if (!rotations[p.first] || !rotations[p.second]) continue;
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<RotationError, 3, 4, 4>(new RotationError{p.second_from_first, 1.0}),
+        new ceres::CauchyLoss(0.02), rotations[p.first]->coeffs().data(), rotations[p.second]->coeffs().data());
+  }
+  problem.SetParameterBlockConstant(rotations[pairs[0].first]->coeffs().data());
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return rotations;
+}
+
+using Track = std::vector<std::pair<int, int>>;
+
+// Matches joined over all pairs; a track that has two keypoints of one image is wrong somewhere and left out.
+std::vector<Track> join_tracks(const std::vector<ColmapImage>& images, const std::vector<RelativeRotation>& pairs,
+                               int min_images) {
+  std::vector<int> offset{0};
+  for (const ColmapImage& image : images) offset.push_back(offset.back() + static_cast<int>(image.keypoints.size()));
+  std::vector<int> parent(offset.back());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const RelativeRotation& p : pairs)
+    for (const auto& [a, b] : p.pair->matches) parent[root(offset[p.first] + a)] = root(offset[p.second] + b);
+  std::vector<Track> by_root(offset.back());
+  for (size_t image = 0; image < images.size(); ++image)
+    for (int k = offset[image]; k < offset[image + 1]; ++k)
+      by_root[root(k)].emplace_back(static_cast<int>(image), k - offset[image]);
+  std::erase_if(by_root, [min_images](const Track& track) {
+    for (size_t i = 1; i < track.size(); ++i)
+      if (track[i].first == track[i - 1].first) return true;
+    return static_cast<int>(track.size()) < min_images;
+  });
+  return by_root;
+}
+
+// The ray's direction, seen from the camera's centre to the point: bilinear, and so without the local minima that a
+// reprojection error has far from the solution.
+struct DirectionError {
+  Vector3d direction;
+  template <class T>
+  bool operator()(const T* center, const T* point, const T* scale, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = T(direction[i]) - scale[0] * (point[i] - center[i]);
+    return true;
+  }
+};
+
+void position(const Camera& camera, const std::vector<ColmapImage>& images, const GlobalModelOptions& options,
+              const std::vector<std::optional<Quaterniond>>& rotations, const std::vector<Track>& tracks,
+              ColmapModel* model) {
+  std::mt19937 random(options.seed);
+  const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
+  const auto anywhere = [&uniform] {
+    const double x = uniform(), y = uniform();
+    return Vector3d(x, y, uniform());
+  };
+  std::vector<Vector3d> centers(images.size());
+  for (Vector3d& c : centers) c = anywhere();
+  model->points.clear();
+  size_t observations = 0;
+  for (const Track& track : tracks) observations += track.size();
+  std::vector<double> scales(observations, 1.0);
+
+  ceres::Problem problem;
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  for (const Track& track : tracks) model->points.push_back({anywhere(), track});
+  size_t s = 0;
+  std::vector<char> seen(images.size(), 0);
+  for (ColmapModel::Point& point : model->points) {
+    for (const auto& [image, keypoint] : point.track) {
+      const Vector3d direction =
+          rotations[image]->conjugate() * ray(camera, images[image].keypoints[keypoint]).normalized();
+      double* scale = &scales[s++];
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<DirectionError, 3, 3, 3, 1>(new DirectionError{direction}),
+          new ceres::HuberLoss(0.1), centers[image].data(), point.position.data(), scale);
+      problem.SetParameterLowerBound(scale, 0, 1e-5);
+      ordering->AddElementToGroup(scale, 0);
+      seen[image] = 1;
+    }
+    ordering->AddElementToGroup(point.position.data(), 1);
+  }
+  for (size_t i = 0; i < centers.size(); ++i)
+    if (seen[i]) ordering->AddElementToGroup(centers[i].data(), 2);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.linear_solver_ordering = ordering;
+  solver.max_num_iterations = options.iterations;
+  solver.function_tolerance = 1e-5;
+  solver.num_threads = 1;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  if (getenv("GP")) fprintf(stderr, "GP %s\n", summary.BriefReport().c_str());
+  for (size_t i = 0; i < images.size(); ++i)
+    if (seen[i]) model->cam_from_world[static_cast<int>(i)] = SE3(*rotations[i], -(*rotations[i] * centers[i]));
+}
+
+}  // namespace
+
+std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
+                                              const std::vector<ColmapPair>& pairs, const GlobalModelOptions& options) {
+  std::vector<RelativeRotation> relative;
+  for (const ColmapPair& pair : pairs) {
+    if (static_cast<int>(pair.matches.size()) < options.min_pair_matches) continue;
+    if (const auto rotation = relative_rotation(camera, images, pair))
+      relative.push_back({pair.first, pair.second, *rotation, static_cast<double>(pair.matches.size()), &pair});
+  }
+  const auto rotations = average_rotations(images.size(), relative);
+  const double max_error = options.max_rotation_error_deg * M_PI / 180;
+  if (getenv("GP")) fprintf(stderr, "pairs %zu ", relative.size());
+  std::erase_if(relative, [&](const RelativeRotation& p) {
+    return !rotations[p.first] || !rotations[p.second] ||
+           p.second_from_first.angularDistance(*rotations[p.second] * rotations[p.first]->conjugate()) > max_error;
+  });
+  if (getenv("GP")) fprintf(stderr, "kept %zu ", relative.size());
+  const std::vector<Track> tracks = join_tracks(images, relative, options.min_track_images);
+  ColmapModel model;
+  model.fx = camera.fx;
+  model.fy = camera.fy;
+  position(camera, images, options, rotations, tracks, &model);
+  if (model.cam_from_world.size() < 3) return std::nullopt;
+  return model;
+}
+
+}  // namespace rumi

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A model of all images of a window at once, without a first pair to go wrong with: rotations averaged over all verified
+// pairs, then positions of cameras and points together (Pan et al., "Global Structure-from-Motion Revisited", ECCV
+// 2024). COLMAP's incremental mapper can settle on a confident wrong solution when the camera turns more than it moves;
+// a model started from here gives it a rival to be compared with.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "ruminator/colmap_database.h"
+#include "ruminator/colmap_model.h"
+#include "slam/geometry/camera.h"
+
+namespace rumi {
+
+struct GlobalModelOptions {
+  int min_pair_matches = 20;       // for a relative rotation
+  double max_rotation_error_deg = 5;  // between a pair and the averaged rotations
+  int min_track_images = 3;
+  int iterations = 100;
+  unsigned seed = 0;
+};
+
+// Rough poses and points (to be adjusted by adjust_model) of the largest connected part; nothing if fewer than three
+// images hang together. Deterministic.
+std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
+                                              const std::vector<ColmapPair>& pairs, const GlobalModelOptions& options);
+
+}  // namespace rumi

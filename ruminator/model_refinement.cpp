@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/model_refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/geometry/resection.h"
+#include "slam/geometry/triangulation.h"
+#include "slam/map/submap.h"
+#include "slam/optimization/bundle_adjustment.h"
+
+namespace rumi {
+namespace {
+
+using Track = std::vector<std::pair<int, int>>;
+using PointIndex = std::vector<std::vector<int>>;  // [image][keypoint]: point, or kNone
+
+PointIndex index_points(const std::vector<ColmapImage>& images, const ColmapModel& model) {
+  PointIndex index;
+  for (const ColmapImage& image : images) index.emplace_back(image.keypoints.size(), kNone);
+  for (size_t p = 0; p < model.points.size(); ++p)
+    for (const auto& [image, keypoint] : model.points[p].track) index[image][keypoint] = static_cast<int>(p);
+  return index;
+}
+
+Eigen::Vector3d ray(const Camera& camera, const Eigen::Vector2f& pixel) {
+  return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1};
+}
+
+double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Vector3d& point,
+                const Eigen::Vector2f& pixel) {
+  const Eigen::Vector3d in_camera = cam_from_world * point;
+  if (in_camera.z() <= 0) return std::numeric_limits<double>::infinity();
+  return (camera.project_undistorted(in_camera) - pixel.cast<double>()).norm();
+}
+
+double max_parallax_rad(const ColmapModel& model, const ColmapModel::Point& point) {
+  double widest = 0;
+  for (size_t i = 0; i < point.track.size(); ++i)
+    for (size_t j = i + 1; j < point.track.size(); ++j)
+      widest = std::max(widest, parallax_rad(point.position, model.cam_from_world.at(point.track[i].first).center(),
+                                             model.cam_from_world.at(point.track[j].first).center()));
+  return widest;
+}
+
+void solve(const Camera& camera, const std::vector<ColmapImage>& images, int iterations, ColmapModel* model) {
+  BundleProblem problem;
+  std::map<int, int> view_of;
+  for (const auto& [image, pose] : model->cam_from_world) {
+    view_of[image] = static_cast<int>(problem.views.size());
+    problem.views.push_back({pose, problem.views.empty()});
+  }
+  for (const ColmapModel::Point& point : model->points) {
+    const int index = static_cast<int>(problem.points.size());
+    problem.points.push_back(point.position);
+    for (const auto& [image, keypoint] : point.track)
+      problem.observations.push_back({view_of.at(image), index, images[image].keypoints[keypoint].cast<double>(), 1.0});
+  }
+  BundleOptions options;
+  options.iterations = iterations;
+  if (!solve_bundle(camera, options, &problem).usable) return;
+  for (const auto& [image, view] : view_of) model->cam_from_world[image] = problem.views[view].cam_from_submap;
+  for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
+}
+
+void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& images,
+                     const ModelRefinementOptions& options, ColmapModel* model) {
+  for (ColmapModel::Point& point : model->points) {
+    std::erase_if(point.track, [&](const auto& o) {
+      return error_px(camera, model->cam_from_world.at(o.first), point.position, images[o.first].keypoints[o.second]) >
+             options.max_error_px;
+    });
+  }
+  const double min_parallax = options.min_parallax_deg * M_PI / 180;
+  std::erase_if(model->points, [&](const ColmapModel::Point& point) {
+    return point.track.size() < 2 || max_parallax_rad(*model, point) < min_parallax;
+  });
+  std::map<int, int> seen;
+  for (const ColmapModel::Point& point : model->points)
+    for (const auto& [image, keypoint] : point.track) ++seen[image];
+  // What sees fewer points than a resection asks for has no pose worth having.
+  std::vector<int> gone;
+  for (const auto& [image, pose] : model->cam_from_world)
+    if (seen[image] < options.resection_min_inliers) gone.push_back(image);
+  for (int image : gone) model->cam_from_world.erase(image);
+  for (ColmapModel::Point& point : model->points)
+    std::erase_if(point.track, [&](const auto& o) { return !model->cam_from_world.contains(o.first); });
+  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+}
+
+ModelQuality quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model) {
+  ModelQuality q;
+  double sum = 0;
+  for (const ColmapModel::Point& point : model.points) {
+    for (const auto& [image, keypoint] : point.track) {
+      const double e =
+          error_px(camera, model.cam_from_world.at(image), point.position, images[image].keypoints[keypoint]);
+      sum += e * e;
+      ++q.observations;
+    }
+  }
+  if (q.observations > 0) q.rmse_px = std::sqrt(sum / q.observations);
+  return q;
+}
+
+bool resect_image(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<ColmapPair>& pairs,
+                  int image, const ModelRefinementOptions& options, ColmapModel* model, PointIndex* index) {
+  std::map<int, int> candidates;  // keypoint -> point: the first pair that knows one, pairs come in order of time
+  for (const ColmapPair& pair : pairs) {
+    if (pair.first != image && pair.second != image) continue;
+    const int other = pair.first == image ? pair.second : pair.first;
+    for (const auto& [a, b] : pair.matches) {
+      const int own = pair.first == image ? a : b, theirs = pair.first == image ? b : a;
+      if (const int point = (*index)[other][theirs]; point != kNone) candidates.try_emplace(own, point);
+    }
+  }
+  std::vector<PointObservation> observations;
+  for (const auto& [keypoint, point] : candidates)
+    observations.push_back({model->points[point].position, images[image].keypoints[keypoint].cast<double>(), 1.0});
+  ResectionOptions resection;
+  resection.min_inliers = options.resection_min_inliers;
+  resection.max_error_px = options.max_error_px;
+  const auto pose = resect(camera, observations, resection);
+  if (!pose) return false;
+  model->cam_from_world[image] = pose->cam_from_submap;
+  size_t i = 0;
+  for (const auto& [keypoint, point] : candidates) {
+    if (!pose->inlier[i++]) continue;
+    // A point may be seen once per image only.
+    Track& track = model->points[point].track;
+    if (std::any_of(track.begin(), track.end(), [image](const auto& o) { return o.first == image; })) continue;
+    track.emplace_back(image, keypoint);
+    (*index)[image][keypoint] = point;
+  }
+  return true;
+}
+
+// Matches of the image with others that are in the model and belong to no point yet become points.
+void triangulate_matches(const Camera& camera, const std::vector<ColmapImage>& images,
+                         const std::vector<ColmapPair>& pairs, int image, const ModelRefinementOptions& options,
+                         ColmapModel* model, PointIndex* index) {
+  for (const ColmapPair& pair : pairs) {
+    if (pair.first != image && pair.second != image) continue;
+    if (!model->cam_from_world.contains(pair.first) || !model->cam_from_world.contains(pair.second)) continue;
+    const SE3 &pose_a = model->cam_from_world.at(pair.first), &pose_b = model->cam_from_world.at(pair.second);
+    for (const auto& [a, b] : pair.matches) {
+      int &point_a = (*index)[pair.first][a], &point_b = (*index)[pair.second][b];
+      if (point_a != kNone || point_b != kNone) continue;
+      const Eigen::Vector2f &pixel_a = images[pair.first].keypoints[a], &pixel_b = images[pair.second].keypoints[b];
+      const auto position = triangulate(pose_a, ray(camera, pixel_a), pose_b, ray(camera, pixel_b));
+      if (!position || error_px(camera, pose_a, *position, pixel_a) > options.max_error_px ||
+          error_px(camera, pose_b, *position, pixel_b) > options.max_error_px ||
+          parallax_rad(*position, pose_a.center(), pose_b.center()) < options.min_parallax_deg * M_PI / 180)
+        continue;
+      point_a = point_b = static_cast<int>(model->points.size());
+      model->points.push_back({*position, {{pair.first, a}, {pair.second, b}}});
+    }
+  }
+}
+
+}  // namespace
+
+void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
+                 ColmapModel* model) {
+  remove_outliers(camera, images, options, model);
+}
+
+ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
+                          const ModelRefinementOptions& options, ColmapModel* model) {
+  for (int round = 0; round < 2; ++round) {
+    solve(camera, images, options.bundle_iterations, model);
+    remove_outliers(camera, images, options, model);
+  }
+  return quality(camera, images, *model);
+}
+
+int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,
+                          const std::vector<ColmapPair>& pairs, const ModelRefinementOptions& options,
+                          ColmapModel* model) {
+  PointIndex index = index_points(images, *model);
+  int added = 0;
+  for (bool more = true; more;) {
+    more = false;
+    for (int image = 0; image < static_cast<int>(images.size()); ++image) {
+      if (model->cam_from_world.contains(image)) continue;
+      if (!resect_image(camera, images, pairs, image, options, model, &index)) continue;
+      triangulate_matches(camera, images, pairs, image, options, model, &index);
+      more = true;
+      ++added;
+    }
+  }
+  return added;
+}
+
+}  // namespace rumi

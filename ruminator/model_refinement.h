@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP's model made complete and exact: focal lengths as calibrated, images that the mapper left out tried once more,
+// everything adjusted together.
+#pragma once
+
+#include <vector>
+
+#include "ruminator/colmap_database.h"
+#include "ruminator/colmap_model.h"
+#include "slam/geometry/camera.h"
+
+namespace rumi {
+
+struct ModelRefinementOptions {
+  double max_error_px = 3.0;      // of an observation
+  double min_parallax_deg = 1.5;  // between the outer rays of a point
+  int resection_min_inliers = 15;
+  int bundle_iterations = 20;
+};
+
+struct ModelQuality {
+  double rmse_px = 0;  // of all observations
+  int observations = 0;
+};
+
+// Bundle adjustment with the calibrated camera, observations beyond the error limit and points without parallax
+// removed, and once more. The first registered view keeps its pose. Images that lose all their points are dropped.
+void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
+                 ColmapModel* model);
+ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
+                          const ModelRefinementOptions& options, ColmapModel* model);
+
+// Images without a pose get one by resection over their verified matches with images that have one; then their matches
+// become observations and new points. Returns how many were added; adjust_model should follow.
+int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,
+                          const std::vector<ColmapPair>& pairs, const ModelRefinementOptions& options,
+                          ColmapModel* model);
+
+}  // namespace rumi
