@@ -13,17 +13,14 @@
 #include <functional>
 #include <thread>
 
+#include "tests/temporary_folder.h"
+
 namespace rumi {
 namespace {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using Outcome = ChildResult::Outcome;
-
-std::string contents(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 bool within_a_minute(const std::function<bool()>& happens) {
   const auto start = std::chrono::steady_clock::now();
@@ -36,23 +33,17 @@ bool within_a_minute(const std::function<bool()>& happens) {
 
 // A process whose parent has died may stay a zombie where nobody collects it.
 bool is_running(const std::string& pid) {
-  const std::string stat = contents("/proc/" + pid + "/stat");
+  const std::string stat = testing::read_file("/proc/" + pid + "/stat");
   const size_t name_end = stat.rfind(") ");
   return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
 }
 
 class ChildProcessTest : public ::testing::Test {
  protected:
-  ChildProcessTest() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "rumi_child_XXXXXX").string();
-    folder = mkdtemp(pattern.data());
-  }
-  ~ChildProcessTest() override { std::filesystem::remove_all(folder); }
-
-  std::string file(const std::string& name) const { return folder + "/" + name; }
+  std::string file(const std::string& name) const { return folder / name; }
   ChildCommand shell(const std::string& script) const {
     ChildCommand command;
-    command.arguments = {"sh", "-c", script, "sh", folder};  // the folder is $1
+    command.arguments = {"sh", "-c", script, "sh", folder.path().string()};  // the folder is $1
     command.log_file = file("log");
     return command;
   }
@@ -76,7 +67,7 @@ class ChildProcessTest : public ::testing::Test {
     return result;
   }
 
-  std::string folder;
+  const testing::TemporaryFolder folder;
   const std::atomic<bool> never = false;
 };
 
@@ -173,7 +164,7 @@ TEST_F(ChildProcessTest, WithoutItsLogItIsNotStarted) {
 TEST_F(ChildProcessTest, BothOutputsAreAppendedToTheLog) {
   EXPECT_EQ(run("echo one; echo two >&2").last_output, "one\ntwo\n");
   run("echo three");
-  EXPECT_EQ(contents(file("log")), "one\ntwo\nthree\n");
+  EXPECT_EQ(testing::read_file(file("log")), "one\ntwo\nthree\n");
 }
 
 TEST_F(ChildProcessTest, TheLogIsBoundedAndTheEndIsKept) {
@@ -181,7 +172,7 @@ TEST_F(ChildProcessTest, TheLogIsBoundedAndTheEndIsKept) {
   command.log_limit_bytes = 1000;
   const ChildResult result = run_child(command, never);
   EXPECT_TRUE(result.ok());
-  EXPECT_THAT(contents(file("log")), HasSubstr("size limit"));
+  EXPECT_THAT(testing::read_file(file("log")), HasSubstr("size limit"));
   EXPECT_LT(std::filesystem::file_size(file("log")), 1200U);
   EXPECT_EQ(result.last_output.size(), 16384U);
   EXPECT_THAT(result.last_output, EndsWith("last words\n"));
