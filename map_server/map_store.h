@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bus/sqlite.h"
 #include "map_server/atlas.h"
-#include "map_server/sqlite.h"
 
 namespace rumi {
 

@@ -5,13 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <functional>
 #include <random>
-#include <string>
 
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas.h"
+#include "tests/temporary_folder.h"
 
 namespace rumi::testing {
 
@@ -49,23 +47,5 @@ track_t make_track(int64_t utime_us, int64_t session, int8_t state, int32_t subm
 // Everything that is kept, bit for bit.
 void expect_same(const Submap& a, const Submap& b);
 void expect_same(const Atlas& a, const Atlas& b);
-
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-std::string read_file(const std::string& file);
-void write_file(const std::string& file, const std::string& text);
-
-// Runs `body` in a child process that has a file system of `bytes` of its own mounted on `folder` (and may remount it).
-// Returns what the body returns (0..99), or -1 where the system does not let us.
-int run_on_small_disk(const std::string& folder, int64_t bytes, const std::function<int()>& body);
 
 }  // namespace rumi::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SQLite's C interface with owners: what fails throws SqliteError, which the store turns into a message for the user.
+// SQLite's C interface with owners: what fails throws SqliteError, for the caller to turn into a message for the user.
 #pragma once
 
 #include <sqlite3.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/sqlite.h"
+#include "bus/sqlite.h"
 
 #include <utility>
 
