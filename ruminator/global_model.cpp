@@ -4,12 +4,11 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <numeric>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <random>
 
-#include "slam/map/submap.h"
+#include "ruminator/tracks.h"
 
 namespace rumi {
 namespace {
@@ -32,7 +31,8 @@ std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::ve
                                              const ColmapPair& pair) {
   std::vector<cv::Point2d> a, b;
   for (const auto& [i, j] : pair.matches) {
-    const Vector3d ra = ray(camera, images[pair.first].keypoints[i]), rb = ray(camera, images[pair.second].keypoints[j]);
+    const Vector3d ra = ray(camera, images[pair.first].keypoints[i]),
+                   rb = ray(camera, images[pair.second].keypoints[j]);
     a.emplace_back(ra.x(), ra.y());
     b.emplace_back(rb.x(), rb.y());
   }
@@ -101,33 +101,6 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
   return rotations;
 }
 
-using Track = std::vector<std::pair<int, int>>;
-
-// Matches joined over all pairs; a track that has two keypoints of one image is wrong somewhere and left out.
-std::vector<Track> join_tracks(const std::vector<ColmapImage>& images, const std::vector<RelativeRotation>& pairs,
-                               int min_images) {
-  std::vector<int> offset{0};
-  for (const ColmapImage& image : images) offset.push_back(offset.back() + static_cast<int>(image.keypoints.size()));
-  std::vector<int> parent(offset.back());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const RelativeRotation& p : pairs)
-    for (const auto& [a, b] : p.pair->matches) parent[root(offset[p.first] + a)] = root(offset[p.second] + b);
-  std::vector<Track> by_root(offset.back());
-  for (size_t image = 0; image < images.size(); ++image)
-    for (int k = offset[image]; k < offset[image + 1]; ++k)
-      by_root[root(k)].emplace_back(static_cast<int>(image), k - offset[image]);
-  std::erase_if(by_root, [min_images](const Track& track) {
-    for (size_t i = 1; i < track.size(); ++i)
-      if (track[i].first == track[i - 1].first) return true;
-    return static_cast<int>(track.size()) < min_images;
-  });
-  return by_root;
-}
-
 // The ray's direction, seen from the camera's centre to the point: bilinear, and so without the local minima that a
 // reprojection error has far from the solution.
 struct DirectionError {
@@ -185,7 +158,6 @@ void position(const Camera& camera, const std::vector<ColmapImage>& images, cons
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  if (getenv("GP")) fprintf(stderr, "GP %s\n", summary.BriefReport().c_str());
   for (size_t i = 0; i < images.size(); ++i)
     if (seen[i]) model->cam_from_world[static_cast<int>(i)] = SE3(*rotations[i], -(*rotations[i] * centers[i]));
 }
@@ -202,13 +174,14 @@ std::optional<ColmapModel> build_global_model(const Camera& camera, const std::v
   }
   const auto rotations = average_rotations(images.size(), relative);
   const double max_error = options.max_rotation_error_deg * M_PI / 180;
-  if (getenv("GP")) fprintf(stderr, "pairs %zu ", relative.size());
   std::erase_if(relative, [&](const RelativeRotation& p) {
     return !rotations[p.first] || !rotations[p.second] ||
            p.second_from_first.angularDistance(*rotations[p.second] * rotations[p.first]->conjugate()) > max_error;
   });
-  if (getenv("GP")) fprintf(stderr, "kept %zu ", relative.size());
-  const std::vector<Track> tracks = join_tracks(images, relative, options.min_track_images);
+  std::vector<ColmapPair> consistent;
+  for (const RelativeRotation& p : relative) consistent.push_back(*p.pair);
+  std::vector<Track> tracks = join_tracks(images, consistent);
+  std::erase_if(tracks, [&](const Track& t) { return static_cast<int>(t.size()) < options.min_track_images; });
   ColmapModel model;
   model.fx = camera.fx;
   model.fy = camera.fy;

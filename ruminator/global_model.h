@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A model of all images of a window at once, without a first pair to go wrong with: rotations averaged over all verified
-// pairs, then positions of cameras and points together (Pan et al., "Global Structure-from-Motion Revisited", ECCV
-// 2024). COLMAP's incremental mapper can settle on a confident wrong solution when the camera turns more than it moves;
-// a model started from here gives it a rival to be compared with.
+// A model of all images of a window at once, without a first pair to go wrong with: rotations averaged over all
+// verified pairs, then positions of cameras and points together (Pan et al., "Global Structure-from-Motion Revisited",
+// ECCV 2024). COLMAP's incremental mapper can settle on a confident wrong solution when the camera turns more than it
+// moves; a model started from here gives it a rival to be compared with.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@
 namespace rumi {
 
 struct GlobalModelOptions {
-  int min_pair_matches = 20;       // for a relative rotation
+  int min_pair_matches = 20;          // for a relative rotation
   double max_rotation_error_deg = 5;  // between a pair and the averaged rotations
   int min_track_images = 3;
   int iterations = 100;

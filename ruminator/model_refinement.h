@@ -7,6 +7,7 @@
 
 #include "ruminator/colmap_database.h"
 #include "ruminator/colmap_model.h"
+#include "ruminator/tracks.h"
 #include "slam/geometry/camera.h"
 
 namespace rumi {
@@ -27,8 +28,14 @@ struct ModelQuality {
 // removed, and once more. The first registered view keeps its pose. Images that lose all their points are dropped.
 void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
                  ColmapModel* model);
+
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
                           const ModelRefinementOptions& options, ColmapModel* model);
+
+// The model's points anew: every track of two or more images with a pose, from the two of its rays that most others
+// agree with.
+void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<Track>& tracks,
+                        const ModelRefinementOptions& options, ColmapModel* model);
 
 // Images without a pose get one by resection over their verified matches with images that have one; then their matches
 // become observations and new points. Returns how many were added; adjust_model should follow.

@@ -84,7 +84,7 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, con
 
 IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const SiftFeatures& second,
                           const IndexPairs& matches, const SiftMatchOptions& options) {
-  if (static_cast<int>(matches.size()) < options.min_inliers) return {};
+  if (static_cast<int>(matches.size()) < options.min_matches) return {};
   const auto normalized = [&camera](const Eigen::Vector2f& p) {
     return cv::Point2d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy);
   };
@@ -96,7 +96,14 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
   const double threshold = options.max_error_px / (0.5 * (camera.fx + camera.fy));
   std::vector<uint8_t> is_inlier;
   try {
-    cv::findEssentialMat(a, b, cv::Mat::eye(3, 3, CV_64F), cv::USAC_ACCURATE, 0.9999, threshold, is_inlier);
+    cv::UsacParams usac;
+    usac.confidence = 0.9999;
+    usac.maxIterations = options.iterations;
+    usac.loMethod = cv::LOCAL_OPTIM_GC;
+    usac.score = cv::SCORE_METHOD_MSAC;
+    usac.threshold = threshold;
+    const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
+    cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), is_inlier, usac);
   } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point
     return {};
   }

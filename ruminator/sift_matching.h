@@ -15,7 +15,9 @@ struct SiftMatchOptions {
   // A pair that is not near in time is looked at more closely only if its `preview_keypoints` of the largest scale have
   // `preview_matches` (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
   int preview_keypoints = 150;
-  int preview_matches = 4;
+  int preview_matches = 6;
+  int min_matches = 20;       // of a pair, for it to be verified
+  int iterations = 1000;      // RANSAC, at most
   double max_error_px = 1.5;  // from the epipolar line
   int min_inliers = 15;
 };
