@@ -190,8 +190,11 @@ int execution_failure(const Pipe& failure) {
 // What the child says: the beginning goes into the log, the end is remembered.
 class Output {
  public:
-  Output(Descriptor pipe, Descriptor log, size_t log_limit_bytes)
-      : pipe_(std::move(pipe)), log_(std::move(log)), log_left_(log_limit_bytes) {
+  Output(Descriptor pipe, Descriptor log, const ChildCommand& command)
+      : pipe_(std::move(pipe)),
+        log_(std::move(log)),
+        log_left_(command.log_limit_bytes),
+        on_output_(command.on_output) {
     fcntl(pipe_.get(), F_SETFL, O_NONBLOCK);
   }
   int descriptor() const { return pipe_.get(); }
@@ -204,6 +207,7 @@ class Output {
     if (count <= 0) return false;
     const std::string_view text(buffer.data(), static_cast<size_t>(count));
     log(text);
+    if (on_output_) on_output_(text);
     last_.append(text);
     if (last_.size() > kLastOutputBytes) last_.erase(0, last_.size() - kLastOutputBytes);
     return true;
@@ -229,6 +233,7 @@ class Output {
 
   Descriptor pipe_, log_;
   size_t log_left_;
+  const std::function<void(std::string_view)>& on_output_;
   std::string last_;
 };
 
@@ -355,7 +360,7 @@ ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& canc
     reap(child, &result);
     return not_started(fmt::format("{}: cannot be executed: {}", launch.program, error_text(reason)));
   }
-  Output output(std::move(launch.output.read), std::move(log), command.log_limit_bytes);
+  Output output(std::move(launch.output.read), std::move(log), command);
   result.outcome = supervise(child, command, cancel, &output);
   reap(child, &result);
   for (int i = 0; i < kLastBuffers && output.take(); ++i) {

@@ -81,8 +81,7 @@ class ColmapMapper {
   const std::string& version() const { return version_; }  // "3.8"; empty before the first run, or if it is not told
 
  private:
-  ChildResult ask(const std::vector<std::string>& arguments, const std::atomic<bool>& cancel) const;
-  ChildResult learn_options(const std::atomic<bool>& cancel);
+  ChildResult learn_options(int nice, const std::atomic<bool>& cancel);
 
   std::string program_, version_;
   std::set<std::string> options_;  // of `mapper`, without dashes
