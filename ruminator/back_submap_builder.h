@@ -9,6 +9,7 @@
 #include <string>
 
 #include "ruminator/build_options.h"
+#include "ruminator/front_agreement.h"
 #include "ruminator/window_job.h"
 #include "slam/map/submap.h"
 
@@ -30,6 +31,10 @@ struct BuildResult {
 
   // Frames registered of those sampled.
   int approach = 0, gap = 0, departure = 0;
+  std::string warning;       // of what went wrong on the way and was not needed, e.g. no COLMAP
+  std::string origin;        // how the model was found
+  double focal_change = -1;  // relative, of an adjustment free to change the focal lengths; negative: not known
+  std::vector<FrontAgreement> agreement;
   double error_px = 0;           // RMS reprojection error
   int models_tried = 0;          // mapper runs
   double wall_s = 0, cpu_s = 0;  // ours and COLMAP's

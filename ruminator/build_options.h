@@ -4,6 +4,11 @@
 #include <string>
 
 #include "bus/options.h"
+#include "ruminator/back_landmarks.h"
+#include "ruminator/global_model.h"
+#include "ruminator/model_refinement.h"
+#include "ruminator/sift_features.h"
+#include "ruminator/window_matches.h"
 
 namespace rumi {
 
@@ -12,14 +17,52 @@ struct BuildOptions {
   std::string colmap = "colmap";     // the program: a name found in PATH or a path
   int nice = 19;                     // of COLMAP's processes and of our own building thread
   double mapper_time_limit_s = 120;  // of one mapper run
-  int sift_keypoints = 1000;         // per image
+  SiftOptions sift;
+  SiftMatchOptions matching;
+  PairSelection pairs;
+  GlobalModelOptions global;
+  ModelRefinementOptions refinement;
+  BackLandmarkOptions landmarks;
+  double max_focal_change = 0.1;      // by an adjustment that may change the focal lengths, relative
+  double max_rmse_px = 1.5;           // of the reprojection
+  double max_front_rotation_deg = 5;  // median difference to front_tracker's poses of the approach or departure
+  int min_front_frames = 5;           // that such a comparison needs
+  double complete_ratio = 0.95;       // of the images that hang together: a model with so many needs no rival
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.colmap", &o.colmap, "COLMAP's program: a name found in PATH, or a path");
   table.add("ruminator.nice", &o.nice, "", "niceness of rebuilding, COLMAP's processes included", 0, 19);
   table.add("ruminator.mapper_time_limit_s", &o.mapper_time_limit_s, "s", "of one run of COLMAP's mapper", 1, 86400);
-  table.add("ruminator.sift_keypoints", &o.sift_keypoints, "", "per image", 100, 20000);
+  table.add("ruminator.sift_keypoints", &o.sift.keypoints, "", "per image, the strongest", 100, 20000);
+  table.add("ruminator.sift_contrast", &o.sift.contrast_threshold, "", "least contrast of a keypoint", 0.001, 1);
+  table.add("ruminator.match_ratio", &o.matching.max_ratio, "", "distance of the best match over the second best", 0.1,
+            1);
+  table.add("ruminator.match_near", &o.pairs.near, "images",
+            "apart: matched in full; farther pairs if a preview finds something", 1, 100000);
+  table.add("ruminator.match_preview_keypoints", &o.matching.preview_keypoints, "", "the largest ones, in a preview",
+            10, 20000);
+  table.add("ruminator.match_preview_matches", &o.matching.preview_matches, "", "found by a preview that is followed",
+            0, 20000);
+  table.add("ruminator.match_min_matches", &o.matching.min_matches, "", "of a pair, for it to be verified", 8, 20000);
+  table.add("ruminator.match_min_inliers", &o.matching.min_inliers, "", "of a verified pair", 8, 20000);
+  table.add("ruminator.match_max_error_px", &o.matching.max_error_px, "px", "from the epipolar line", 0.1, 20);
+  table.add("ruminator.max_error_px", &o.refinement.max_error_px, "px", "of an observation of the model", 0.5, 20);
+  table.add("ruminator.min_parallax_deg", &o.refinement.min_parallax_deg, "degrees", "of a point of the model", 0.1,
+            20);
+  table.add("ruminator.resection_min_inliers", &o.refinement.resection_min_inliers, "",
+            "points seen by an image, for it to have a pose", 6, 1000);
+  table.add("ruminator.landmark_neighbours", &o.landmarks.neighbours, "images",
+            "that each is matched with for the landmarks of the submap", 1, 1000);
+  table.add("ruminator.max_focal_change", &o.max_focal_change, "",
+            "relative, where an adjustment is free to change the focal lengths: beyond it the model is false", 0, 10);
+  table.add("ruminator.max_rmse_px", &o.max_rmse_px, "px", "reprojection error of the model: beyond it it is false",
+            0.1, 20);
+  table.add("ruminator.max_front_rotation_deg", &o.max_front_rotation_deg, "degrees",
+            "median difference to front_tracker's rotations: beyond it the model is false", 0.1, 180);
+  table.add("ruminator.min_front_frames", &o.min_front_frames, "frames", "that such a comparison needs", 3, 1000);
+  table.add("ruminator.complete_ratio", &o.complete_ratio, "",
+            "of the images with matches: a model with as many poses needs no rival", 0, 1);
 }
 
 }  // namespace rumi

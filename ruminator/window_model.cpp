@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/window_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "ruminator/colmap_model_writer.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Attempts {
+ public:
+  Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
+           const std::atomic<bool>& cancel)
+      : in_(input), o_(options), folder_(folder), cancel_(cancel), mapper_(options.colmap) {
+    tracks_ = join_tracks(in_.images, in_.pairs);
+    for (const ColmapImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
+    const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
+    connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
+  }
+
+  // The global model, and what COLMAP makes of it.
+  void global() {
+    auto model = build_global_model(in_.camera, in_.images, in_.pairs, o_.global);
+    ++result.attempts;
+    if (!model || cancel_) return;
+    // Rough as it is, it comes to its senses in steps.
+    for (double max_error_px : {50.0, 10.0}) {
+      ModelRefinementOptions rough = o_.refinement;
+      rough.max_error_px = max_error_px;
+      prune_model(in_.camera, in_.images, rough, &*model);
+      adjust_model(in_.camera, in_.images, rough, &*model);
+    }
+    WindowModel ours = complete(std::move(*model), "global model");
+    const std::string seed = folder_ + "/seed";
+    std::error_code ignored;
+    fs::create_directories(seed, ignored);
+    if (const std::string error = write_colmap_model(seed, in_.camera, in_.images, ours.model); !error.empty())
+      result.warning = error;
+    else
+      extend(seed, &ours);
+    judge(&ours);
+    candidates_.push_back(std::move(ours));
+  }
+
+  void colmap_alone(double angle_deg) {
+    MapperSettings settings = common_settings();
+    settings.init_min_tri_angle_deg = angle_deg;
+    const MapperOutcome outcome = run_mapper("", settings);
+    for (const ColmapModel& model : outcome.models) {
+      WindowModel candidate = complete(model, fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg));
+      candidate.focal_change = -1;
+      judge(&candidate);
+      candidates_.push_back(std::move(candidate));
+    }
+  }
+
+  bool is_complete() const {
+    return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
+      return c.doubt.empty() && static_cast<double>(c.model.cam_from_world.size()) >= o_.complete_ratio * connected_;
+    });
+  }
+
+  // The most images; where candidates have about as many, the smallest error.
+  void choose() {
+    size_t most = 0;
+    for (const WindowModel& c : candidates_)
+      if (c.doubt.empty()) most = std::max(most, c.model.cam_from_world.size());
+    const WindowModel* best = nullptr;
+    for (const WindowModel& c : candidates_) {
+      const bool has_most =
+          static_cast<double>(c.model.cam_from_world.size()) >= o_.complete_ratio * static_cast<double>(most);
+      if (c.doubt.empty() && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
+    }
+    if (best)
+      result.best = *best;
+    else if (!candidates_.empty())
+      result.failure = fmt::format("no credible model in {} attempts: {}", result.attempts, doubts());
+    else
+      result.failure = result.warning.empty() ? "no model found" : result.warning;
+  }
+
+  WindowModelResult result;
+
+ private:
+  MapperSettings common_settings() const {
+    MapperSettings settings;
+    settings.min_model_size = std::max(3, connected_ / 4);
+    settings.min_num_matches = o_.matching.min_inliers;
+    settings.abs_pose_min_num_inliers = o_.refinement.resection_min_inliers;
+    return settings;
+  }
+
+  MapperOutcome run_mapper(const std::string& seed, const MapperSettings& settings) {
+    MapperCommand command;
+    command.database = folder_ + "/database.db";
+    command.output_folder = fmt::format("{}/models-{}", folder_, ++result.attempts);
+    command.input_model = seed;
+    command.log_file = folder_ + "/colmap.log";
+    command.keypoint_counts = keypoint_counts_;
+    command.time_limit_s = o_.mapper_time_limit_s;
+    command.nice = o_.nice;
+    MapperOutcome outcome = mapper_.run(command, settings, cancel_);
+    result.child_cpu_s += outcome.cpu_s;
+    if (!outcome.failure.empty()) result.warning = outcome.failure;
+    result.retryable = result.retryable || outcome.retryable();
+    return outcome;
+  }
+
+  // What COLMAP adds to our model, and where it takes the focal lengths.
+  void extend(const std::string& seed, WindowModel* ours) {
+    MapperSettings settings = common_settings();
+    settings.refine_focal = true;
+    settings.min_model_size = 3;
+    MapperOutcome outcome = run_mapper(seed, settings);
+    if (outcome.models.empty()) return;
+    ColmapModel& extended = outcome.models.front();
+    const double change =
+        std::max(std::abs(extended.fx / in_.camera.fx - 1), std::abs(extended.fy / in_.camera.fy - 1));
+    ours->focal_change = change;
+    if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
+    WindowModel more = complete(std::move(extended), "global model extended by COLMAP");
+    more.focal_change = change;
+    judge(&more);
+    candidates_.push_back(std::move(more));
+  }
+
+  // The points from the tracks, everything adjusted with the calibrated camera, images left out tried once more. The
+  // same for every candidate, so that they can be compared.
+  WindowModel complete(ColmapModel model, std::string origin) const {
+    ModelRefinementOptions rough = o_.refinement;
+    rough.max_error_px = 4 * o_.refinement.max_error_px;
+    triangulate_tracks(in_.camera, in_.images, tracks_, rough, &model);
+    adjust_model(in_.camera, in_.images, rough, &model);
+    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
+    adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, &model) > 0)
+      adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
+    WindowModel candidate;
+    candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    candidate.model = std::move(model);
+    candidate.origin = std::move(origin);
+    return candidate;
+  }
+
+  void judge(WindowModel* candidate) const {
+    std::map<int64_t, SE3> poses;
+    for (const auto& [image, pose] : candidate->model.cam_from_world) poses[in_.utimes_us[image]] = pose;
+    candidate->agreement = compare_with_front(in_.front, poses, o_.min_front_frames);
+    if (poses.size() < 3) {
+      candidate->doubt = fmt::format("{} images have a pose", poses.size());
+    } else if (candidate->quality.rmse_px > o_.max_rmse_px) {
+      candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
+    } else if (candidate->focal_change > o_.max_focal_change) {
+      candidate->doubt = fmt::format("it wants other focal lengths, by {:.0f} %", 100 * candidate->focal_change);
+    } else {
+      for (const FrontAgreement& a : candidate->agreement)
+        if (a.rotation_deg > o_.max_front_rotation_deg)
+          candidate->doubt = fmt::format("its rotations differ from those of submap {} by {:.1f} degrees", a.submap_id,
+                                         a.rotation_deg);
+    }
+  }
+
+  std::string doubts() const {
+    std::string text;
+    for (const WindowModel& c : candidates_)
+      text += fmt::format("{}{} ({} of {} images): {}", text.empty() ? "" : "; ", c.origin,
+                          c.model.cam_from_world.size(), in_.images.size(), c.doubt);
+    return text;
+  }
+
+  const WindowModelInput& in_;
+  const BuildOptions& o_;
+  std::string folder_;
+  const std::atomic<bool>& cancel_;
+  ColmapMapper mapper_;
+  std::vector<Track> tracks_;
+  std::vector<int> keypoint_counts_;
+  int connected_ = 0;  // images of the largest group that hangs together
+  std::vector<WindowModel> candidates_;
+};
+
+}  // namespace
+
+WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
+                                     const std::string& work_folder, const std::function<void(double)>& progress,
+                                     const std::atomic<bool>& cancel) {
+  Attempts attempts(input, options, work_folder, cancel);
+  if (std::string error = write_colmap_database(work_folder + "/database.db", input.camera, input.images, input.pairs);
+      !error.empty()) {
+    attempts.result.failure = std::move(error);
+    attempts.result.retryable = true;
+    return attempts.result;
+  }
+  attempts.global();
+  progress(0.5);
+  for (const double angle_deg : {4.0, 8.0, 16.0}) {
+    if (attempts.is_complete() || cancel) break;
+    attempts.colmap_alone(angle_deg);
+    progress(0.5 + 0.5 * angle_deg / 20);
+  }
+  if (cancel) {
+    attempts.result.cancelled = true;
+    attempts.result.failure = "cancelled";
+    return attempts.result;
+  }
+  attempts.choose();
+  return attempts.result;
+}
+
+}  // namespace rumi

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The model of a window: several attempts, each completed and adjusted alike, and the best of them that is credible.
+//
+// 1. the global model (global_model.h), extended by COLMAP's mapper, whose bundle adjustment is free to change the
+// focal
+//    lengths: a false solution bends them;
+// 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ruminator/build_options.h"
+#include "ruminator/colmap_mapper.h"
+#include "ruminator/front_agreement.h"
+
+namespace rumi {
+
+struct WindowModel {
+  ColmapModel model;
+  std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
+  ModelQuality quality;
+  double focal_change = 0;  // relative, the larger of fx and fy; negative: not known
+  std::vector<FrontAgreement> agreement;
+  std::string doubt;  // empty, or why it cannot be believed
+};
+
+struct WindowModelResult {
+  WindowModel best;     // with `failure` empty
+  std::string failure;  // why there is none
+  bool retryable = false, cancelled = false;
+  std::string warning;  // of something that went wrong on the way, e.g. no COLMAP
+  int attempts = 0;
+  double child_cpu_s = 0;
+};
+
+struct WindowModelInput {
+  const Camera& camera;
+  const std::vector<ColmapImage>& images;
+  const std::vector<int64_t>& utimes_us;  // of the images
+  const std::vector<ColmapPair>& pairs;
+  const std::vector<Sample>& front;  // samples that front_tracker has poses of
+};
+
+WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
+                                     const std::string& work_folder,
+                                     const std::function<void(double fraction)>& progress,
+                                     const std::atomic<bool>& cancel);
+
+}  // namespace rumi
