@@ -219,6 +219,29 @@ TEST_F(ChildProcessTest, OurDescriptorsStayOurs) {
   close(ours);
 }
 
+TEST_F(ChildProcessTest, ThreadsDoNotMixUpTheirChildren) {
+  std::vector<std::thread> threads;
+  std::atomic<int> right = 0;
+  for (int t = 0; t < 4; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 10; ++i) {
+        const std::string number = std::to_string(10 * t + i);
+        const ChildResult result = run("echo " + number + "; exit " + number);
+        if (result.last_output == number + "\n" && result.exit_code == 10 * t + i) ++right;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(right, 40);
+}
+
+TEST_F(ChildProcessTest, WhatItSaysIsHandedOnAsItComes) {
+  ChildCommand command = shell("echo one; head -c 100000 /dev/zero; echo two");
+  std::string said;
+  command.on_output = [&](std::string_view text) { said += text; };
+  EXPECT_TRUE(run_child(command, never).ok());
+  EXPECT_EQ(said, "one\n" + std::string(100000, '\0') + "two\n");
+}
+
 TEST_F(ChildProcessTest, ItsInputIsEmpty) { EXPECT_TRUE(run("cat; cat").ok()); }
 
 TEST_F(ChildProcessTest, ItDoesNotIgnoreWhatWeIgnore) {

@@ -17,7 +17,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::StartsWith;
 using testing::TemporaryFolder;
 
@@ -155,8 +154,8 @@ TEST(ColmapDatabase, AFolderThatIsNotThereIsReported) {
 TEST(ColmapDatabase, AFullDiskIsReported) {
   const TemporaryFolder folder;
   const int result = testing::run_on_small_disk(folder.path().string(), 100'000, [&] {
-    std::vector<ColmapImage> images;
-    for (int i = 0; i < 100; ++i) images.push_back({std::to_string(i), std::vector<Eigen::Vector2f>(1000, {1, 2})});
+    std::vector<ColmapImage> images(100, {"", std::vector<Eigen::Vector2f>(1000, {1, 2})});
+    for (size_t i = 0; i < images.size(); ++i) images[i].name = std::to_string(i);
     const std::string problem = write_colmap_database(folder / "database.db", test_camera(), images, {});
     if (problem.find("full") == std::string::npos) return 1;
     return std::filesystem::exists(folder / "database.db") ? 2 : 0;
