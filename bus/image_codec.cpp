@@ -117,6 +117,22 @@ cv::Mat decode(const image_t& image, bool grey, std::string* error) {
 }  // namespace
 
 cv::Mat decode_grey(const image_t& image, std::string* error) { return decode(image, true, error); }
+cv::Mat decode_reduced_grey(const image_t& image, int reduction, std::string* error) {
+  if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
+    std::string problem = check_image(image);
+    cv::Mat reduced;
+    if (problem.empty()) reduced = decode_jpeg(image.data, true, &problem, reduction);
+    if (error) *error = problem;
+    return reduced;
+  }
+  const cv::Mat grey = decode_grey(image, error);
+  if (grey.empty() || reduction == 1) return grey;
+  const cv::Size size((grey.cols + reduction - 1) / reduction, (grey.rows + reduction - 1) / reduction);
+  cv::Mat reduced;
+  cv::resize(grey, reduced, size, 0, 0, cv::INTER_AREA);
+  return reduced;
+}
+
 cv::Mat decode_bgr(const image_t& image, std::string* error) { return decode(image, false, error); }
 
 image_t make_grey_image(int64_t utime_us, const cv::Mat& grey) {

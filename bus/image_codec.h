@@ -16,7 +16,9 @@ std::string check_image(const image_t& image);
 // 8-bit grey image, width x height as the message says. On failure an empty Mat and in *error what is wrong (field,
 // value). Understands GRAY, RGB, MJPEG (JPEG) and YUYV.
 cv::Mat decode_grey(const image_t& image, std::string* error);
-// 8-bit BGR (OpenCV's order), as above.
+// The same, as many times smaller as gives `reduction` (1, 2, 4 or 8; sizes rounded up): cheaper than decoding in full.
+cv::Mat decode_reduced_grey(const image_t& image, int reduction, std::string* error);
+// 8-bit BGR (OpenCV's order), as decode_grey().
 cv::Mat decode_bgr(const image_t& image, std::string* error);
 
 image_t make_grey_image(int64_t utime_us, const cv::Mat& grey);

@@ -36,7 +36,7 @@ void on_message(j_common_ptr info, int level) {
 }
 
 // Only trivial locals here: an error leaves by longjmp, which runs no destructors. `out` belongs to the caller.
-bool decode_into(std::span<const uint8_t> data, bool grey, cv::Mat& out, ErrorManager& errors) {
+bool decode_into(std::span<const uint8_t> data, bool grey, int reduction, cv::Mat& out, ErrorManager& errors) {
   jpeg_decompress_struct jpeg;
   jpeg.err = jpeg_std_error(&errors.base);
   errors.base.error_exit = fail;
@@ -49,6 +49,8 @@ bool decode_into(std::span<const uint8_t> data, bool grey, cv::Mat& out, ErrorMa
   jpeg_mem_src(&jpeg, data.data(), data.size());
   jpeg_read_header(&jpeg, TRUE);
   jpeg.out_color_space = grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
+  jpeg.scale_num = 1;
+  jpeg.scale_denom = static_cast<unsigned>(reduction);
   jpeg_start_decompress(&jpeg);
   while (jpeg.output_scanline < jpeg.output_height) {
     JSAMPROW row = out.ptr(static_cast<int>(jpeg.output_scanline));
@@ -91,16 +93,18 @@ bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* er
   return corrupt("no frame header", error);
 }
 
-cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error) {
+cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error, int reduction) {
+  CV_Assert(reduction == 1 || reduction == 2 || reduction == 4 || reduction == 8);
   JpegSize size;
   if (!inspect_jpeg(data, &size, error)) return {};
   if (size.width > kMaxSide || size.height > kMaxSide) {
     corrupt("more than 16384 pixels wide or high", error);
     return {};
   }
-  cv::Mat out(size.height, size.width, grey ? CV_8UC1 : CV_8UC3);
+  const auto reduced = [reduction](int side) { return (side + reduction - 1) / reduction; };
+  cv::Mat out(reduced(size.height), reduced(size.width), grey ? CV_8UC1 : CV_8UC3);
   ErrorManager errors{};
-  if (decode_into(data, grey, out, errors)) return out;
+  if (decode_into(data, grey, reduction, out, errors)) return out;
   corrupt(errors.message, error);
   return {};
 }

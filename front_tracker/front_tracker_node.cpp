@@ -12,7 +12,6 @@
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
 #include "bus/submap_update.h"
-#include "lcmtypes/rumi/track_t.hpp"
 
 namespace rumi {
 namespace {
@@ -94,6 +93,7 @@ bool FrontTrackerNode::begin_session(const image_t& image) {
   }
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
+  without_pose_.clear();
   tracker_ = std::make_unique<Tracker>(camera, options_, session_);
   return true;
 }
@@ -152,9 +152,25 @@ void FrontTrackerNode::on_image(const image_t& image) {
   cpu_ms_ += cpu_ms;
   ++cpu_count_;
   state_ = result->state;
+  publish_posed_afterwards();
   publish(image, *result, cpu_ms);
   publisher_.publish(*tracker_, bus_.now_us(), false);
 }
+
+namespace {
+
+void set_pose(const TrackResult& r, track_t* track) {
+  track->submap_id = r.submap_id;
+  track->submap_revision = r.submap_revision;
+  track->reference_keyframe = r.reference_keyframe;
+  track->cam_from_keyframe = to_wire(r.cam_from_keyframe);
+  track->cam_from_submap = to_wire(r.cam_from_submap);
+  track->is_keyframe = r.is_keyframe;
+  track->keypoints = r.keypoints;
+  track->inliers = r.inliers;
+}
+
+}  // namespace
 
 void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, double cpu_ms) {
   track_t track;
@@ -162,23 +178,34 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track.session = session_;
   track.sequence = sequence_++;
   track.state = static_cast<int8_t>(r.state);
-  track.submap_id = r.submap_id;
-  track.submap_revision = r.submap_revision;
-  track.reference_keyframe = r.reference_keyframe;
-  track.cam_from_keyframe = to_wire(r.cam_from_keyframe);
-  track.cam_from_submap = to_wire(r.cam_from_submap);
-  track.is_keyframe = r.is_keyframe;
-  track.keypoints = r.keypoints;
-  track.inliers = r.inliers;
+  set_pose(r, &track);
   track.processing_ms = static_cast<float>(cpu_ms);
   track.latency_ms = latency_ms(image, bus_.now_us());
   bus_.publish(channels::kTrack, track);
-  if (r.submap_id == kNoSubmap) return;
+  if (r.submap_id == kNoSubmap) return remember_without_pose(track);
+  without_pose_.clear();
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
   const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
   if (map_from_submap == map_from_submap_.end()) return;
   const SE3 cam_from_map = map_from_submap->second.transform_camera(r.cam_from_submap);
   bus_.publish(channels::kCameraToMap, to_wire(r.utime_us, cam_from_map.inverse()));
+}
+
+void FrontTrackerNode::remember_without_pose(const track_t& track) {
+  without_pose_[track.utime] = track;
+  while (static_cast<int>(without_pose_.size()) > options_.initializer.max_frames)
+    without_pose_.erase(without_pose_.begin());
+}
+
+// Before the frame that began the submap, so that who follows the states knows what that frame leaves without a pose.
+void FrontTrackerNode::publish_posed_afterwards() {
+  for (const TrackResult& r : tracker_->posed_afterwards()) {
+    const auto told = without_pose_.find(r.utime_us);
+    if (told == without_pose_.end()) continue;
+    track_t track = told->second;  // sequence, state and times stay what they were
+    set_pose(r, &track);
+    bus_.publish(channels::kTrack, track);
+  }
 }
 
 void FrontTrackerNode::on_map_status(const map_status_t& status) {

@@ -12,6 +12,7 @@
 #include "front_tracker/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
 
 namespace rumi {
 
@@ -38,6 +39,8 @@ class FrontTrackerNode : public Node {
   bool begin_session(const image_t& image);
   bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
+  void publish_posed_afterwards();
+  void remember_without_pose(const track_t& track);
   // Notes what is wrong for the status; says it in the log once per kind of problem.
   void refuse(const std::string& kind, const std::string& problem);
 
@@ -50,6 +53,7 @@ class FrontTrackerNode : public Node {
   std::map<SubmapKey, Sim3> map_from_submap_;  // of the submaps in the served map
   int64_t session_ = 0;
   int64_t sequence_ = 0;
+  std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime
   int64_t last_utime_us_ = INT64_MIN;
   int backward_images_ = 0;
   bool finishing_ = false;

@@ -26,6 +26,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   Frame frame = make_frame(
       utime_us, extractor_.extract(grey, tracking ? options_.orb.keypoints : options_.initializer.keypoints), camera_);
 
+  posed_afterwards_.clear();
   TrackResult result;
   result.utime_us = utime_us;
   result.keypoints = static_cast<int>(frame.features->size());
@@ -134,6 +135,17 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
     record_pose(submap, frame);
   }
   give_poses_afterwards(&initial.frames, &posed, submap);
+  for (size_t i = 0; i + 1 < initial.frames.size(); ++i) {  // the newest is the one that begins the submap
+    if (!posed[i]) continue;
+    const Frame& frame = initial.frames[i];
+    TrackResult result;
+    result.utime_us = frame.utime_us;
+    result.keypoints = static_cast<int>(frame.features->size());
+    const Keyframe* reference = submap->map.keyframe(frame.reference_keyframe);
+    result.is_keyframe = reference->utime_us == frame.utime_us;
+    note_pose(*submap, frame, &result);
+    posed_afterwards_.push_back(result);
+  }
   last_ = initial.frames.back();
   frames_since_keyframe_ = 0;
   for (const auto& [id, kf] : submap->map.keyframes) {
@@ -185,13 +197,17 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     }
     record_pose(&submap, frame);
   }
+  note_pose(submap, frame, result);
+  last_ = std::move(frame);
+}
+
+void Tracker::note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result) const {
   result->submap_id = submap.map.key.id;
   result->submap_revision = submap.map.revision;
   result->reference_keyframe = frame.reference_keyframe;
   result->cam_from_keyframe = frame.cam_from_keyframe;
   result->cam_from_submap = frame.cam_from_submap;
   result->inliers = frame.matches();
-  last_ = std::move(frame);
 }
 
 }  // namespace rumi

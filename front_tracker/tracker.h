@@ -37,6 +37,9 @@ class Tracker {
   // size.
   std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey);
 
+  // Earlier frames that got their poses because the last image began a submap, in order of time; else empty.
+  const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
+
   // All submaps, oldest first; the pointers stay valid. Hold the mutex while looking at them.
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
@@ -60,6 +63,7 @@ class Tracker {
   void lose(const Frame& frame);
   void accept(Frame frame, TrackResult* result);
   void record_pose(FrontSubmap* submap, const Frame& frame);
+  void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result) const;
   FrontSubmap& active() { return *submaps_[active_]; }
 
   Camera camera_;
@@ -73,6 +77,7 @@ class Tracker {
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;
   std::vector<MappingTask> tasks_;
+  std::vector<TrackResult> posed_afterwards_;
 
   TrackingState state_ = TrackingState::kNotInitialized;
   size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST

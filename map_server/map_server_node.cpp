@@ -93,7 +93,7 @@ void MapServerNode::on_track(const track_t& track) {
   const FrameRecord record{
       .session = track.session, .state = static_cast<FrameState>(track.state), .submap_id = track.submap_id};
   if (atlas_.record_frame(track.utime, record)) unsaved_frames_.insert(track.utime);
-  last_utime_us_ = track.utime;
+  last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
 
 std::string MapServerNode::save() {

@@ -8,11 +8,17 @@ namespace rumi {
 
 // How the frames of a rumination window are chosen (paper, section IV.B).
 struct WindowOptions {
-  int stride = 5;                   // frames from one sample to the next while tracked (paper: inter)
-  int window_length = 10;           // samples before the loss (paper: len)
-  int departure_min_keyframes = 8;  // keyframes of the new submap that end the window (paper: Th_S3)
-  int departure_max_samples = 40;   // or this many samples, for a camera that stands still
-  int gap_max_frames = 300;         // more are thinned to every 2nd, 4th, ...
+  int stride = 5;                   // frames from one sample to the next while tracked (paper: inter), at most
+  double max_turn_deg = 10;         // the same as an angle: at a low frame rate a stride may leave nothing in common
+  int window_length = 10;           // samples before the loss (paper: len); keyframes beyond it see shared_keyframes
+  int shared_keyframes = 10;        // wanted on each side; a merge is the more accurate the more there are, up to that
+  int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
+  int departure_max_samples = 40;   // complete the window anyway, for a camera that stands still
+  int gap_max_frames = 120;         // samples of the gap; beyond it they are thinned
+  double gap_motion_px = 12;        // set point of the motion between samples of a thinned gap
+  double gap_min_motion_px = 1.5;   // frames that moved less since the last sample add nothing
+  double gap_max_step = 3;          // set points that dropping a blurred frame may leave between its neighbours
+  double min_sharpness = 0.5;       // of the neighbours' median; frames below it are the first to be thinned out
 };
 
 struct RuminatorOptions {
@@ -27,14 +33,24 @@ struct RuminatorOptions {
 inline void describe(OptionTable& table, RuminatorOptions& o) {
   describe(table, o.build);
   WindowOptions& w = o.window;
-  table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked (inter)", 1, 1000);
+  table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked, at most (inter)", 1,
+            1000);
+  table.add("ruminator.max_turn_deg", &w.max_turn_deg, "deg", "the same as a turn of the camera", 0.1, 180);
   table.add("ruminator.window_length", &w.window_length, "frames", "samples kept from before a loss (len)", 1, 1000);
+  table.add("ruminator.shared_keyframes", &w.shared_keyframes, "keyframes",
+            "of front_tracker wanted among the samples before and after", 0, 1000);
   table.add("ruminator.departure_min_keyframes", &w.departure_min_keyframes, "keyframes",
-            "of the new submap, then the window is complete (Th_S3)", 1, 1000);
+            "of the new submap (Th_S3); lost again with fewer, its frames are gap", 1, 1000);
   table.add("ruminator.departure_max_samples", &w.departure_max_samples, "frames",
             "samples after resuming that complete the window anyway", 1, 10000);
   table.add("ruminator.gap_max_frames", &w.gap_max_frames, "frames", "samples of the gap; beyond it they are thinned",
             2, 100000);
+  table.add("ruminator.gap_motion_px", &w.gap_motion_px, "px", "motion between samples that thinning aims at", 0.1,
+            1000);
+  table.add("ruminator.gap_min_motion_px", &w.gap_min_motion_px, "px",
+            "since the last sample of the gap; frames that moved less are left out", 0, 1000);
+  table.add("ruminator.min_sharpness", &w.min_sharpness, "",
+            "of the neighbours' median; frames below it are thinned out first", 0, 1);
   table.add("ruminator.ring_mb", &o.ring_mb, "MB", "images kept in memory", 1, 100000);
   table.add("ruminator.jpeg_quality", &o.jpeg_quality, "", "of kept images that came uncompressed", 1, 100);
   table.add("ruminator.max_queued_windows", &o.max_queued_windows, "", "complete windows that wait for rebuilding", 1,

@@ -25,7 +25,8 @@ struct RuminationWindow {
   int64_t lost_utime_us = 0;
   int64_t resumed_utime_us = 0;                  // 0 while lost
   std::vector<Sample> approach, gap, departure;  // S1, S2, S3, each in order of time
-  std::string reason;                            // why it ended before it was complete
+  int gap_frames = 0;  // frames that the gap had in all; what is not in `gap` was thinned out or came without image
+  std::string reason;  // why it ended before it was complete
 
   bool is_lost() const { return resumed_utime_us == 0; }
 };

@@ -42,6 +42,7 @@ window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t sta
   message.resumed_utime = window.resumed_utime_us;
   message.approach_utime = utimes(window.approach);
   message.napproach = static_cast<int32_t>(message.approach_utime.size());
+  message.gap_frames = window.gap_frames;
   message.gap_utime = utimes(window.gap);
   message.ngap = static_cast<int32_t>(message.gap_utime.size());
   message.departure_utime = utimes(window.departure);
@@ -82,36 +83,44 @@ void RuminatorNode::on_track(const track_t& track) {
 }
 
 // A frame's image and its state may come in either order, and either may be lost. States are followed in their order;
-// one whose image is missing waits a while.
+// one whose image is missing waits a while, unless it was there before: a pose given afterwards.
 void RuminatorNode::process_pending(int64_t now_us, bool all) {
   const auto wait_us = static_cast<int64_t>(options_.match_wait_s * 1e6);
   while (!pending_.empty()) {
     const PendingTrack& next = pending_.front();
     const bool has_waited = now_us - next.arrived_us >= wait_us || now_us < next.arrived_us;
-    if (!all && !has_waited && pending_.size() <= kMaxPending && !ring_.find(next.track.utime)) return;
+    const bool must_wait = !all && !has_waited && pending_.size() <= kMaxPending;
+    if (must_wait && !ring_.find(next.track.utime) && !sampler_.is_late(event(next.track))) return;
     const track_t track = next.track;
     pending_.pop_front();
     process(track);
   }
 }
 
+FrameEvent RuminatorNode::event(const track_t& track) const {
+  return {.utime_us = track.utime,
+          .session = track.session,
+          .submap_id = track.submap_id,
+          .cam_from_submap = from_wire(track.cam_from_submap).value_or(SE3()),
+          .is_keyframe = track.is_keyframe != 0,
+          .has_image = ring_.find(track.utime) != nullptr};
+}
+
 void RuminatorNode::process(const track_t& track) {
-  const bool has_image = ring_.find(track.utime) != nullptr;
-  without_image_ += !has_image;
-  last_utime_us_ = track.utime;
+  FrameEvent frame = event(track);
+  if (!sampler_.is_late(frame)) {
+    without_image_ += !frame.has_image;
+    last_utime_us_ = track.utime;
+  }
+  if (!sampler_.open()) motion_.reset();
+  if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(track.utime));
   const auto phase = [this] {
     return sampler_.open() ? std::pair(sampler_.open()->id, sampler_.open()->is_lost()) : std::pair(0, false);
   };
   const auto before = phase();
-  std::optional<RuminationWindow> ended =
-      sampler_.process({.utime_us = track.utime,
-                        .session = track.session,
-                        .submap_id = track.submap_id,
-                        .cam_from_submap = from_wire(track.cam_from_submap).value_or(SE3()),
-                        .is_keyframe = track.is_keyframe != 0,
-                        .has_image = has_image});
+  std::optional<RuminationWindow> ended = sampler_.process(frame);
   if (ended) enqueue(std::move(*ended));
-  if (sampler_.open() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
+  if (sampler_.is_settled() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
   settle(track.utime);
 }
 
@@ -155,8 +164,9 @@ void RuminatorNode::drop_oldest_window() {
 
 void RuminatorNode::enqueue(RuminationWindow window) {
   while (static_cast<int>(queued_.size()) >= options_.max_queued_windows) drop_oldest_window();
-  spdlog::info("window {}: {} + {} + {} frames, submap {} to {}{}{}", window.id, window.approach.size(),
-               window.gap.size(), window.departure.size(), window.submap_before, window.submap_after,
+  spdlog::info("window {}: {} + {} of {} + {} frames, {} and {} keyframes of submaps {} and {}{}{}", window.id,
+               window.approach.size(), window.gap.size(), window.gap_frames, window.departure.size(),
+               keyframes(window.approach), keyframes(window.departure), window.submap_before, window.submap_after,
                window.reason.empty() ? "" : ": ", window.reason);
   announce(window, window_t::QUEUED);
   queued_.push_back(std::move(window));
@@ -172,7 +182,7 @@ void RuminatorNode::announce(const RuminationWindow& window, int8_t state) {
 void RuminatorNode::tick(int64_t now_us) {
   process_pending(now_us, false);
   const bool is_due = now_us - last_announced_us_ >= kAnnouncePeriodUs || now_us < last_announced_us_;
-  if (sampler_.open() && is_due) announce(*sampler_.open(), window_t::COLLECTING);
+  if (sampler_.is_settled() && is_due) announce(*sampler_.open(), window_t::COLLECTING);
 }
 
 void RuminatorNode::finish() {

@@ -14,6 +14,7 @@
 #include "lcmtypes/rumi/track_t.hpp"
 #include "lcmtypes/rumi/window_t.hpp"
 #include "ruminator/frame_ring.h"
+#include "ruminator/image_motion.h"
 #include "ruminator/options.h"
 #include "ruminator/window_sampler.h"
 
@@ -40,6 +41,7 @@ class RuminatorNode : public Node {
   void on_track(const track_t& track);
   void process_pending(int64_t now_us, bool all);
   void process(const track_t& track);
+  FrameEvent event(const track_t& track) const;
   void settle(int64_t utime_us);
   bool is_needed(int64_t utime_us) const;
   void note_queued_utimes();
@@ -52,6 +54,7 @@ class RuminatorNode : public Node {
   RuminatorOptions options_;
   WindowSampler sampler_;
   FrameRing ring_;
+  ImageMotion motion_;
   std::deque<PendingTrack> pending_;  // in order of arrival
   std::deque<RuminationWindow> queued_;
   std::unordered_set<int64_t> queued_utimes_;  // samples of all queued windows

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every stride-th frame, with a preference for keyframes: they are the frames that the front submap has landmarks for,
-// and the merge needs frames that both submaps share.
+// Samples of tracked frames: every keyframe, because the front submap has landmarks for it and the merge needs frames
+// that both submaps share; between keyframes as many as keep neighbours alike enough to be matched, which is a frame
+// per stride, or sooner when the camera has turned.
 #pragma once
 
+#include <cstdlib>
 #include <deque>
+#include <numbers>
 
 #include "ruminator/rumination_window.h"
 
@@ -11,29 +14,59 @@ namespace rumi {
 
 class StrideSampler {
  public:
-  explicit StrideSampler(int stride) : stride_(stride) {}
+  StrideSampler(int stride, double max_turn_deg)
+      : stride_(stride), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
 
-  // The next frame. A keyframe is taken up to half a stride early, or in place of the sample up to half a stride before
-  // it if that is no keyframe. A frame without image is counted only.
+  // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
+  // stride before it, if that is no keyframe and not needed as a bridge. A frame without image is counted only.
   void add(const Sample& frame, bool has_image) {
     ++since_last_;
     if (!has_image) return;
-    const bool replaces =
-        frame.is_keyframe && !samples_.empty() && !samples_.back().is_keyframe && since_last_ <= stride_ / 2;
-    const bool is_next = samples_.empty() || since_last_ >= (frame.is_keyframe ? (stride_ + 1) / 2 : stride_);
-    if (!replaces && !is_next) return;
-    if (replaces) samples_.pop_back();
+    if (!samples_.empty()) {
+      const bool is_due = since_last_ >= stride_ || has_turned(samples_.back(), frame);
+      if (!frame.is_keyframe && !is_due) return;
+      if (frame.is_keyframe && can_replace_last(frame)) samples_.pop_back();
+    }
     samples_.push_back(frame);
     since_last_ = 0;
   }
-  void keep_newest(int count) {
-    while (static_cast<int>(samples_.size()) > count) samples_.pop_front();
+  // Leaves the newest `count` samples and, of those before, the keyframes that are among the newest `keyframes`. The
+  // front found enough in common between one keyframe and the next: they need no samples between them.
+  void keep_newest(int count, int keyframes) {
+    std::deque<Sample> kept;
+    int samples_seen = 0, keyframes_seen = 0;
+    for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {
+      keyframes_seen += sample->is_keyframe;
+      if (++samples_seen <= count || (sample->is_keyframe && keyframes_seen <= keyframes)) kept.push_front(*sample);
+    }
+    samples_.swap(kept);
   }
-  void clear() { *this = StrideSampler(stride_); }
+  // The newest frame, whether it is due or not.
+  void add_last(const Sample& frame) {
+    if (samples_.empty() || samples_.back().utime_us < frame.utime_us) samples_.push_back(frame);
+  }
+  void clear() {
+    samples_.clear();
+    since_last_ = 0;
+  }
   const std::deque<Sample>& samples() const { return samples_; }
+  int keyframes() const {
+    int count = 0;
+    for (const Sample& sample : samples_) count += sample.is_keyframe;
+    return count;
+  }
 
  private:
+  bool has_turned(const Sample& from, const Sample& to) const {
+    return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > max_turn_rad_;
+  }
+  bool can_replace_last(const Sample& frame) const {
+    if (samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
+    return samples_.size() < 2 || !has_turned(samples_[samples_.size() - 2], frame);
+  }
+
   int stride_;
+  double max_turn_rad_;
   int since_last_ = 0;  // frames
   std::deque<Sample> samples_;
 };

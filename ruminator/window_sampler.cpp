@@ -3,13 +3,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
 namespace rumi {
+namespace {
+
+// Frames that may yet get a pose: well more than front_tracker buffers while it tries to begin a submap.
+constexpr size_t kMaxUntracked = 1000;
+
+std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
+
+}  // namespace
 
 WindowSampler::WindowSampler(const WindowOptions& options)
-    : options_(options), approach_(options.stride), departure_(options.stride) {}
+    : options_(options),
+      approach_(options.stride, options.max_turn_deg),
+      gap_(options),
+      departure_(options.stride, options.max_turn_deg),
+      since_resume_(options) {}
 
 std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) {
   if (!has_begun_ || frame.session != session_) {
@@ -18,12 +31,17 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
     process(frame);  // the first frame of a session opens a window or not, but ends none
     return ended;
   }
-  if (frame.utime_us <= last_utime_us_) {
-    ++ignored_;
+  if (is_late(frame)) {
+    ignored_ += !on_late_pose(frame);
     return std::nullopt;
   }
   last_utime_us_ = frame.utime_us;
-  return frame.submap_id == kNoSubmap ? on_untracked(frame) : on_tracked(frame);
+  std::optional<RuminationWindow> ended = frame.submap_id == kNoSubmap ? on_untracked(frame) : on_tracked(frame);
+  if (open_) {
+    open_->gap = gap_.samples();
+    open_->departure = list(departure_);
+  }
+  return ended;
 }
 
 void WindowSampler::start_session(int64_t session) {
@@ -36,43 +54,90 @@ void WindowSampler::start_session(int64_t session) {
   last_tracked_.reset();
 }
 
+GapFrame WindowSampler::measured(const FrameEvent& frame) {
+  if (frame.has_image) path_px_ += frame.image.motion_px.value_or(options_.gap_motion_px);
+  return {.sample = {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap},
+          .path_px = path_px_,
+          .sharpness = frame.image.sharpness};
+}
+
 std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
   if (open_ && !open_->is_lost() && frame.submap_id != open_->submap_after)
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
   if (frame.submap_id != submap_) approach_.clear();
   submap_ = frame.submap_id;
-  const Sample sample{frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap};
-  approach_.add(sample, frame.has_image);
-  approach_.keep_newest(options_.window_length);
-  if (frame.has_image) last_tracked_ = sample;
-
-  if (open_) {
-    if (open_->is_lost()) {
-      open_->resumed_utime_us = frame.utime_us;
-      open_->submap_after = frame.submap_id;
-      resumed_in_known_ = known_submaps_.contains(frame.submap_id);
-    }
-    departure_.add(sample, frame.has_image);
-    open_->departure.assign(departure_.samples().begin(), departure_.samples().end());
-    if (frame.has_image) since_resume_.push_back(sample);
-    keyframes_since_resume_ += frame.is_keyframe;
-    if (is_complete()) ended = close("");
-  }
+  if (open_ && open_->is_lost()) resume(frame);
+  const GapFrame measured_frame = measured(frame);
+  approach_.add(measured_frame.sample, frame.has_image);
+  approach_.keep_newest(options_.window_length, options_.shared_keyframes);
+  if (frame.has_image) last_tracked_ = measured_frame.sample;
   known_submaps_.insert(frame.submap_id);
+
+  if (!open_) return ended;
+  add_to_departure(measured_frame, frame.has_image);
+  const bool connects = open_->submap_before != kNoSubmap && open_->submap_before != open_->submap_after;
+  if (open_->gap_frames == 0 && !connects)
+    forget_window();
+  else if (is_complete())
+    ended = close("");
   return ended;
+}
+
+void WindowSampler::resume(const FrameEvent& frame) {
+  open_->submap_after = frame.submap_id;
+  open_->resumed_utime_us = frame.utime_us;
+  resumed_in_known_ = known_submaps_.contains(frame.submap_id);
+  std::sort(late_poses_.begin(), late_poses_.end(),
+            [](const LatePose& a, const LatePose& b) { return a.frame.sample.utime_us < b.frame.sample.utime_us; });
+  for (const LatePose& late : late_poses_) {
+    if (late.frame.sample.submap_id != frame.submap_id) {  // its submap has not been heard of again
+      if (late.has_image) gap_.merge({late.frame});
+      continue;
+    }
+    --open_->gap_frames;
+    open_->resumed_utime_us = std::min(open_->resumed_utime_us, late.frame.sample.utime_us);
+    approach_.add(late.frame.sample, late.has_image);
+    add_to_departure(late.frame, late.has_image);
+  }
+  late_poses_.clear();
+}
+
+void WindowSampler::add_to_departure(const GapFrame& frame, bool has_image) {
+  ++frames_since_resume_;
+  departure_.add(frame.sample, has_image);
+  if (has_image) since_resume_.add(frame);
+}
+
+bool WindowSampler::on_late_pose(const FrameEvent& frame) {
+  if (!open_ || frame.submap_id == kNoSubmap || untracked_.erase(frame.utime_us) == 0) return false;
+  const std::optional<GapFrame> sampled = gap_.take(frame.utime_us);
+  GapFrame late = sampled.value_or(GapFrame{});
+  late.sample = {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap};
+  if (open_->is_lost()) {
+    late_poses_.push_back({late, sampled.has_value()});
+  } else {  // after the frame that it was to precede: too late to be a sample of the departure
+    --open_->gap_frames;
+    open_->resumed_utime_us = std::min(open_->resumed_utime_us, frame.utime_us);
+  }
+  open_->gap = gap_.samples();
+  return true;
 }
 
 bool WindowSampler::is_complete() const {
   const int samples = static_cast<int>(departure_.samples().size());
-  return keyframes_since_resume_ >= options_.departure_min_keyframes || samples >= options_.departure_max_samples ||
-         (resumed_in_known_ && samples >= options_.window_length);
+  const int keyframes = departure_.keyframes();
+  return keyframes >= std::max(options_.departure_min_keyframes, options_.shared_keyframes) ||
+         samples >= options_.departure_max_samples ||
+         (open_->submap_after == open_->submap_before && samples >= options_.window_length);
 }
 
 std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
   if (open_ && !open_->is_lost()) {
-    if (resumed_in_known_)
+    if (departure_.keyframes() >= options_.departure_min_keyframes)
+      ended = close("");
+    else if (resumed_in_known_)
       ended = close("tracking was lost again");
     else
       extend_window();
@@ -81,65 +146,65 @@ std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& fr
   submap_ = kNoSubmap;
   approach_.clear();
   last_tracked_.reset();
-  if (frame.has_image) add_to_gap({.utime_us = frame.utime_us});
+  ++open_->gap_frames;
+  untracked_.insert(frame.utime_us);
+  if (untracked_.size() > kMaxUntracked) untracked_.erase(untracked_.begin());
+  const GapFrame measured_frame = measured(frame);
+  if (frame.has_image) gap_.add(measured_frame);
   return ended;
 }
 
 void WindowSampler::begin_window(const FrameEvent& frame) {
   open_.emplace();
-  open_->id = ++last_id_;
+  open_->id = last_id_ + 1;
   open_->session = session_;
   open_->submap_before = submap_;
   open_->lost_utime_us = frame.utime_us;
-  gap_stride_ = 1;
-  gap_phase_ = 0;
   if (submap_ == kNoSubmap) return;
-  open_->approach.assign(approach_.samples().begin(), approach_.samples().end());
   // The last tracked frame is the nearest to the gap and ties it to the submap.
-  if (last_tracked_ && (open_->approach.empty() || open_->approach.back().utime_us != last_tracked_->utime_us)) {
-    open_->approach.push_back(*last_tracked_);
-    if (static_cast<int>(open_->approach.size()) > options_.window_length)
-      open_->approach.erase(open_->approach.begin());
-  }
+  if (last_tracked_) approach_.add_last(*last_tracked_);
+  approach_.keep_newest(options_.window_length, options_.shared_keyframes);
+  open_->approach = list(approach_);
 }
 
 void WindowSampler::extend_window() {
-  for (const Sample& sample : since_resume_) add_to_gap(sample);
+  gap_.merge(since_resume_.frames());
+  open_->gap_frames += frames_since_resume_;
   open_->submap_after = kNoSubmap;
   open_->resumed_utime_us = 0;
   since_resume_.clear();
   departure_.clear();
-  open_->departure.clear();
-  keyframes_since_resume_ = 0;
-}
-
-void WindowSampler::add_to_gap(const Sample& frame) {
-  if (gap_phase_++ % gap_stride_ != 0) return;
-  open_->gap.push_back(frame);
-  if (static_cast<int>(open_->gap.size()) > options_.gap_max_frames) thin_gap();
+  frames_since_resume_ = 0;
 }
 
 bool WindowSampler::thin_gap() {
-  if (!open_ || open_->gap.size() < 2) return false;
-  std::vector<Sample> thinner;
-  for (size_t i = 0; i < open_->gap.size(); i += 2) thinner.push_back(open_->gap[i]);
-  // The next frame to be taken follows the last one kept at the new distance.
-  const int since_taken = (gap_phase_ - 1) % gap_stride_;
-  gap_phase_ = 1 + since_taken + (open_->gap.size() % 2 == 0 ? gap_stride_ : 0);
-  gap_stride_ *= 2;
-  open_->gap = std::move(thinner);
+  if (!open_ || !(gap_.halve() || since_resume_.halve())) return false;
+  open_->gap = gap_.samples();
   return true;
 }
 
 std::optional<RuminationWindow> WindowSampler::close(const std::string& reason) {
+  for (const LatePose& late : late_poses_)  // of a submap that was never heard of again
+    if (late.has_image) gap_.merge({late.frame});
+  open_->gap = gap_.samples();
+  open_->departure = list(departure_);
   RuminationWindow window = std::move(*open_);
-  open_.reset();
   window.reason = reason;
+  last_id_ = window.id;
+  forget_window();
+  return window;
+}
+
+void WindowSampler::forget_window() {
+  open_.reset();
+  gap_.clear();
+  untracked_.clear();
+  late_poses_.clear();
   departure_.clear();
   since_resume_.clear();
-  keyframes_since_resume_ = 0;
+  frames_since_resume_ = 0;
   resumed_in_known_ = false;
-  return window;
+  path_px_ = 0;
 }
 
 std::optional<RuminationWindow> WindowSampler::finish(const std::string& reason) {
@@ -154,12 +219,12 @@ std::set<int64_t> WindowSampler::retained() const {
   };
   add(approach_.samples());
   if (last_tracked_) utimes.insert(last_tracked_->utime_us);
-  if (open_) {
-    add(open_->approach);
-    add(open_->gap);
-    add(open_->departure);
-    add(since_resume_);
-  }
+  if (!open_) return utimes;
+  add(open_->approach);
+  add(gap_.samples());
+  add(departure_.samples());
+  add(since_resume_.samples());
+  for (const LatePose& late : late_poses_) utimes.insert(late.frame.sample.utime_us);
   return utimes;
 }
 

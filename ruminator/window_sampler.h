@@ -2,18 +2,24 @@
 // Which frames belong to a rumination window: S = S1 + S2 + S3 of the paper, section IV.B and Fig. 4. Pure logic:
 // frames in, windows out.
 //
-//   S1, approach    while tracked, every `stride` frames, the last `window_length` of them, and the very last frame
-//   S2, gap         every frame from the loss until tracking resumes; beyond gap_max_frames evenly thinned
-//   S3, departure   after resuming, every `stride` frames, until the new submap has departure_min_keyframes keyframes
+//   S1, approach    while tracked: the last `window_length` samples (every keyframe, and a frame per stride or turn of
+//                   the camera, see stride_sampler.h), the keyframes before them up to `shared_keyframes`, and the very
+//                   last frame
+//   S2, gap         the frames from the loss until tracking resumes, thinned by image motion (gap_thinner.h)
+//   S3, departure   after resuming: samples as in S1, until `shared_keyframes` keyframes of the new submap are there
 //
 // Choices that the paper leaves open:
 // - A window opens with the first untracked frame, also before the first submap (then there is no approach).
-// - A new submap that is lost again before its window is complete died young: its frames count as gap (samples
+// - front_tracker gives poses to earlier frames when it begins a submap, and tells of them again. These are not gap but
+//   departure. A window of which no gap is left goes on if it connects two submaps; else there is nothing to rebuild,
+//   and it is as if it had never opened.
+// - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap
+// (samples
 //   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart
-//   are one window.
-// - A submap that had been left and is tracked again (relocalization) needs no new keyframes: window_length samples
-//   complete the window. Lost before that, the window ends as it is and the new loss opens another: the old submap does
-//   connect the two.
+//   are one window. Lost with more, but before shared_keyframes, the window is complete, and the loss opens another:
+//   waiting for more keyframes costs no submap its life.
+// - A submap that had been left and is tracked again (relocalization) cannot die young: lost again, the window ends as
+//   it is. If it is the one before the loss, nothing needs to be connected: window_length samples are enough.
 // - A camera that stands still makes no keyframes: departure_max_samples complete the window.
 // - What is open when the input ends, or front_tracker starts again, ends as it is, with a reason.
 #pragma once
@@ -24,6 +30,8 @@
 #include <string>
 #include <vector>
 
+#include "ruminator/gap_thinner.h"
+#include "ruminator/image_motion.h"
 #include "ruminator/options.h"
 #include "ruminator/rumination_window.h"
 #include "ruminator/stride_sampler.h"
@@ -38,20 +46,31 @@ struct FrameEvent {
   SE3 cam_from_submap = {};
   bool is_keyframe = false;
   bool has_image = true;  // without it the frame changes the state but is no sample
+  ImageMeasure image = {};
 };
 
 class WindowSampler {
  public:
   explicit WindowSampler(const WindowOptions& options);
 
-  // Takes the next frame, in order of time; one that is not later than the last is ignored and counted. Returns the
-  // window that this frame completed or ended, if any.
+  // Takes the next frame, in order of time. One that is not later than the last is ignored and counted, unless it is a
+  // frame of the gap that has a pose now. Returns the window that this frame completed or ended, if any.
   std::optional<RuminationWindow> process(const FrameEvent& frame);
   // The input has ended: the open window, if any.
   std::optional<RuminationWindow> finish(const std::string& reason);
 
   // The window that is collecting now.
   const std::optional<RuminationWindow>& open() const { return open_; }
+  // Is it certain that the open window will end as one? A start may yet get all its poses.
+  bool is_settled() const { return open_ && (open_->submap_before != kNoSubmap || !open_->is_lost()); }
+  // Would the motion of this frame's image make a difference?
+  bool wants_measure(const FrameEvent& frame) const {
+    return !is_late(frame) && (open_ || frame.submap_id == kNoSubmap);
+  }
+  // It belongs to the past: it is a repetition, or got its pose afterwards.
+  bool is_late(const FrameEvent& frame) const {
+    return has_begun_ && frame.session == session_ && frame.utime_us <= last_utime_us_;
+  }
   // Frames whose images must be kept: for the open window, or for one that may open.
   std::set<int64_t> retained() const;
   // Halves the gap of the open window, and the density of what follows; false if there is nothing to halve.
@@ -59,14 +78,22 @@ class WindowSampler {
   int64_t ignored() const { return ignored_; }
 
  private:
+  struct LatePose {
+    GapFrame frame;
+    bool has_image = false;
+  };
   std::optional<RuminationWindow> on_tracked(const FrameEvent& frame);
   std::optional<RuminationWindow> on_untracked(const FrameEvent& frame);
+  bool on_late_pose(const FrameEvent& frame);
   void begin_window(const FrameEvent& frame);
+  void resume(const FrameEvent& frame);
+  void add_to_departure(const GapFrame& frame, bool has_image);
   void extend_window();  // the new submap died young
-  void add_to_gap(const Sample& frame);
   bool is_complete() const;
   std::optional<RuminationWindow> close(const std::string& reason);
+  void forget_window();
   void start_session(int64_t session);
+  GapFrame measured(const FrameEvent& frame);
 
   WindowOptions options_;
   int64_t session_ = 0;
@@ -78,12 +105,15 @@ class WindowSampler {
   std::optional<Sample> last_tracked_;
 
   std::optional<RuminationWindow> open_;
+  GapThinner gap_;
+  std::set<int64_t> untracked_;       // the newest frames of the gap that have no pose, thinned out or not
+  std::vector<LatePose> late_poses_;  // since the loss, in order of arrival
   StrideSampler departure_;
-  std::vector<Sample> since_resume_;  // every frame: gap, should the submap die young
-  int keyframes_since_resume_ = 0;
+  GapThinner since_resume_;  // every frame: gap, should the submap die young
+  int frames_since_resume_ = 0;
   bool resumed_in_known_ = false;
-  int gap_stride_ = 1, gap_phase_ = 0;
-  int32_t last_id_ = 0;
+  double path_px_ = 0;
+  int32_t last_id_ = 0;  // of the windows that ended
   int64_t ignored_ = 0;
 };
 

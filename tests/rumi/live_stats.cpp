@@ -39,6 +39,7 @@ class LiveStats : public rumi::Node {
 
  private:
   void on_track(const rumi::track_t& track) {
+    if (track.sequence <= last_sequence_) return;  // a frame that got its pose afterwards
     ++answers_;
     if (track.state == rumi::track_t::TRACKING) ++tracked_;
     if (last_sequence_ >= 0) answers_lost_ += track.sequence - last_sequence_ - 1;
