@@ -45,6 +45,25 @@ Replay::Replay(const AllOptions& options, const std::string& input) {
 
 Replay::~Replay() = default;
 
+std::string Replay::record(const std::string& log_file) {
+  log_ = std::make_unique<LogWriter>(log_file);
+  bus_.set_tap([this](const std::string& channel, std::span<const uint8_t> data) {
+    const bool is_chunk = channel == channels::kSubmap || channel == channels::kSubmapAck ||
+                          channel == channels::kMapChunk || channel == channels::kMapAck;
+    if (!is_chunk) log_->write(bus_.now_us(), channel, data);
+    return true;
+  });
+  return log_->error();
+}
+
+std::string Replay::close_log() {
+  if (!log_) return {};
+  bus_.set_tap(nullptr);
+  const std::string error = log_->close() ? "" : log_->error();
+  log_.reset();
+  return error;
+}
+
 // Every component does what time and messages ask of it, and so on until no message is under way.
 void Replay::settle() {
   bus_.dispatch();

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/log_file.h"
 #include "bus/memory_bus.h"
 #include "bus/process.h"
 #include "map_server/map_server_node.h"
@@ -33,6 +34,12 @@ class Replay {
   // to a live system are overruled: no mapping thread, no database file, no picture file.
   Replay(const AllOptions& options, const std::string& input);
   ~Replay();
+
+  // Writes all messages from now on into an lcm log, except the chunks of submaps and maps: what they carry is in the
+  // outputs. Call it before the first step. Empty, or why the file cannot be written.
+  std::string record(const std::string& log_file);
+  // Ends the log. Empty, or why it is not complete (file, reason).
+  std::string close_log();
 
   // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
   bool step();
@@ -66,6 +73,7 @@ class Replay {
   MapServerNode* map_server_ = nullptr;
   int64_t frames_ = 0;
   int64_t last_utime_us_ = 0;
+  std::unique_ptr<LogWriter> log_;
 };
 
 }  // namespace rumi

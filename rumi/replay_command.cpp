@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 using nlohmann::ordered_json;
 
 struct Arguments {
-  std::string input, out, config;
+  std::string input, out, config, log;
   std::vector<std::string> settings;
   bool quiet = false, verbose = false;
 };
@@ -94,6 +94,14 @@ std::string write_everything(Replay& replay, const std::string& out) {
   return replay.store().write_copy((std::filesystem::path(out) / "map.db").string());
 }
 
+std::string begin_log(const Arguments& arguments, Replay* replay) {
+  if (arguments.log.empty()) return {};
+  std::error_code none;
+  if (std::filesystem::equivalent(arguments.log, arguments.input, none))
+    return fmt::format("--log {} is the input itself", arguments.log);
+  return replay->record(arguments.log);
+}
+
 int replay(const Arguments& arguments) {
   AllOptions options;
   OptionTable table;
@@ -108,10 +116,12 @@ int replay(const Arguments& arguments) {
   const auto begin = Clock::now();
   Replay replay(options, arguments.input);
   error = prepare_output_folder(arguments.out);
+  if (error.empty()) error = begin_log(arguments, &replay);
   if (error.empty()) {
     ProgressLine line(arguments.quiet);
     while (replay.step()) line.update(replay);
     if (!replay.finish()) fmt::print(stderr, "rumi replay: not everything could be handed on at the end\n");
+    error = replay.close_log();
   }
   if (error.empty()) error = write_everything(replay, arguments.out);
   const double wall_s = seconds_since(begin);
@@ -135,6 +145,7 @@ void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
       app.add_subcommand("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
   command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
   command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
+  command->add_option("--log", arguments->log, "lcm log to write: every message on the bus, images included");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")
       ->allow_extra_args(false);

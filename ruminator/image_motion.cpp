@@ -13,6 +13,7 @@ namespace rumi {
 namespace {
 
 constexpr int kMinWidth = 120;  // pixels, of a reduced image
+constexpr int kMinSide = 32;    // pixels, of a reduced image in which motion is looked for
 constexpr int kCorners = 100;
 constexpr double kCornerQuality = 0.01;  // of the best corner's
 constexpr double kCornerDistance = 6;    // pixels between two
@@ -37,7 +38,7 @@ std::optional<double> motion_of_corners(const cv::Mat& from, const cv::Mat& to) 
   if (static_cast<int>(corners.size()) < kMinCorners) return std::nullopt;
   const cv::Size patch(15, 15);
   const int levels = 3;
-  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 20, 0.03);
+  const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 10, 0.03);
   std::vector<cv::Mat> from_pyramid, to_pyramid;
   cv::buildOpticalFlowPyramid(from, from_pyramid, patch, levels);
   cv::buildOpticalFlowPyramid(to, to_pyramid, patch, levels);
@@ -88,7 +89,7 @@ ImageMeasure ImageMotion::measure(const image_t& image) {
   cv::Mat grey = decode_reduced_grey(image, reduction, &error);
   if (grey.empty()) return measure;  // the next one is compared with the last good one
   measure.sharpness = sharpness_of(grey);
-  if (previous_.size() == grey.size()) {
+  if (previous_.size() == grey.size() && std::min(grey.cols, grey.rows) >= kMinSide) {
     measure.motion_px = motion_of_corners(previous_, grey);
     if (!measure.motion_px) measure.motion_px = motion_of_picture(previous_, grey);
     if (measure.motion_px) *measure.motion_px *= reduction;

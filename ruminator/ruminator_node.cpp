@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <opencv2/core/utility.hpp>
 
 #include "bus/submap_update.h"
 
@@ -59,6 +60,7 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options)
       options_(options),
       sampler_(options.window),
       ring_(options.ring_mb * kBytesPerMb, options.jpeg_quality) {
+  cv::setNumThreads(1);  // the images are small; more would take front_tracker's core
   bus.subscribe<image_t>(channels::kCamera, {.capacity = 64, .drop = DropPolicy::kDropOldest},
                          [this](const image_t& image) { on_image(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},

@@ -38,7 +38,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(landmark_t, 0x4456b82dd7a35e00u);
   PIN(frame_t, 0x2aeedd648c1fbae3u);
   PIN(submap_update_t, 0x24158f37c74575b1u);
-  PIN(window_t, 0xda69713226e64f7du);
+  PIN(window_t, 0x4056712316a0c018u);
   PIN(submap_summary_t, 0xc1ffbb2e88ca8756u);
   PIN(map_status_t, 0x9cf677aff4572924u);
   PIN(map_request_t, 0xdb0064066755b684u);

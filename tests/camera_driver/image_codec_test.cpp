@@ -129,5 +129,30 @@ TEST(ImageCodec, Metadata) {
   EXPECT_EQ(metadata(back, "b"), "two");
 }
 
+TEST(ImageCodec, ReducedImagesLookLikeTheWhole) {
+  cv::Mat grey(51, 67, CV_8U);
+  for (int y = 0; y < grey.rows; ++y)
+    for (int x = 0; x < grey.cols; ++x) grey.at<uint8_t>(y, x) = static_cast<uint8_t>(2 * x + y);
+  cv::Mat bgr;
+  cv::cvtColor(grey, bgr, cv::COLOR_GRAY2BGR);
+  for (const image_t& image : {make_grey_image(1, grey), make_rgb_image(1, bgr), make_jpeg_image(1, grey, 95)}) {
+    for (const int reduction : {1, 2, 4, 8}) {
+      std::string error;
+      const cv::Mat reduced = decode_reduced_grey(image, reduction, &error);
+      ASSERT_EQ(error, "");
+      ASSERT_EQ(reduced.size(), cv::Size((67 + reduction - 1) / reduction, (51 + reduction - 1) / reduction));
+      EXPECT_NEAR(cv::mean(reduced)[0], cv::mean(grey)[0], 2 + reduction) << reduction;
+      EXPECT_NEAR(reduced.at<uint8_t>(24 / reduction, 32 / reduction), 2 * 32 + 24, 2 * reduction + 4) << reduction;
+    }
+  }
+  image_t truncated = make_jpeg_image(1, grey);
+  truncated.data.resize(truncated.data.size() / 2);
+  truncated.size = static_cast<int32_t>(truncated.data.size());
+  std::string error;
+  EXPECT_TRUE(decode_reduced_grey(truncated, 4, &error).empty());
+  EXPECT_NE(error, "");
+  EXPECT_TRUE(decode_reduced_grey(image_t{}, 4, nullptr).empty());
+}
+
 }  // namespace
 }  // namespace rumi

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "bus/camera_file.h"
@@ -167,6 +168,47 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
   int64_t with_pose = 0;
   for (const track_t& t : tracks_) with_pose += t.submap_id != kNoSubmap;
   EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
+}
+
+TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
+  SynthOptions options;
+  options.seconds = 2;
+  options.rate_hz = 20;
+  options.grey = true;
+  options.camera = camera_;
+  options.exposure_s = 0;
+  SequenceRenderer renderer(options);
+  for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));
+  ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
+  std::map<int64_t, std::vector<track_t>> told;  // by utime
+  std::vector<int64_t> late;                     // in order of arrival
+  int64_t began = 0;
+  for (const track_t& t : tracks_) {
+    if (!told[t.utime].empty()) late.push_back(t.utime);
+    told[t.utime].push_back(t);
+    if (began == 0 && t.state == track_t::TRACKING) began = t.utime;
+  }
+  ASSERT_FALSE(late.empty());
+  EXPECT_TRUE(std::is_sorted(late.begin(), late.end()));
+  EXPECT_LT(late.back(), began);
+  int keyframes = 0;
+  for (const auto& [utime, messages] : told) {
+    ASSERT_LE(messages.size(), 2u);
+    const track_t& first = messages.front();
+    const track_t& last = messages.back();
+    EXPECT_EQ(first.submap_id != kNoSubmap, utime >= began);
+    EXPECT_EQ(last.sequence, first.sequence);
+    EXPECT_EQ(last.state, first.state);
+    EXPECT_EQ(last.submap_id, 1) << "all frames get poses here";
+    ASSERT_TRUE(from_wire(last.cam_from_submap));
+    ASSERT_TRUE(from_wire(last.cam_from_keyframe));
+    if (utime < began) keyframes += last.is_keyframe;
+  }
+  EXPECT_GE(keyframes, 1);
+  const auto position = [this](int64_t utime) {
+    return std::find_if(tracks_.begin(), tracks_.end(), [&](const track_t& t) { return t.utime == utime; });
+  };
+  EXPECT_EQ((position(began) - 1)->utime, late.back()) << "just before it";
 }
 
 TEST_F(Fixture, GarbageOnItsChannelsDoesNoHarm) {

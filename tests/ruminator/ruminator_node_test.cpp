@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <random>
 
 #include "bus/image_codec.h"
@@ -89,9 +90,10 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   EXPECT_EQ(end.session, 7);
   EXPECT_EQ(end.submap_after, 2);
   EXPECT_EQ(end.ngap, 60);
-  EXPECT_EQ(end.napproach, 10);
-  EXPECT_GE(end.shared_keyframes_before, 9);
-  EXPECT_EQ(end.shared_keyframes_after, 8);
+  EXPECT_EQ(end.gap_frames, 60);
+  EXPECT_EQ(end.napproach, 11);  // the tenth keyframe before the loss, and the last ten samples
+  EXPECT_EQ(end.shared_keyframes_before, 10);
+  EXPECT_EQ(end.shared_keyframes_after, 10);
   EXPECT_EQ(end.reason, "");
   const auto resumed =
       std::find_if(announced_.begin(), announced_.end(), [](const window_t& w) { return w.resumed_utime != 0; });
@@ -199,7 +201,7 @@ TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
     return w.state == window_t::FAILED && w.window_id == 1 && !w.reason.empty();
   }));
   EXPECT_TRUE(node_->status().degraded);
-  frames(3000, kNoSubmap);  // a gap far larger than the memory
+  frames(800, kNoSubmap);  // a gap far larger than the memory
   EXPECT_LE(node_->frames().bytes(), 1'000'000);
   node_->finish();
   ASSERT_FALSE(node_->queued().empty());
@@ -218,6 +220,57 @@ TEST_F(RuminatorNodeTest, TheNumberOfWaitingWindowsIsBounded) {
   ASSERT_EQ(node_->queued().size(), 2);
   EXPECT_EQ(node_->queued()[0].id, 3);
   EXPECT_EQ(node_->dropped_windows(), 2);
+}
+
+TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
+  start();
+  frames(50, 1);
+  const cv::Mat still = [] {
+    cv::Mat grey(120, 160, CV_8U);
+    cv::RNG(1).fill(grey, cv::RNG::UNIFORM, 0, 255);
+    cv::GaussianBlur(grey, grey, {}, 3);
+    cv::normalize(grey, grey, 0, 255, cv::NORM_MINMAX);
+    return grey;
+  }();
+  for (int i = 0; i < 100; ++i) {
+    next();
+    bus_.publish(channels::kCamera, make_jpeg_image(now_, still));
+    send_track(now_, kNoSubmap, false);
+    bus_.dispatch();
+  }
+  frames(60, 2);
+  ASSERT_EQ(node_->queued().size(), 1);
+  EXPECT_EQ(node_->queued()[0].gap_frames, 100);
+  EXPECT_LE(node_->queued()[0].gap.size(), 3);
+  expect_images_of(node_->queued()[0]);
+}
+
+TEST_F(RuminatorNodeTest, AStartThatGetsAllItsPosesIsNotAnnounced) {
+  start();
+  frames(45, kNoSubmap);
+  for (int i = 1; i <= 45; ++i) send_track(1'000'000 + i * kPeriodUs, 1, i % 9 == 0);
+  frames(100, 1);
+  EXPECT_TRUE(announced_.empty());
+  EXPECT_FALSE(node_->status().degraded);
+  frames(10, kNoSubmap);
+  ASSERT_FALSE(announced_.empty());
+  EXPECT_EQ(announced_[0].window_id, 1);
+}
+
+TEST_F(RuminatorNodeTest, FramesPosedAfterwardsBecomeDepartureWithTheirImages) {
+  start();
+  frames(100, 1);
+  frames(60, kNoSubmap);
+  const int64_t resumes = now_ + kPeriodUs;
+  for (int i = 20; i >= 1; --i) send_track(resumes - i * kPeriodUs, 2, i % 5 == 0);
+  frames(60, 2);
+  ASSERT_EQ(node_->queued().size(), 1);
+  const RuminationWindow& window = node_->queued()[0];
+  EXPECT_EQ(window.gap_frames, 40);
+  EXPECT_EQ(window.resumed_utime_us, resumes - 20 * kPeriodUs);
+  EXPECT_EQ(window.departure.front().utime_us, window.resumed_utime_us);
+  EXPECT_THAT(node_->status().detail, HasSubstr("0 states without image"));
+  expect_images_of(window);
 }
 
 TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {

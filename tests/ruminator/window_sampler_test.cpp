@@ -23,12 +23,6 @@ std::vector<int64_t> keyframes(const std::vector<Sample>& samples) {
   return list;
 }
 
-std::vector<Sample> all_of(const StrideSampler& sampler) {
-  return {sampler.samples().begin(), sampler.samples().end()};
-}
-
-Sample frame(int64_t utime_us, bool is_keyframe = false) { return {.utime_us = utime_us, .is_keyframe = is_keyframe}; }
-
 // Poses that tell the frames apart.
 SE3 pose_of(int64_t utime_us) {
   return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(static_cast<double>(utime_us), 0, 1)};
@@ -47,9 +41,19 @@ class Feed {
                                     .submap_id = submap,
                                     .cam_from_submap = submap == kNoSubmap ? SE3() : pose_of(now),
                                     .is_keyframe = is_keyframe,
-                                    .has_image = has_image});
+                                    .has_image = has_image,
+                                    .image = {.motion_px = motion_px, .sharpness = 1}});
       if (ended) windows.push_back(*ended);
     }
+  }
+  // front_tracker tells of a frame once more, which got its pose afterwards.
+  void late_pose(int64_t utime, int32_t submap, bool is_keyframe = false) {
+    auto ended = sampler.process({.utime_us = utime,
+                                  .session = session,
+                                  .submap_id = submap,
+                                  .cam_from_submap = pose_of(utime),
+                                  .is_keyframe = is_keyframe});
+    EXPECT_FALSE(ended);
   }
   void finish() {
     if (auto ended = sampler.finish("the input ended")) windows.push_back(*ended);
@@ -57,27 +61,8 @@ class Feed {
   WindowSampler sampler;
   std::vector<RuminationWindow> windows;
   int64_t now = 0, session = 7;
+  double motion_px = 5;
 };
-
-TEST(StrideSampler, TakesEveryStrideth) {
-  StrideSampler sampler(5);
-  for (int i = 1; i <= 21; ++i) sampler.add(frame(i), true);
-  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 6, 11, 16, 21));
-}
-
-TEST(StrideSampler, PrefersKeyframes) {
-  StrideSampler sampler(5);
-  // 4 is a keyframe half a stride early; 11 comes just after 9 was taken and replaces it; 12 is too near to 11.
-  for (int i = 1; i <= 16; ++i) sampler.add(frame(i, i == 4 || i == 11 || i == 12), true);
-  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 4, 11, 16));
-  EXPECT_THAT(keyframes(all_of(sampler)), ElementsAre(4, 11));
-}
-
-TEST(StrideSampler, StrideOneTakesAllAndFramesWithoutImageNever) {
-  StrideSampler sampler(1);
-  for (int i = 1; i <= 4; ++i) sampler.add(frame(i, i == 2), i != 3);
-  EXPECT_THAT(utimes(all_of(sampler)), ElementsAre(1, 2, 4));
-}
 
 TEST(WindowSampler, NothingHappensWithoutALoss) {
   Feed feed;
@@ -86,11 +71,11 @@ TEST(WindowSampler, NothingHappensWithoutALoss) {
   feed.finish();
   EXPECT_THAT(feed.windows, IsEmpty());
   EXPECT_FALSE(feed.sampler.open());
-  EXPECT_LE(feed.sampler.retained().size(), 11);
+  EXPECT_LE(feed.sampler.retained().size(), 20);
 }
 
 TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
-  Feed feed({.stride = 5, .window_length = 4, .departure_min_keyframes = 3});
+  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
   feed.span(103, 1);  // 1..103: samples at 1, 6, ..., 101
   feed.span(7, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
@@ -121,6 +106,7 @@ TEST(WindowSampler, ALossBeforeTheFirstSubmapHasNoApproach) {
   EXPECT_EQ(feed.windows[0].submap_after, 1);
   EXPECT_THAT(feed.windows[0].approach, IsEmpty());
   EXPECT_EQ(feed.windows[0].gap.size(), 12);
+  EXPECT_EQ(feed.windows[0].gap_frames, 12);
 }
 
 TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
@@ -215,26 +201,51 @@ TEST(WindowSampler, ChangingSubmapDuringDepartureEndsTheWindow) {
   EXPECT_THAT(feed.windows[0].reason, HasSubstr("submap 1"));
 }
 
-TEST(WindowSampler, ALongGapIsThinnedEvenly) {
+TEST(WindowSampler, ALongGapIsThinnedButCountedInFull) {
   Feed feed({.gap_max_frames = 16});
   feed.span(1000, kNoSubmap);
   feed.finish();
-  const std::vector<Sample>& gap = feed.windows.at(0).gap;
-  ASSERT_LE(gap.size(), 16);
-  ASSERT_GE(gap.size(), 8);
-  EXPECT_EQ(gap[0].utime_us, 1);
-  for (size_t i = 1; i < gap.size(); ++i) EXPECT_EQ(gap[i].utime_us - gap[i - 1].utime_us, 64);
-  EXPECT_GT(gap.back().utime_us, 1000 - 64);
+  const RuminationWindow& w = feed.windows.at(0);
+  EXPECT_EQ(w.gap.size(), 16);
+  EXPECT_EQ(w.gap_frames, 1000);
+  EXPECT_EQ(w.gap.front().utime_us, 1);
+  EXPECT_EQ(w.gap.back().utime_us, 1000);
 }
 
-TEST(WindowSampler, ThinningOnDemandKeepsTheGapEven) {
+TEST(WindowSampler, ThinningOnDemandLastsForTheWindow) {
   Feed feed;
-  feed.span(10, kNoSubmap);  // 1..10
+  feed.span(11, kNoSubmap);
   EXPECT_TRUE(feed.sampler.thin_gap());
-  feed.span(8, kNoSubmap);
+  EXPECT_EQ(feed.sampler.open()->gap.size(), 6);
+  feed.span(100, kNoSubmap);
+  EXPECT_EQ(feed.sampler.open()->gap.size(), 6);
+  while (feed.sampler.thin_gap()) {
+  }
+  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(1, 111));
   feed.finish();
-  EXPECT_THAT(utimes(feed.windows.at(0).gap), ElementsAre(1, 3, 5, 7, 9, 11, 13, 15, 17));
   EXPECT_FALSE(feed.sampler.thin_gap());
+  feed.span(100, kNoSubmap);
+  EXPECT_EQ(feed.sampler.open()->gap.size(), 100);
+}
+
+TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
+  Feed feed({.gap_max_frames = 20});
+  feed.span(50, 1, 10);
+  feed.span(15, kNoSubmap);  // 51..65
+  feed.span(15, 2, 5);       // 66..80
+  feed.span(1, kNoSubmap);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_EQ(feed.sampler.open()->gap.size(), 20);
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 31);
+  EXPECT_LE(feed.sampler.retained().size(), 20 + 11);
+}
+
+TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
+  Feed feed({.gap_min_motion_px = 2});
+  feed.motion_px = 0.5;
+  feed.span(41, kNoSubmap);
+  feed.finish();
+  EXPECT_THAT(utimes(feed.windows.at(0).gap), ElementsAre(1, 5, 9, 13, 17, 21, 25, 29, 33, 37, 41));
 }
 
 TEST(WindowSampler, FramesWithoutImageCountForTheStateOnly) {
@@ -286,6 +297,186 @@ TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
   for (const auto* part : {&feed.sampler.open()->approach, &feed.sampler.open()->gap, &feed.sampler.open()->departure})
     for (const Sample& s : *part) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
   for (int64_t utime = 94; utime <= 118; ++utime) EXPECT_TRUE(retained.contains(utime)) << utime;  // may die young
+}
+
+TEST(WindowSampler, TenKeyframesAreSharedOnEachSideWhereThereAreSoMany) {
+  Feed feed;
+  feed.span(400, 1, 12);  // keyframes at 1, 13, ..., 397
+  feed.span(10, kNoSubmap);
+  feed.span(400, 2, 12);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_THAT(keyframes(w.approach), ElementsAre(289, 301, 313, 325, 337, 349, 361, 373, 385, 397));
+  EXPECT_EQ(w.approach.back().utime_us, 400);
+  EXPECT_LE(w.approach.size(), 20);
+  EXPECT_EQ(keyframes(w.departure).size(), 10);
+  EXPECT_EQ(w.departure.back().utime_us, 411 + 9 * 12);  // with the tenth keyframe
+}
+
+TEST(WindowSampler, AShortSubmapSharesWhatItHas) {
+  Feed feed;
+  feed.span(5, kNoSubmap);
+  feed.span(90, 1, 10);  // nine keyframes
+  feed.span(5, kNoSubmap);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_EQ(keyframes(feed.sampler.open()->approach).size(), 9);
+}
+
+TEST(WindowSampler, LostBetweenEnoughAndManyKeyframesTheWindowIsComplete) {
+  Feed feed({.shared_keyframes = 10, .departure_min_keyframes = 8});
+  feed.span(50, 1, 10);
+  feed.span(5, kNoSubmap);
+  feed.span(36, 2, 4);  // nine keyframes
+  EXPECT_THAT(feed.windows, IsEmpty());
+  feed.span(5, kNoSubmap);
+  ASSERT_EQ(feed.windows.size(), 1);
+  EXPECT_EQ(feed.windows[0].reason, "");
+  EXPECT_EQ(feed.windows[0].submap_after, 2);
+  EXPECT_EQ(keyframes(feed.windows[0].departure).size(), 9);
+  EXPECT_EQ(feed.sampler.open()->submap_before, 2);
+  EXPECT_EQ(feed.sampler.open()->id, 2);
+  feed.span(28, 3, 4);  // seven: died young
+  feed.span(5, kNoSubmap);
+  EXPECT_EQ(feed.windows.size(), 1);
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 38);
+}
+
+TEST(WindowSampler, RelocalizationInAnotherKnownSubmapWaitsForKeyframesToShare) {
+  Feed feed;
+  feed.span(50, 1, 10);
+  feed.span(5, kNoSubmap);
+  feed.span(200, 2, 10);
+  feed.span(5, kNoSubmap);
+  feed.span(200, 1, 5);
+  ASSERT_EQ(feed.windows.size(), 2);
+  EXPECT_EQ(feed.windows[1].submap_before, 2);
+  EXPECT_EQ(feed.windows[1].submap_after, 1);
+  EXPECT_EQ(keyframes(feed.windows[1].departure).size(), 10);
+}
+
+TEST(WindowSampler, FramesPosedAfterwardsAreDepartureNotGap) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.span(20, kNoSubmap);  // 101..120
+  for (int64_t utime = 110; utime <= 120; ++utime)
+    if (utime != 115) feed.late_pose(utime, 2, utime % 5 == 0);
+  feed.span(100, 2, 10);  // 121
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_EQ(w.lost_utime_us, 101);
+  EXPECT_EQ(w.resumed_utime_us, 110);
+  EXPECT_THAT(utimes(w.gap), ElementsAre(101, 102, 103, 104, 105, 106, 107, 108, 109, 115));
+  EXPECT_EQ(w.gap_frames, 10);
+  EXPECT_THAT(keyframes(w.departure), ElementsAre(110, 120, 121, 131, 141, 151, 161, 171, 181, 191));
+  for (const Sample& s : w.departure) {
+    EXPECT_EQ(s.submap_id, 2);
+    EXPECT_EQ(s.cam_from_submap.translation.x(), static_cast<double>(s.utime_us));
+  }
+  EXPECT_EQ(feed.sampler.ignored(), 0);
+}
+
+TEST(WindowSampler, AStartOfWhichAllFramesGetPosesIsNoWindow) {
+  Feed feed;
+  feed.span(20, kNoSubmap);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_FALSE(feed.sampler.is_settled()) << "not to be announced yet";
+  for (int64_t utime = 1; utime <= 20; ++utime) feed.late_pose(utime, 1, utime == 1);
+  EXPECT_TRUE(feed.sampler.open());
+  feed.span(1, 1, 1);
+  EXPECT_FALSE(feed.sampler.open());
+  feed.span(100, 1, 10);
+  feed.span(5, kNoSubmap);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_TRUE(feed.sampler.is_settled());
+  EXPECT_EQ(feed.sampler.open()->id, 1) << "nobody has heard of the other";
+  EXPECT_THAT(feed.windows, IsEmpty());
+}
+
+TEST(WindowSampler, AStartOfWhichAFrameRemainsIsAWindow) {
+  Feed feed;
+  feed.span(20, kNoSubmap);
+  for (int64_t utime = 2; utime <= 20; ++utime) feed.late_pose(utime, 1);
+  feed.span(1, 1, 1);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_TRUE(feed.sampler.is_settled());
+  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(1));
+}
+
+TEST(WindowSampler, WithoutAnyGapTwoSubmapsStillNeedToBeConnected) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.span(10, kNoSubmap);
+  for (int64_t utime = 101; utime <= 110; ++utime) feed.late_pose(utime, 2, utime == 101);
+  feed.span(200, 2, 10);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_THAT(w.gap, IsEmpty());
+  EXPECT_EQ(w.gap_frames, 0);
+  EXPECT_EQ(w.departure.front().utime_us, 101);
+  EXPECT_EQ(w.submap_before, 1);
+  EXPECT_EQ(w.submap_after, 2);
+}
+
+TEST(WindowSampler, PosedAfterwardsInASubmapThatDiesYoungIsGapAgain) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.span(10, kNoSubmap);  // 101..110
+  for (int64_t utime = 104; utime <= 110; ++utime)
+    if (utime != 107) feed.late_pose(utime, 2, utime == 104);
+  feed.span(3, 2, 3);  // 111..113
+  feed.span(2, kNoSubmap);
+  ASSERT_TRUE(feed.sampler.open());
+  const RuminationWindow& w = *feed.sampler.open();
+  EXPECT_EQ(w.gap_frames, 15);
+  EXPECT_EQ(utimes(w.gap),
+            (std::vector<int64_t>{101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 111, 112, 113, 114, 115}));
+  EXPECT_EQ(w.gap[3].submap_id, 2);
+  EXPECT_EQ(w.gap[6].submap_id, kNoSubmap);
+  EXPECT_TRUE(w.is_lost());
+}
+
+TEST(WindowSampler, LatePosesOfASubmapNeverHeardOfAgainChangeNothing) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.span(10, kNoSubmap);
+  feed.late_pose(105, 9);
+  feed.late_pose(104, 9);
+  EXPECT_TRUE(feed.sampler.retained().contains(105));
+  feed.span(200, 2, 10);
+  ASSERT_EQ(feed.windows.size(), 1);
+  EXPECT_EQ(feed.windows[0].gap.size(), 10);
+  EXPECT_EQ(feed.windows[0].gap_frames, 10);
+  EXPECT_EQ(feed.windows[0].resumed_utime_us, 111);
+}
+
+TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.span(10, kNoSubmap);  // 101..110
+  feed.late_pose(50, 2);     // was tracked
+  feed.late_pose(105, 2);
+  feed.late_pose(105, 2);
+  feed.late_pose(106, kNoSubmap);
+  EXPECT_EQ(feed.sampler.ignored(), 3);
+  feed.span(5, 2, 10);
+  feed.late_pose(103, 2);  // behind the frame that it was to precede
+  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(101, 102, 104, 106, 107, 108, 109, 110));
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 8);
+  EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 103);
+  EXPECT_EQ(feed.sampler.ignored(), 3);
+}
+
+TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
+  Feed feed;
+  feed.span(100, 1, 10);
+  feed.motion_px = 0;
+  feed.span(10, kNoSubmap);  // one sample
+  EXPECT_EQ(feed.sampler.open()->gap.size(), 1);
+  for (int64_t utime = 101; utime <= 110; ++utime) feed.late_pose(utime, 2);
+  feed.span(1, 2);
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 0);
+  EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 101);
+  EXPECT_THAT(utimes(feed.sampler.open()->departure), ElementsAre(101, 111));
 }
 
 }  // namespace
