@@ -36,11 +36,17 @@ extern "C" void on_stop_signal(int signal) {
 
 extern "C" void on_finish_signal(int /*signal*/) { ++g_finish_signals; }
 
-void catch_stop_signals() {
+// At once: whoever starts us may ask at any time.
+void catch_finish_signal() {
   struct sigaction action {};
   action.sa_flags = SA_RESTART;
   action.sa_handler = on_finish_signal;
   sigaction(SIGUSR1, &action, nullptr);
+}
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
   action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
@@ -144,6 +150,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
 }
 
 int run_process(int argc, char** argv, const ProcessDescription& description) {
+  catch_finish_signal();
   CLI::App app(description.summary, description.name);
   CommonFlags flags;
   OptionTable table;

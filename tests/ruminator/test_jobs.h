@@ -8,7 +8,7 @@
 
 #include "ruminator/build_worker.h"
 #include "ruminator/window_job.h"
-#include "temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace rumi::testing {
 
