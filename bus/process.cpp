@@ -26,6 +26,7 @@ constexpr int64_t kStatusPeriodUs = 1'000'000;
 enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
 
 std::atomic<int> g_stop_signals = 0;
+std::atomic<int> g_finish_signals = 0;
 static_assert(std::atomic<int>::is_always_lock_free, "it is used in a signal handler");
 
 extern "C" void on_stop_signal(int signal) {
@@ -33,10 +34,20 @@ extern "C" void on_stop_signal(int signal) {
   if (++g_stop_signals > 1) _exit(128 + signal);
 }
 
+extern "C" void on_finish_signal(int /*signal*/) { ++g_finish_signals; }
+
+// At once: whoever starts us may ask at any time.
+void catch_finish_signal() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = on_finish_signal;
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
 void catch_stop_signals() {
   struct sigaction action {};
-  action.sa_handler = on_stop_signal;
   action.sa_flags = SA_RESTART;
+  action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
@@ -103,12 +114,17 @@ void run_node(Bus& bus, Node& node, StatusPublisher& status) {
     bus.dispatch(static_cast<int>(std::clamp<int64_t>(wait_ms, 0, kMaxDispatchMs)));
     node.tick(bus.now_us());
   };
-  while (g_stop_signals == 0 && !node.done()) {
-    step();
-    status.tick(node, bus.now_us());
-  }
+  const auto run_while = [&](const auto& condition) {
+    while (condition()) {
+      step();
+      status.tick(node, bus.now_us());
+    }
+  };
+  run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
   spdlog::debug("ending");
-  node.finish();
+  if (g_stop_signals == 0) node.finish();
+  if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
+  if (g_stop_signals > 0) node.stop();
   status.stopping(node, bus.now_us());
   const auto deadline = std::chrono::steady_clock::now() + kFinishTimeout;
   while (!node.finished() && std::chrono::steady_clock::now() < deadline) step();
@@ -134,6 +150,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
 }
 
 int run_process(int argc, char** argv, const ProcessDescription& description) {
+  catch_finish_signal();
   CLI::App app(description.summary, description.name);
   CommonFlags flags;
   OptionTable table;

@@ -31,9 +31,11 @@ class Node {
   // Live: when tick() is wanted at the latest, for those who keep a pace. Messages that come in may make it sooner.
   virtual int64_t next_tick_us(int64_t now_us) const { return now_us + 20'000; }
   virtual NodeStatus status() = 0;
-  // The input has ended or the process is asked to stop: finish what is open, publish what is unpublished. After it the
-  // bus is still dispatched until done() or for 5 s.
+  // The input has ended: finish what is open, publish what is unpublished. After it the bus is still dispatched until
+  // finished(): for 5 s, or, if the process was asked for it (SIGUSR1), for as long as it takes.
   virtual void finish() {}
+  // The process is asked to end now (SIGINT, SIGTERM): the same, but for what may take longer than 5 s.
+  virtual void stop() { finish(); }
   // Live: true ends the process (a camera_driver that came to the end of its dataset).
   virtual bool done() const { return false; }
   virtual bool finished() const { return true; }

@@ -13,6 +13,7 @@ namespace rumi {
 
 void add_up_command(CLI::App& app, std::function<int()>* chosen);
 void add_replay_command(CLI::App& app, std::function<int()>* chosen);
+void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);
 void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
 void add_view_command(CLI::App& app, std::function<int()>* chosen);

@@ -6,6 +6,7 @@
 #include "camera_driver/camera_node.h"
 #include "front_tracker/front_tracker_node.h"
 #include "rumi/metered_bus.h"
+#include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
 #include "viewer_offscreen/viewer_node.h"
 
@@ -29,14 +30,18 @@ NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
   return result;
 }
 
-Replay::Replay(const AllOptions& options, const std::string& input) {
+Replay::Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks) {
   FrontTrackerOptions front_tracker = options.front_tracker;
   front_tracker.mapping_thread = false;
   MapServerOptions map_server = options.map_server;
   map_server.database = ":memory:";
   camera_ = add<CameraNode>("camera_driver", input, options.camera_driver);
   front_tracker_ = add<FrontTrackerNode>("front_tracker", front_tracker);
-  add<RuminatorNode>("ruminator", options.ruminator);
+  RuminatorOptions ruminator = options.ruminator;
+  ruminator.build_thread = false;
+  ruminator.spool.clear();
+  add<RuminatorNode>("ruminator", ruminator,
+                     RuminatorHooks{colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
   map_server_ = add<MapServerNode>("map_server", map_server);
   ViewerOptions viewer = options.viewer_offscreen;
   viewer.output.clear();

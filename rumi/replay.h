@@ -15,6 +15,7 @@
 #include "bus/process.h"
 #include "map_server/map_server_node.h"
 #include "rumi/all_options.h"
+#include "ruminator/back_submap_builder.h"
 
 namespace rumi {
 
@@ -28,11 +29,16 @@ struct ReplayProgress {
   std::string state;     // what front_tracker says of itself
 };
 
+struct ReplayHooks {
+  std::function<void(const WindowJob&)> on_window;  // every window, complete
+  std::function<void(const RuminationWindow&, const BuildResult&)> on_rebuilt;
+};
+
 class Replay {
  public:
   // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no mapping thread, no database file, no picture file.
-  Replay(const AllOptions& options, const std::string& input);
+  // to a live system are overruled: no threads, no database file, no spool, no picture file.
+  Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
   ~Replay();
 
   // Writes all messages from now on into an lcm log, except the chunks of submaps and maps: what they carry is in the

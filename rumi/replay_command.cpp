@@ -5,23 +5,28 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 
 #include "camera_driver/image_source.h"
+#include "map_server/output_file.h"
 #include "rumi/all_options.h"
 #include "rumi/commands.h"
 #include "rumi/metered_bus.h"
 #include "rumi/output_folder.h"
 #include "rumi/replay.h"
 #include "rumi/run_record.h"
+#include "rumi/window_report.h"
+#include "ruminator/spool.h"
 
 namespace rumi {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 using nlohmann::ordered_json;
+namespace fs = std::filesystem;
 
 struct Arguments {
   std::string input, out, config, log;
@@ -58,8 +63,52 @@ class ProgressLine {
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
 };
 
+// OUT/windows: the windows as files that `rumi ruminate` rebuilds, and in OUT/windows.csv what came of them here.
+class WindowOutput {
+ public:
+  explicit WindowOutput(const std::string& out) : out_(out) {}
+
+  // Removes the windows of an earlier run. What is wrong, or an empty string.
+  std::string prepare() {
+    std::error_code error;
+    fs::create_directories(out_ / "windows", error);
+    for (fs::directory_iterator it(out_ / "windows", error), end; !error && it != end; it.increment(error))
+      if (it->path().extension() == ".window") fs::remove(it->path(), error);
+    return error ? fmt::format("{}: {}", (out_ / "windows").string(), error.message()) : "";
+  }
+  ReplayHooks hooks() {
+    return {[this](const WindowJob& job) {
+              ++complete_;
+              const std::string name = to_string(name_of(job.window)) + ".window";
+              const std::string error = write_window_job((out_ / "windows" / name).string(), job);
+              if (error_.empty()) error_ = error;
+            },
+            [this](const RuminationWindow& window, const BuildResult& result) {
+              rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
+            }};
+  }
+  std::string finish() {
+    OutputFile csv((out_ / "windows.csv").string());
+    csv.write(window_csv_header() + "\n");
+    for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
+    const std::string error = csv.commit();
+    return error_.empty() ? error : error_;
+  }
+  ordered_json counts() const {
+    return {{"complete", complete_},
+            {"rebuilt", std::count_if(rows_.begin(), rows_.end(), [](const WindowRow& row) { return row.ok; })}};
+  }
+
+ private:
+  fs::path out_;
+  int complete_ = 0;
+  std::vector<WindowRow> rows_;
+  std::string error_;  // the first
+};
+
 // All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
-ordered_json run_record(const Arguments& arguments, const OptionTable& table, Replay& replay, double wall_s) {
+ordered_json run_record(const Arguments& arguments, const OptionTable& table, Replay& replay,
+                        const WindowOutput& windows, double wall_s) {
   const int64_t frames = replay.progress().frames;
   ordered_json run{{"finished", true},
                    {"command", "replay"},
@@ -73,6 +122,7 @@ ordered_json run_record(const Arguments& arguments, const OptionTable& table, Re
                            {"unreadable", skipped.unreadable},
                            {"wrong_size", skipped.wrong_size}};
   run["counts"] = counts_to_json(count(replay.atlas()));
+  run["windows"] = windows.counts();
   run["channels"] = ordered_json::object();
   for (const ChannelCounts& channel : replay.channel_counts()) {
     run["channels"][channel.channel] = {
@@ -114,18 +164,21 @@ int replay(const Arguments& arguments) {
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
   const auto begin = Clock::now();
-  Replay replay(options, arguments.input);
+  WindowOutput windows(arguments.out);
+  Replay replay(options, arguments.input, windows.hooks());
   error = prepare_output_folder(arguments.out);
   if (error.empty()) error = begin_log(arguments, &replay);
+  if (error.empty()) error = windows.prepare();
   if (error.empty()) {
     ProgressLine line(arguments.quiet);
     while (replay.step()) line.update(replay);
     if (!replay.finish()) fmt::print(stderr, "rumi replay: not everything could be handed on at the end\n");
     error = replay.close_log();
   }
+  if (error.empty()) error = windows.finish();
   if (error.empty()) error = write_everything(replay, arguments.out);
   const double wall_s = seconds_since(begin);
-  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, table, replay, wall_s));
+  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, table, replay, windows, wall_s));
   if (!error.empty()) {
     fmt::print(stderr, "rumi replay: {}\n", error);
     return 1;

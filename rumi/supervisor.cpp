@@ -19,9 +19,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLook{50};       // how often deaths are looked for
-constexpr size_t kLongestLine = 16384;  // a longer one is cut
-constexpr int kWrongCommandLine = 2;    // exit code of all Rumi processes: starting again would not help
+constexpr milliseconds kLook{50};          // how often deaths are looked for
+constexpr milliseconds kAskToFinish{500};  // so often, and not before it has had time to install a handler
+constexpr size_t kLongestLine = 16384;     // a longer one is cut
+constexpr int kWrongCommandLine = 2;       // exit code of all Rumi processes: starting again would not help
 
 std::string describe_status(int status) {
   if (WIFEXITED(status)) return fmt::format("ended with exit code {}", WEXITSTATUS(status));
@@ -159,8 +160,13 @@ std::string Supervisor::watch(bool* source_ended) {
         *source_ended = true;
         continue;
       }
+      if (finishing_ && child.process.finishes && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+        child.finished = true;
+        continue;
+      }
       if (std::string reason = on_death(child, status); !reason.empty()) return reason;
-    } else if (child.pid == 0 && !(child.process.source && *source_ended) && Clock::now() >= child.restart_at) {
+    } else if (child.pid == 0 && !(child.process.source && *source_ended) && !child.finished &&
+               Clock::now() >= child.restart_at) {
       const bool again = child.started != Clock::time_point();
       if (!start(child)) return fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
       restarts_ += again;
@@ -207,6 +213,25 @@ void Supervisor::stop_all(const std::function<void()>& before_last_stage) {
   }
 }
 
+// Whoever dies meanwhile is started and asked again.
+std::string Supervisor::await_finish(const std::atomic<bool>& stop) {
+  const auto works = [](const Child& child) { return child.process.finishes && !child.finished; };
+  finishing_ = true;
+  bool source_ended = true;
+  std::string reason;
+  while (!stop && reason.empty() && std::any_of(children_.begin(), children_.end(), works)) {
+    for (Child& child : children_) {
+      const bool is_due = Clock::now() - std::max(child.started, child.asked) >= kAskToFinish;
+      if (!works(child) || child.pid <= 0 || !is_due) continue;
+      child.asked = Clock::now();
+      kill(child.pid, SIGUSR1);
+    }
+    read_output(kLook);
+    reason = watch(&source_ended);
+  }
+  return reason;
+}
+
 std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {
@@ -228,6 +253,7 @@ std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
     }
   }
   if (reason.empty() && hooks.before_stop) hooks.before_stop();
+  if (source_ended && reason.empty()) reason = await_finish(stop);
   stop_all(reason.empty() ? hooks.before_last_stage : nullptr);
   return reason;
 }

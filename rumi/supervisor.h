@@ -18,6 +18,7 @@ struct ChildProcess {
   std::vector<std::string> command;  // executable (path) and arguments
   bool source = false;               // the input: when it ends with success, everything ends
   int stop_stage = 0;                // stages are stopped one after another, lowest first
+  bool finishes = false;             // at the end of the source it is asked (SIGUSR1) to end when its work is done
 };
 
 struct SupervisorOptions {
@@ -45,8 +46,8 @@ class Supervisor {
     std::function<void()> before_stop;        // everybody is alive
     std::function<void()> before_last_stage;  // only the last stage is
   };
-  // Runs until the source ends, stop becomes true, or a process cannot be kept alive. Returns an empty string, or why
-  // it was given up.
+  // Runs until the source ends and those who finish have done so, stop becomes true, or a process cannot be kept alive.
+  // Returns an empty string, or why it was given up.
   std::string run(const std::atomic<bool>& stop, const Hooks& hooks);
 
   int restarts() const { return restarts_; }
@@ -58,15 +59,17 @@ class Supervisor {
     pid_t pid = 0;        // 0: not running
     int output = -1;      // our end of its stdout and stderr
     std::string partial;  // a line without its end
-    Clock::time_point started, restart_at;
+    Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;
+    bool finished = false;  // ended by itself, and need not live any more
   };
 
   bool start(Child& child);
   void read_output(std::chrono::milliseconds timeout);
   void drain(Child& child);
   std::string watch(bool* source_ended);
+  std::string await_finish(const std::atomic<bool>& stop);
   std::string on_death(Child& child, int status);
   void stop_stage(int stage, Clock::time_point deadline);
   void stop_all(const std::function<void()>& before_last_stage);
@@ -77,6 +80,7 @@ class Supervisor {
   SupervisorOptions options_;
   LineHandler on_line_;
   int restarts_ = 0;
+  bool finishing_ = false;
 };
 
 }  // namespace rumi

@@ -77,6 +77,7 @@ std::vector<ChildProcess> processes(const UpOptions& up, const std::string& conf
   // Listeners first, the source last.
   add("map_server", 1);
   add("ruminator", 0);
+  children.back().finishes = true;
   if (up.viewer) add("viewer_offscreen", 0);
   add("front_tracker", 0);
   if (!up.input.empty()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/process.h"
+#include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
 
 int main(int argc, char** argv) {
@@ -7,10 +8,15 @@ int main(int argc, char** argv) {
   rumi::ProcessDescription process;
   process.name = "ruminator";
   process.summary =
-      "Follows the tracking state and keeps the images around every loss. Announces its windows on RUMI_WINDOW; frames "
-      "come "
-      "in on CAMERA, what became of them on RUMI_TRACK.";
+      "Rebuilds with COLMAP what was not tracked: keeps the images around every loss (CAMERA, RUMI_TRACK), makes a "
+      "back "
+      "submap of them, sends it to map_server (RUMI_SUBMAP), and says on RUMI_WINDOW how far it is. SIGINT and SIGTERM "
+      "end it at once and leave what is not done in the spool; SIGUSR1 ends it when all is done.";
   process.add_options = [&options](rumi::OptionTable& table) { rumi::describe(table, options); };
-  process.make_node = [&options](rumi::Bus& bus) { return std::make_unique<rumi::RuminatorNode>(bus, options); };
+  process.make_node = [&options](rumi::Bus& bus) {
+    rumi::RuminatorHooks hooks;
+    hooks.builder = rumi::colmap_builder(options.build);
+    return std::make_unique<rumi::RuminatorNode>(bus, options, std::move(hooks));
+  };
   return rumi::run_process(argc, argv, process);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "bus/options.h"
 #include "ruminator/build_options.h"
 
@@ -24,10 +26,17 @@ struct WindowOptions {
 struct RuminatorOptions {
   WindowOptions window;
   BuildOptions build;
-  int ring_mb = 256;            // images kept in memory
-  int jpeg_quality = 95;        // of kept images that came uncompressed
-  int max_queued_windows = 16;  // complete windows that wait; beyond it the oldest is dropped
-  double match_wait_s = 0.5;    // how long the state of a frame waits for its image
+  int ring_mb = 256;                 // images kept in memory
+  int jpeg_quality = 95;             // of kept images that came uncompressed
+  int max_queued_windows = 16;       // complete windows that wait; beyond it the oldest is dropped
+  double match_wait_s = 0.5;         // how long the state of a frame waits for its image
+  std::string camera_file;           // overrides the calibration that comes with the images
+  bool rebuild = true;               // false: windows are announced only
+  bool build_thread = true;          // false: rebuild at once, as replay does
+  std::string spool = "rumi-spool";  // folder; empty: windows wait in memory
+  int failed_mb = 500;               // kept in the spool of windows that could not be rebuilt
+  int build_tries = 3;               // of one window
+  double retry_s = 30;               // to the next try, of rebuilding or of sending to map_server
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {
@@ -55,6 +64,17 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
   table.add("ruminator.jpeg_quality", &o.jpeg_quality, "", "of kept images that came uncompressed", 1, 100);
   table.add("ruminator.max_queued_windows", &o.max_queued_windows, "", "complete windows that wait for rebuilding", 1,
             1000);
+  table.add("ruminator.camera_file", &o.camera_file, "calibration; empty: the one that comes with the images");
+  table.add("ruminator.rebuild", &o.rebuild, "rebuild the windows; false: only announce them");
+  table.add("ruminator.build_thread", &o.build_thread, "rebuild in a thread of its own (replay: never)");
+  table.add("ruminator.spool", &o.spool,
+            "folder where windows wait, and are found again after a restart; empty: in memory (replay always)");
+  table.add("ruminator.failed_mb", &o.failed_mb, "MB", "windows that could not be rebuilt are kept up to this size", 0,
+            1000000);
+  table.add("ruminator.build_tries", &o.build_tries, "", "of a window, where the machine and not the window fails", 1,
+            1000);
+  table.add("ruminator.retry_s", &o.retry_s, "s", "to the next try of rebuilding, or of sending to map_server", 0.1,
+            86400);
   table.add("ruminator.match_wait_s", &o.match_wait_s, "s", "how long the state of a frame waits for its image", 0, 60);
 }
 

@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
+#include <utility>
 
+#include "bus/camera_file.h"
+#include "bus/image_codec.h"
 #include "bus/submap_update.h"
+#include "ruminator/window_message.h"
 
 namespace rumi {
 namespace {
@@ -17,50 +21,21 @@ constexpr size_t kMaxPending = 256;  // states that wait for their images
 constexpr int kMaxUnsettled = 128;   // images that wait for their states: front_tracker may be down
 constexpr int64_t kBytesPerMb = 1'000'000;
 
-std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
-  std::vector<int64_t> list;
-  for (const Sample& sample : samples) list.push_back(sample.utime_us);
-  return list;
-}
-
-int32_t keyframes(const std::vector<Sample>& samples) {
-  return static_cast<int32_t>(
-      std::count_if(samples.begin(), samples.end(), [](const Sample& s) { return s.is_keyframe; }));
-}
-
 }  // namespace
 
-window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t state) {
-  window_t message;
-  message.utime = utime_us;
-  message.session = window.session;
-  message.window_id = window.id;
-  message.state = state;
-  message.reason = window.reason;
-  message.submap_before = window.submap_before;
-  message.submap_after = window.submap_after;
-  message.lost_utime = window.lost_utime_us;
-  message.resumed_utime = window.resumed_utime_us;
-  message.approach_utime = utimes(window.approach);
-  message.napproach = static_cast<int32_t>(message.approach_utime.size());
-  message.gap_frames = window.gap_frames;
-  message.gap_utime = utimes(window.gap);
-  message.ngap = static_cast<int32_t>(message.gap_utime.size());
-  message.departure_utime = utimes(window.departure);
-  message.ndeparture = static_cast<int32_t>(message.departure_utime.size());
-  message.shared_keyframes_before = keyframes(window.approach);
-  message.shared_keyframes_after = keyframes(window.departure);
-  message.progress = 0;
-  message.remaining_s = -1;
-  return message;
-}
-
-RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options)
+RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks)
     : bus_(bus),
       options_(options),
+      hooks_(std::move(hooks)),
       sampler_(options.window),
-      ring_(options.ring_mb * kBytesPerMb, options.jpeg_quality) {
+      ring_(options.ring_mb * kBytesPerMb, options.jpeg_quality),
+      queue_(bus, options, hooks_.builder, hooks_.on_built) {
   cv::setNumThreads(1);  // the images are small; more would take front_tracker's core
+  if (!options.camera_file.empty()) {
+    const CameraFileResult file = read_camera_file(options.camera_file);
+    if (!file.ok()) throw std::runtime_error(file.error);
+    camera_from_file_ = file.camera;
+  }
   bus.subscribe<image_t>(channels::kCamera, {.capacity = 64, .drop = DropPolicy::kDropOldest},
                          [this](const image_t& image) { on_image(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
@@ -113,6 +88,11 @@ void RuminatorNode::process(const track_t& track) {
   if (!sampler_.is_late(frame)) {
     without_image_ += !frame.has_image;
     last_utime_us_ = track.utime;
+    queue_.set_frame_time(track.utime);
+  }
+  if (track.session != session_) {
+    session_ = track.session;
+    sampler_.continue_after(queue_.last_id(session_));
   }
   if (!sampler_.open()) motion_.reset();
   if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(track.utime));
@@ -121,58 +101,51 @@ void RuminatorNode::process(const track_t& track) {
   };
   const auto before = phase();
   std::optional<RuminationWindow> ended = sampler_.process(frame);
-  if (ended) enqueue(std::move(*ended));
+  if (ended) hand_on(std::move(*ended));
   if (sampler_.is_settled() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
   settle(track.utime);
 }
 
 void RuminatorNode::settle(int64_t utime_us) {
   retained_ = sampler_.retained();
-  ring_.settle(utime_us, [this](int64_t utime) { return is_needed(utime); });
+  ring_.settle(utime_us, [this](int64_t utime) { return retained_.contains(utime); });
 }
 
-bool RuminatorNode::is_needed(int64_t utime_us) const {
-  return retained_.contains(utime_us) || queued_utimes_.contains(utime_us);
-}
-
-void RuminatorNode::note_queued_utimes() {
-  queued_utimes_.clear();
-  for (const RuminationWindow& window : queued_)
-    for (const auto* part : {&window.approach, &window.gap, &window.departure})
-      for (const Sample& sample : *part) queued_utimes_.insert(sample.utime_us);
-}
-
-// The newest loss matters most: what waited longest goes first, then the open window gets thinner.
+// What waits for its state goes last: the open window gets thinner.
 void RuminatorNode::make_room(const image_t& image) {
-  while (!ring_.fits(image)) {
-    if (!queued_.empty())
-      drop_oldest_window();
-    else if (!sampler_.thin_gap())
-      return;
+  while (!ring_.fits(image) && sampler_.thin_gap()) {
     retained_ = sampler_.retained();
-    ring_.sweep([this](int64_t utime) { return is_needed(utime); });
+    ring_.sweep([this](int64_t utime) { return retained_.contains(utime); });
   }
 }
 
-void RuminatorNode::drop_oldest_window() {
-  spdlog::warn("window {} is dropped before it was rebuilt: {} wait, {} MB of images", queued_.front().id,
-               queued_.size(), ring_.bytes() / kBytesPerMb);
-  queued_.front().reason = "dropped for want of memory before it was rebuilt";
-  announce(queued_.front(), window_t::FAILED);
-  queued_.pop_front();
-  note_queued_utimes();
-  ++dropped_windows_;
+// What is wrong, or an empty string.
+std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) const {
+  job->window = std::move(window);
+  for (const auto* part : {&job->window.approach, &job->window.gap, &job->window.departure})
+    for (const Sample& sample : *part)
+      if (const image_t* image = ring_.find(sample.utime_us)) job->images.push_back(*image);
+  if (job->images.empty()) return "no image of it was kept";
+  if (camera_from_file_) {
+    job->camera = *camera_from_file_;
+  } else {
+    const std::string text = metadata(job->images.front(), kCalibrationKey);
+    if (text.empty()) return "its images carry no calibration: name the camera's with ruminator.camera_file";
+    const CameraFileResult parsed = parse_camera(text, "calibration of the image");
+    if (!parsed.ok()) return parsed.error;
+    job->camera = parsed.camera;
+  }
+  return check_window_job(*job);
 }
 
-void RuminatorNode::enqueue(RuminationWindow window) {
-  while (static_cast<int>(queued_.size()) >= options_.max_queued_windows) drop_oldest_window();
-  spdlog::info("window {}: {} + {} of {} + {} frames, {} and {} keyframes of submaps {} and {}{}{}", window.id,
-               window.approach.size(), window.gap.size(), window.gap_frames, window.departure.size(),
-               keyframes(window.approach), keyframes(window.departure), window.submap_before, window.submap_after,
-               window.reason.empty() ? "" : ": ", window.reason);
-  announce(window, window_t::QUEUED);
-  queued_.push_back(std::move(window));
-  note_queued_utimes();
+void RuminatorNode::hand_on(RuminationWindow window) {
+  WindowJob job;
+  if (const std::string problem = make_job(std::move(window), &job); !problem.empty())
+    return queue_.refuse(job.window, problem);
+  if (hooks_.on_job) hooks_.on_job(job);
+  if (options_.rebuild) return queue_.add(std::move(job));
+  spdlog::info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));
+  announce(job.window, window_t::QUEUED);
 }
 
 void RuminatorNode::announce(const RuminationWindow& window, int8_t state) {
@@ -185,25 +158,36 @@ void RuminatorNode::tick(int64_t now_us) {
   process_pending(now_us, false);
   const bool is_due = now_us - last_announced_us_ >= kAnnouncePeriodUs || now_us < last_announced_us_;
   if (sampler_.is_settled() && is_due) announce(*sampler_.open(), window_t::COLLECTING);
+  queue_.tick(now_us);
 }
 
-void RuminatorNode::finish() {
+void RuminatorNode::end_window() {
   process_pending(bus_.now_us(), true);
   const bool was_lost = sampler_.open() && sampler_.open()->is_lost();
   if (auto ended = sampler_.finish(was_lost ? "the input ended while tracking was lost" : "the input ended"))
-    enqueue(std::move(*ended));
+    hand_on(std::move(*ended));
   settle(last_utime_us_);
+}
+
+void RuminatorNode::finish() {
+  end_window();
+  queue_.finish();
+}
+
+// The open window is worth rebuilding at the next start.
+void RuminatorNode::stop() {
+  end_window();
+  queue_.stop();
 }
 
 NodeStatus RuminatorNode::status() {
   NodeStatus status;
   const std::string open = sampler_.open() ? fmt::format("window {} collects", sampler_.open()->id) : "no window open";
-  status.detail = fmt::format(
-      "{}; {} queued, {} dropped; {} images in {:.1f} MB; {} images dropped, {} broken, {} states without image, {} "
-      "rejected",
-      open, queued_.size(), dropped_windows_, ring_.size(), static_cast<double>(ring_.bytes()) / kBytesPerMb,
-      ring_.dropped(), ring_.broken(), without_image_, rejected_ + sampler_.ignored());
-  status.degraded = ring_.dropped() > 0 || dropped_windows_ > 0;
+  status.detail =
+      fmt::format("{}; {}; {} images in {:.1f} MB; {} images dropped, {} broken, {} states without image, {} rejected",
+                  open, queue_.detail(), ring_.size(), static_cast<double>(ring_.bytes()) / kBytesPerMb,
+                  ring_.dropped(), ring_.broken(), without_image_, rejected_ + sampler_.ignored());
+  status.degraded = ring_.dropped() > 0 || queue_.degraded();
   status.last_utime_us = last_utime_us_;
   return status;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ruminator, first version: follows the tracking state, keeps the images around every loss and announces the windows.
-// Complete windows wait here, in state QUEUED with their images; rebuilding them is not part of this version.
+// Follows the tracking state, keeps the images around every loss, and has its window rebuilt and sent to map_server.
 #pragma once
 
 #include <deque>
+#include <functional>
+#include <optional>
 #include <set>
 #include <string>
-#include <unordered_set>
 
 #include "bus/bus.h"
 #include "bus/process.h"
@@ -16,21 +16,30 @@
 #include "ruminator/frame_ring.h"
 #include "ruminator/image_motion.h"
 #include "ruminator/options.h"
+#include "ruminator/rebuild_queue.h"
 #include "ruminator/window_sampler.h"
 
 namespace rumi {
 
+struct RuminatorHooks {
+  Builder builder;                               // required with options.rebuild
+  std::function<void(const WindowJob&)> on_job;  // every window, as it is complete
+  RebuildQueue::BuiltHandler on_built;
+};
+
 class RuminatorNode : public Node {
  public:
-  RuminatorNode(Bus& bus, const RuminatorOptions& options);
+  // Throws std::runtime_error if options.camera_file cannot be read.
+  RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks);
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
   void finish() override;
+  void stop() override;
+  bool finished() const override { return queue_.finished(); }
 
-  const std::deque<RuminationWindow>& queued() const { return queued_; }
   const FrameRing& frames() const { return ring_; }
-  int64_t dropped_windows() const { return dropped_windows_; }
+  const RebuildQueue& queue() const { return queue_; }
 
  private:
   struct PendingTrack {
@@ -43,30 +52,27 @@ class RuminatorNode : public Node {
   void process(const track_t& track);
   FrameEvent event(const track_t& track) const;
   void settle(int64_t utime_us);
-  bool is_needed(int64_t utime_us) const;
-  void note_queued_utimes();
   void make_room(const image_t& image);
-  void drop_oldest_window();
-  void enqueue(RuminationWindow window);
+  void end_window();
+  void hand_on(RuminationWindow window);
+  std::string make_job(RuminationWindow window, WindowJob* job) const;
   void announce(const RuminationWindow& window, int8_t state);
 
   Bus& bus_;
   RuminatorOptions options_;
+  RuminatorHooks hooks_;
+  std::optional<Camera> camera_from_file_;
   WindowSampler sampler_;
   FrameRing ring_;
   ImageMotion motion_;
   std::deque<PendingTrack> pending_;  // in order of arrival
-  std::deque<RuminationWindow> queued_;
-  std::unordered_set<int64_t> queued_utimes_;  // samples of all queued windows
-  std::set<int64_t> retained_;                 // sampler_.retained() after the last frame
+  std::set<int64_t> retained_;        // sampler_.retained() after the last frame
   int64_t last_announced_us_ = 0;
   int64_t last_utime_us_ = 0;
   int64_t without_image_ = 0;
-  int64_t dropped_windows_ = 0;
   int64_t rejected_ = 0;
+  int64_t session_ = 0;  // of the last state
+  RebuildQueue queue_;
 };
-
-// As announced on RUMI_WINDOW; utime is the announcement's.
-window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t state);
 
 }  // namespace rumi

@@ -24,6 +24,7 @@
 // - What is open when the input ends, or front_tracker starts again, ends as it is, with a reason.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -76,6 +77,8 @@ class WindowSampler {
   // Halves the gap of the open window, and the density of what follows; false if there is nothing to halve.
   bool thin_gap();
   int64_t ignored() const { return ignored_; }
+  // The next window's id will be higher: an earlier process made windows of this session.
+  void continue_after(int32_t id) { last_id_ = std::max(last_id_, id); }
 
  private:
   struct LatePose {

@@ -14,6 +14,7 @@
 #include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
+#include "lcmtypes/rumi/window_job_t.hpp"
 #include "lcmtypes/rumi/window_t.hpp"
 
 namespace rumi {
@@ -39,6 +40,8 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(frame_t, 0x2aeedd648c1fbae3u);
   PIN(submap_update_t, 0x24158f37c74575b1u);
   PIN(window_t, 0x4056712316a0c018u);
+  PIN(window_sample_t, 0x2023c02d415c880fu);
+  PIN(window_job_t, 0x46fdb74edaa19f55u);
   PIN(submap_summary_t, 0xc1ffbb2e88ca8756u);
   PIN(map_status_t, 0x9cf677aff4572924u);
   PIN(map_request_t, 0xdb0064066755b684u);
@@ -97,6 +100,15 @@ window_t sample() {
   m.reason = "why";
   m.approach_utime = {1, 2}, m.gap_utime = {3}, m.departure_utime = {4, 5, 6};
   m.napproach = 2, m.ngap = 1, m.ndeparture = 3;
+  return m;
+}
+template <>
+window_job_t sample() {
+  window_job_t m = small<window_job_t>();
+  m.window = sample<window_t>();
+  m.calibration = "fx: 1";
+  m.samples.resize(6, small<window_sample_t>());
+  m.nsamples = 6;
   return m;
 }
 template <>
@@ -160,8 +172,8 @@ std::vector<uint8_t> broken(const std::vector<uint8_t>& good, std::mt19937* rand
 
 template <class T>
 class BrokenMessages : public testing::Test {};
-using AllTypes = testing::Types<image_t, rigid_transform_t, track_t, submap_update_t, window_t, map_status_t,
-                                map_request_t, chunk_t, chunk_ack_t, process_status_t>;
+using AllTypes = testing::Types<image_t, rigid_transform_t, track_t, submap_update_t, window_t, window_job_t,
+                                map_status_t, map_request_t, chunk_t, chunk_ack_t, process_status_t>;
 TYPED_TEST_SUITE(BrokenMessages, AllTypes);
 
 TYPED_TEST(BrokenMessages, AreCountedAndHarmNothing) {

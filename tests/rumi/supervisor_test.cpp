@@ -15,6 +15,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 using testing::Pair;
 
 ChildProcess shell(const std::string& name, const std::string& script) {
@@ -121,6 +122,47 @@ TEST_F(SupervisorTest, StopsInStagesWithWordInBetween) {
     if (line != "stop") order.push_back(line);
   }
   EXPECT_EQ(order, (std::vector<std::string>{"front done", "asked", "map done"}));
+}
+
+ChildProcess finisher(const std::string& on_request) {
+  ChildProcess child = shell("worker", "trap '" + on_request + "' USR1; trap 'echo stopped; exit 0' TERM; " +
+                                           "echo works; while :; do sleep 0.02; done");
+  child.finishes = true;
+  return child;
+}
+
+TEST_F(SupervisorTest, WaitsForWhoHasWorkLeftWhenTheSourceEnds) {
+  ChildProcess source = shell("camera", "sleep 0.3");
+  source.source = true;
+  const ChildProcess server = shell("server", "trap 'echo server stopped; exit 0' TERM; while :; do sleep 0.02; done");
+  EXPECT_EQ(run({server, finisher("sleep 0.5; echo finished; exit 0"), source}), "");
+  std::vector<std::string> order;
+  for (const auto& [name, line] : lines_) order.push_back(line);
+  EXPECT_EQ(order, (std::vector<std::string>{"works", "finished", "server stopped"}));
+  EXPECT_EQ(restarts_, 0);
+}
+
+TEST_F(SupervisorTest, WhoDiesOverItsLastWorkIsStartedAndAskedAgain) {
+  const auto mark = std::filesystem::path(testing::TempDir()) / "supervisor_finisher";
+  std::filesystem::remove(mark);
+  ChildProcess source = shell("camera", "sleep 0.3");
+  source.source = true;
+  const std::string dies_first =
+      "if [ -e " + mark.string() + " ]; then echo finished; exit 0; else touch " + mark.string() + "; kill -9 $$; fi";
+  EXPECT_EQ(run({finisher(dies_first), source}), "");
+  EXPECT_EQ(restarts_, 1);
+  EXPECT_EQ(lines_.back().second, "finished");
+}
+
+TEST_F(SupervisorTest, StoppedItWaitsForNobodysWork) {
+  ChildProcess source = shell("camera", "sleep 0.3");
+  source.source = true;
+  EXPECT_EQ(run({finisher("echo stop"), source}), "");
+  EXPECT_THAT(lines_, Contains(Pair("worker", "stopped")));
+  lines_.clear();
+  stop_ = false;
+  EXPECT_EQ(run({finisher("echo finished; exit 0"), shell("other", "sleep 0.3; echo stop; sleep 10")}), "");
+  EXPECT_THAT(lines_, Not(Contains(Pair("worker", "finished")))) << "Ctrl-C: nobody is to finish anything";
 }
 
 TEST_F(SupervisorTest, KillsWhatDoesNotEnd) {

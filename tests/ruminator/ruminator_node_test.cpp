@@ -7,9 +7,11 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "bus/camera_file.h"
 #include "bus/image_codec.h"
 #include "bus/memory_bus.h"
 #include "bus/submap_update.h"
+#include "test_jobs.h"
 
 namespace rumi {
 namespace {
@@ -20,15 +22,25 @@ constexpr int64_t kPeriodUs = 33'333;
 
 class RuminatorNodeTest : public ::testing::Test {
  protected:
+  RuminatorNodeTest() {
+    options_.rebuild = false;
+    options_.build_thread = false;
+    options_.spool.clear();
+  }
   void start() {
-    node_ = std::make_unique<RuminatorNode>(bus_, options_);
+    RuminatorHooks hooks;
+    hooks.builder = testing::fake_builder();
+    hooks.on_job = [this](const WindowJob& job) { jobs_.push_back(job); };
+    node_ = std::make_unique<RuminatorNode>(bus_, options_, hooks);
     bus_.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { announced_.push_back(w); });
   }
   static image_t make_image(int64_t utime_us, bool is_jpeg = true) {
     cv::Mat grey(120, 160, CV_8U);
     cv::RNG rng(utime_us);
     rng.fill(grey, cv::RNG::UNIFORM, 0, 255);
-    return is_jpeg ? make_jpeg_image(utime_us, grey) : make_grey_image(utime_us, grey);
+    image_t image = is_jpeg ? make_jpeg_image(utime_us, grey) : make_grey_image(utime_us, grey);
+    set_metadata(&image, kCalibrationKey, camera_to_yaml(testing::small_camera()));
+    return image;
   }
   void send_image(int64_t utime_us) { bus_.publish(channels::kCamera, make_image(utime_us, jpeg_)); }
   void send_track(int64_t utime_us, int32_t submap, bool is_keyframe) {
@@ -57,15 +69,18 @@ class RuminatorNodeTest : public ::testing::Test {
     now_ += kPeriodUs;
     bus_.set_now_us(now_);
   }
-  void expect_images_of(const RuminationWindow& window) {
-    for (const auto* part : {&window.approach, &window.gap, &window.departure})
-      for (const Sample& s : *part) EXPECT_NE(node_->frames().find(s.utime_us), nullptr) << "window " << window.id;
+  void expect_images_of(const WindowJob& job) {
+    std::set<int64_t> utimes;
+    for (const image_t& image : job.images) utimes.insert(image.utime);
+    for (const auto* part : {&job.window.approach, &job.window.gap, &job.window.departure})
+      for (const Sample& s : *part) EXPECT_TRUE(utimes.contains(s.utime_us)) << "window " << job.window.id;
   }
 
   MemoryBus bus_;
   RuminatorOptions options_;
   std::unique_ptr<RuminatorNode> node_;
   std::vector<window_t> announced_;
+  std::vector<WindowJob> jobs_;
   int64_t now_ = 1'000'000;
   bool jpeg_ = true;
 };
@@ -98,8 +113,8 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   const auto resumed =
       std::find_if(announced_.begin(), announced_.end(), [](const window_t& w) { return w.resumed_utime != 0; });
   EXPECT_EQ(resumed->state, window_t::COLLECTING);
-  ASSERT_EQ(node_->queued().size(), 1);
-  expect_images_of(node_->queued()[0]);
+  ASSERT_EQ(jobs_.size(), 1);
+  expect_images_of(jobs_[0]);
   EXPECT_FALSE(node_->status().degraded);
 }
 
@@ -149,9 +164,9 @@ TEST_F(RuminatorNodeTest, StatesMayComeBeforeImages) {
     bus_.dispatch();
     node_->tick(now_);
   }
-  ASSERT_EQ(node_->queued().size(), 1);
-  EXPECT_EQ(node_->queued()[0].gap.size(), 20);
-  expect_images_of(node_->queued()[0]);
+  ASSERT_EQ(jobs_.size(), 1);
+  EXPECT_EQ(jobs_[0].window.gap.size(), 20);
+  expect_images_of(jobs_[0]);
 }
 
 TEST_F(RuminatorNodeTest, LostMessagesOfEitherKindAreLivedWith) {
@@ -166,10 +181,10 @@ TEST_F(RuminatorNodeTest, LostMessagesOfEitherKindAreLivedWith) {
     node_->tick(now_);
     bus_.dispatch();
   }
-  ASSERT_EQ(node_->queued().size(), 1);
-  EXPECT_GE(node_->queued()[0].gap.size(), 30);
-  EXPECT_LT(node_->queued()[0].gap.size(), 60);
-  expect_images_of(node_->queued()[0]);
+  ASSERT_EQ(jobs_.size(), 1);
+  EXPECT_GE(jobs_[0].window.gap.size(), 30);
+  EXPECT_LT(jobs_[0].window.gap.size(), 60);
+  expect_images_of(jobs_[0]);
   EXPECT_THAT(node_->status().detail, HasSubstr("states without image"));
 }
 
@@ -184,7 +199,7 @@ TEST_F(RuminatorNodeTest, WithoutFrontTrackerMemoryStaysBounded) {
   EXPECT_GT(node_->frames().dropped(), 0);
 }
 
-TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
+TEST_F(RuminatorNodeTest, BytesAreBounded) {
   options_.ring_mb = 1;  // about 70 images
   start();
   for (int loss = 0; loss < 5; ++loss) {
@@ -193,33 +208,14 @@ TEST_F(RuminatorNodeTest, BytesAreBoundedTheOldestWindowGoesFirst) {
     EXPECT_LE(node_->frames().bytes(), 1'000'000);
   }
   frames(60, 99, 4);
-  EXPECT_GT(node_->dropped_windows(), 0);
-  ASSERT_FALSE(node_->queued().empty());
-  EXPECT_EQ(node_->queued().back().id, 5);
-  for (const RuminationWindow& window : node_->queued()) expect_images_of(window);
-  EXPECT_TRUE(std::any_of(announced_.begin(), announced_.end(), [](const window_t& w) {
-    return w.state == window_t::FAILED && w.window_id == 1 && !w.reason.empty();
-  }));
-  EXPECT_TRUE(node_->status().degraded);
+  ASSERT_EQ(jobs_.size(), 5);
+  for (const WindowJob& job : jobs_) expect_images_of(job);
   frames(800, kNoSubmap);  // a gap far larger than the memory
   EXPECT_LE(node_->frames().bytes(), 1'000'000);
   node_->finish();
-  ASSERT_FALSE(node_->queued().empty());
-  EXPECT_GT(node_->queued().back().gap.size(), 20);
-  expect_images_of(node_->queued().back());
-}
-
-TEST_F(RuminatorNodeTest, TheNumberOfWaitingWindowsIsBounded) {
-  options_.max_queued_windows = 2;
-  start();
-  for (int loss = 0; loss < 4; ++loss) {
-    frames(60, 2 * loss + 1, 4);
-    frames(5, kNoSubmap);
-  }
-  node_->finish();
-  ASSERT_EQ(node_->queued().size(), 2);
-  EXPECT_EQ(node_->queued()[0].id, 3);
-  EXPECT_EQ(node_->dropped_windows(), 2);
+  ASSERT_FALSE(jobs_.empty());
+  EXPECT_GT(jobs_.back().window.gap.size(), 20);
+  expect_images_of(jobs_.back());
 }
 
 TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
@@ -239,10 +235,10 @@ TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
     bus_.dispatch();
   }
   frames(60, 2);
-  ASSERT_EQ(node_->queued().size(), 1);
-  EXPECT_EQ(node_->queued()[0].gap_frames, 100);
-  EXPECT_LE(node_->queued()[0].gap.size(), 3);
-  expect_images_of(node_->queued()[0]);
+  ASSERT_EQ(jobs_.size(), 1);
+  EXPECT_EQ(jobs_[0].window.gap_frames, 100);
+  EXPECT_LE(jobs_[0].window.gap.size(), 3);
+  expect_images_of(jobs_[0]);
 }
 
 TEST_F(RuminatorNodeTest, AStartThatGetsAllItsPosesIsNotAnnounced) {
@@ -264,13 +260,13 @@ TEST_F(RuminatorNodeTest, FramesPosedAfterwardsBecomeDepartureWithTheirImages) {
   const int64_t resumes = now_ + kPeriodUs;
   for (int i = 20; i >= 1; --i) send_track(resumes - i * kPeriodUs, 2, i % 5 == 0);
   frames(60, 2);
-  ASSERT_EQ(node_->queued().size(), 1);
-  const RuminationWindow& window = node_->queued()[0];
+  ASSERT_EQ(jobs_.size(), 1);
+  const RuminationWindow& window = jobs_[0].window;
   EXPECT_EQ(window.gap_frames, 40);
   EXPECT_EQ(window.resumed_utime_us, resumes - 20 * kPeriodUs);
   EXPECT_EQ(window.departure.front().utime_us, window.resumed_utime_us);
   EXPECT_THAT(node_->status().detail, HasSubstr("0 states without image"));
-  expect_images_of(window);
+  expect_images_of(jobs_[0]);
 }
 
 TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {
@@ -282,7 +278,7 @@ TEST_F(RuminatorNodeTest, FinishEndsTheOpenWindow) {
   ASSERT_EQ(announced_.back().state, window_t::QUEUED);
   EXPECT_THAT(announced_.back().reason, HasSubstr("ended while tracking was lost"));
   EXPECT_EQ(announced_.back().resumed_utime, 0);
-  expect_images_of(node_->queued().at(0));
+  expect_images_of(jobs_.at(0));
 }
 
 TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
@@ -312,7 +308,7 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   EXPECT_EQ(node_->frames().find(6), nullptr);
   frames(5, kNoSubmap);
   frames(60, 2);
-  EXPECT_EQ(node_->queued().size(), 1);
+  EXPECT_EQ(jobs_.size(), 1);
 }
 
 TEST_F(RuminatorNodeTest, DamagedMessagesAreSurvived) {
@@ -338,14 +334,14 @@ TEST_F(RuminatorNodeTest, DamagedMessagesAreSurvived) {
     node_->tick(now_);
     ASSERT_LE(node_->frames().bytes(), 2'000'000);
   }
-  EXPECT_LE(node_->queued().size(), 16);
+  EXPECT_LE(jobs_.size(), 16);
 }
 
 TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
   std::vector<std::vector<uint8_t>> runs[2];
   for (auto& run : runs) {
     MemoryBus bus;
-    RuminatorNode node(bus, options_);
+    RuminatorNode node(bus, options_, {});
     bus.subscribe<window_t>(channels::kWindow, {}, [&run](const window_t& w) { run.push_back(encode_message(w)); });
     for (int i = 1; i < 200; ++i) {
       const int64_t utime = i * kPeriodUs;
@@ -369,6 +365,103 @@ TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
   }
   EXPECT_FALSE(runs[0].empty());
   EXPECT_EQ(runs[0], runs[1]);
+}
+
+// With everything behind it: the job, the builder, the back submap on the bus.
+class RebuildingNodeTest : public RuminatorNodeTest {
+ protected:
+  RebuildingNodeTest() { options_.rebuild = true; }
+  void start_with_map_server() {
+    receiver_.emplace(bus_, channels::kSubmap, channels::kSubmapAck, "map_server", true,
+                      [this](const ChunkReceiver::Payload& payload) {
+                        EXPECT_TRUE(Bus::decode(payload.bytes, &submaps_.emplace_back()));
+                        return ChunkReceiver::Verdict{true, "", submaps_.back().revision};
+                      });
+    start();
+  }
+  std::vector<int> states() const {
+    std::vector<int> states;
+    for (const window_t& w : announced_)
+      if (states.empty() || states.back() != w.state) states.push_back(w.state);
+    return states;
+  }
+  std::optional<ChunkReceiver> receiver_;
+  std::vector<submap_update_t> submaps_;
+};
+
+TEST_F(RebuildingNodeTest, ALossEndsInABackSubmap) {
+  start_with_map_server();
+  frames(100, 1);
+  frames(20, kNoSubmap);
+  frames(60, 2);
+  EXPECT_THAT(states(), ::testing::ElementsAre(window_t::COLLECTING, window_t::QUEUED, window_t::EXTRACTING,
+                                               window_t::MATCHING, window_t::MAPPING, window_t::PUBLISHED));
+  ASSERT_EQ(submaps_.size(), 1);
+  EXPECT_EQ(submaps_[0].submap_id, -1);
+  EXPECT_EQ(submaps_[0].session, 7);
+  EXPECT_EQ(submaps_[0].kind, submap_update_t::BACK);
+  EXPECT_THAT(node_->status().detail, HasSubstr("1 published"));
+}
+
+TEST_F(RebuildingNodeTest, WhatIsOpenAtTheEndIsRebuiltToo) {
+  start_with_map_server();
+  frames(100, 1);
+  frames(20, kNoSubmap);
+  node_->finish();
+  bus_.dispatch();
+  EXPECT_TRUE(node_->finished());
+  EXPECT_EQ(submaps_.size(), 1);
+  EXPECT_EQ(announced_.back().state, window_t::PUBLISHED);
+}
+
+TEST_F(RebuildingNodeTest, StoppedInALossItLeavesTheWindowInTheSpool) {
+  const testing::TemporaryFolder folder;
+  options_.spool = folder / "spool";
+  options_.build_thread = true;
+  start_with_map_server();
+  frames(100, 1);
+  frames(20, kNoSubmap);
+  node_->stop();
+  for (int i = 0; i < 1000 && !node_->finished(); ++i) node_->tick(now_);
+  EXPECT_TRUE(node_->finished());
+  EXPECT_TRUE(submaps_.empty());
+  EXPECT_TRUE(read_window_job(folder / "spool/7-1.window").ok());
+}
+
+TEST_F(RebuildingNodeTest, WindowsOfAnEarlierProcessAreRebuiltAndTheirNumbersNotUsedAgain) {
+  const testing::TemporaryFolder folder;
+  options_.spool = folder / "spool";
+  std::string error;
+  ASSERT_EQ(Spool::open(options_.spool, 1'000'000, &error)->add(testing::small_job(3, 7), &error),
+            Spool::Added::kAdded);
+  start_with_map_server();
+  frames(30, 1);
+  frames(20, kNoSubmap);
+  frames(60, 2);
+  ASSERT_EQ(submaps_.size(), 2);
+  EXPECT_EQ(submaps_[0].submap_id, -3);
+  EXPECT_EQ(submaps_[1].submap_id, -4);
+}
+
+TEST_F(RebuildingNodeTest, WithoutCalibrationItSaysWhatToDo) {
+  start_with_map_server();
+  for (int i = 0; i < 150; ++i) {
+    next();
+    image_t image = make_image(now_);
+    image.metadata.clear();
+    image.nmetadata = 0;
+    bus_.publish(channels::kCamera, image);
+    send_track(now_, i < 50 ? 1 : i < 60 ? kNoSubmap : 2, i % 5 == 0);
+    bus_.dispatch();
+    node_->tick(now_);
+    bus_.dispatch();
+  }
+  EXPECT_EQ(announced_.back().state, window_t::FAILED);
+  EXPECT_THAT(announced_.back().reason, HasSubstr("ruminator.camera_file"));
+  EXPECT_TRUE(submaps_.empty());
+
+  options_.camera_file = "/nowhere/camera.yaml";
+  EXPECT_THROW(RuminatorNode(bus_, options_, {testing::fake_builder(), {}, {}}), std::runtime_error);
 }
 
 }  // namespace

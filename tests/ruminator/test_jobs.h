@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Small windows with images, and a builder that knows no COLMAP.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "ruminator/build_worker.h"
+#include "ruminator/window_job.h"
+#include "tests/temporary_folder.h"
+
+namespace rumi::testing {
+
+// 160 x 120.
+Camera small_camera();
+// 4 + 5 + 3 frames, 0.1 s apart, every second one of those tracked a keyframe.
+WindowJob small_job(int32_t id = 1, int64_t session = 7);
+
+// A consistent back submap with a keyframe for every image.
+Submap fake_submap(const WindowJob& job);
+// What a builder would return that registers everything.
+BuildResult fake_result(const WindowJob& job);
+// Goes through the stages and succeeds; counts.
+Builder fake_builder(std::atomic<int>* built = nullptr);
+
+}  // namespace rumi::testing
