@@ -102,7 +102,9 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
   FrontTrackerOptions front_options;
   front_options.mapping_thread = false;
   FrontTrackerNode front(bus, front_options);
-  RuminatorNode ruminator(bus, {});
+  RuminatorOptions announce_only;
+  announce_only.rebuild = false;
+  RuminatorNode ruminator(bus, announce_only, {});
   MapServerOptions server_options;
   server_options.database = ":memory:";
   MapServerNode server(bus, server_options);
