@@ -76,11 +76,15 @@ std::set<int64_t> utimes(const std::vector<Sample>& samples) {
 // Nothing to be had? Without matches between frames of the gap and frames around it no attempt can place them, and
 // it is said before any is made.
 std::string hopeless(const WindowJob& job, const WindowImages& images, const std::vector<ColmapPair>& pairs,
-                     int min_matches) {
+                     const BuildOptions& options) {
   const int count = static_cast<int>(images.colmap.size());
-  const std::vector<int> group = connected_images(count, pairs, min_matches);
+  const std::vector<int> group = connected_images(count, pairs, options.matching.min_inliers);
   const auto largest = std::count(group.begin(), group.end(), 0);
   if (largest < 3) return fmt::format("of {} images no three have enough in common", count);
+  const bool has_moved = std::any_of(pairs.begin(), pairs.end(), [&](const ColmapPair& pair) {
+    return parallax_px(job.camera, images.features, pair) >= options.min_parallax_px;
+  });
+  if (!has_moved) return fmt::format("the camera turned or stood still: no parallax between {} images", count);
   const std::set<int64_t> gap = utimes(job.window.gap);
   int in_gap = 0, connected = 0;
   for (int i = 0; i < count; ++i) {
@@ -130,7 +134,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   const std::vector<ColmapPair> pairs = match_window(
       job.camera, images.features, options.matching, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
-  if (!cancel) result->failure = hopeless(job, images, pairs, options.matching.min_inliers);
+  if (!cancel) result->failure = hopeless(job, images, pairs, options);
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -157,7 +161,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   fill_back_submap(job.camera, images.grey, images.utimes_us, model.best.model, options.landmarks, &submap);
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
-  result->focal_change = model.best.focal_change;
+  result->pair_rotation_deg = model.best.pair_rotation_deg;
   result->agreement = model.best.agreement;
   count_registered(job.window, submap, result);
   if (result->gap == 0 && !job.window.gap.empty())

@@ -23,8 +23,9 @@ struct BuildOptions {
   GlobalModelOptions global;
   ModelRefinementOptions refinement;
   BackLandmarkOptions landmarks;
-  double max_focal_change = 0.1;      // by an adjustment that may change the focal lengths, relative
+  double min_parallax_px = 2;         // of some pair of images, or the camera has only turned
   double max_rmse_px = 1.5;           // of the reprojection
+  double max_pair_rotation_deg = 3;   // median difference to the relative rotations of the pairs
   double max_front_rotation_deg = 5;  // median difference to front_tracker's poses of the approach or departure
   int min_front_frames = 5;           // that such a comparison needs
   double complete_ratio = 0.95;       // of the images that hang together: a model with so many needs no rival
@@ -54,10 +55,13 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "points seen by an image, for it to have a pose", 6, 1000);
   table.add("ruminator.landmark_neighbours", &o.landmarks.neighbours, "images",
             "that each is matched with for the landmarks of the submap", 1, 1000);
-  table.add("ruminator.max_focal_change", &o.max_focal_change, "",
-            "relative, where an adjustment is free to change the focal lengths: beyond it the model is false", 0, 10);
+  table.add("ruminator.min_parallax_px", &o.min_parallax_px, "px",
+            "median motion beyond a turn of the camera, of some pair of images; else there is nothing to rebuild", 0,
+            100);
   table.add("ruminator.max_rmse_px", &o.max_rmse_px, "px", "reprojection error of the model: beyond it it is false",
             0.1, 20);
+  table.add("ruminator.max_pair_rotation_deg", &o.max_pair_rotation_deg, "degrees",
+            "median difference to the rotations between pairs of images: beyond it the model is false", 0.1, 180);
   table.add("ruminator.max_front_rotation_deg", &o.max_front_rotation_deg, "degrees",
             "median difference to front_tracker's rotations: beyond it the model is false", 0.1, 180);
   table.add("ruminator.min_front_frames", &o.min_front_frames, "frames", "that such a comparison needs", 3, 1000);

@@ -16,13 +16,6 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-struct RelativeRotation {
-  int first = 0, second = 0;
-  Quaterniond second_from_first;
-  double weight = 0;  // matches
-  const ColmapPair* pair = nullptr;
-};
-
 Vector3d ray(const Camera& camera, const Eigen::Vector2f& pixel) {
   return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1};
 }
@@ -53,20 +46,20 @@ std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::ve
 
 struct RotationError {
   Quaterniond second_from_first;
-  double weight;
   template <class T>
   bool operator()(const T* a, const T* b, T* residual) const {
     const Eigen::Map<const Eigen::Quaternion<T>> qa(a), qb(b);
     Eigen::Quaternion<T> d = second_from_first.cast<T>() * qa * qb.conjugate();
     if (d.w() < T(0)) d.coeffs() = -d.coeffs();
-    Eigen::Map<Eigen::Matrix<T, 3, 1>>{residual} = T(2 * weight) * d.vec();
+    Eigen::Map<Eigen::Matrix<T, 3, 1>>{residual} = T(2) * d.vec();
     return true;
   }
 };
 
 // Rotations cam_from_world along the tree of the strongest pairs, then all pairs together, robustly.
 std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::vector<RelativeRotation> pairs) {
-  std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const auto& a, const auto& b) { return a.pair->matches.size() > b.pair->matches.size(); });
   std::vector<std::optional<Quaterniond>> rotations(images);
   if (pairs.empty()) return rotations;
   rotations[pairs[0].first] = Quaterniond::Identity();
@@ -88,7 +81,7 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
   for (const RelativeRotation& p : pairs) {
     if (!rotations[p.first] || !rotations[p.second]) continue;
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<RotationError, 3, 4, 4>(new RotationError{p.second_from_first, 1.0}),
+        new ceres::AutoDiffCostFunction<RotationError, 3, 4, 4>(new RotationError{p.second_from_first}),
         new ceres::CauchyLoss(0.02), rotations[p.first]->coeffs().data(), rotations[p.second]->coeffs().data());
   }
   problem.SetParameterBlockConstant(rotations[pairs[0].first]->coeffs().data());
@@ -164,28 +157,33 @@ void position(const Camera& camera, const std::vector<ColmapImage>& images, cons
 
 }  // namespace
 
-std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
-                                              const std::vector<ColmapPair>& pairs, const GlobalModelOptions& options) {
-  std::vector<RelativeRotation> relative;
+std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<ColmapImage>& images,
+                                                 const std::vector<ColmapPair>& pairs, int min_matches) {
+  std::vector<RelativeRotation> rotations;
   for (const ColmapPair& pair : pairs) {
-    if (static_cast<int>(pair.matches.size()) < options.min_pair_matches) continue;
+    if (static_cast<int>(pair.matches.size()) < min_matches) continue;
     if (const auto rotation = relative_rotation(camera, images, pair))
-      relative.push_back({pair.first, pair.second, *rotation, static_cast<double>(pair.matches.size()), &pair});
+      rotations.push_back({pair.first, pair.second, *rotation, &pair});
   }
-  const auto rotations = average_rotations(images.size(), relative);
+  return rotations;
+}
+
+std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
+                                              const std::vector<RelativeRotation>& rotations,
+                                              const GlobalModelOptions& options) {
+  const auto averaged = average_rotations(images.size(), rotations);
   const double max_error = options.max_rotation_error_deg * M_PI / 180;
-  std::erase_if(relative, [&](const RelativeRotation& p) {
-    return !rotations[p.first] || !rotations[p.second] ||
-           p.second_from_first.angularDistance(*rotations[p.second] * rotations[p.first]->conjugate()) > max_error;
-  });
   std::vector<ColmapPair> consistent;
-  for (const RelativeRotation& p : relative) consistent.push_back(*p.pair);
+  for (const RelativeRotation& p : rotations)
+    if (averaged[p.first] && averaged[p.second] &&
+        p.second_from_first.angularDistance(*averaged[p.second] * averaged[p.first]->conjugate()) <= max_error)
+      consistent.push_back(*p.pair);
   std::vector<Track> tracks = join_tracks(images, consistent);
   std::erase_if(tracks, [&](const Track& t) { return static_cast<int>(t.size()) < options.min_track_images; });
   ColmapModel model;
   model.fx = camera.fx;
   model.fy = camera.fy;
-  position(camera, images, options, rotations, tracks, &model);
+  position(camera, images, options, averaged, tracks, &model);
   if (model.cam_from_world.size() < 3) return std::nullopt;
   return model;
 }

@@ -22,9 +22,20 @@ struct GlobalModelOptions {
   unsigned seed = 0;
 };
 
+struct RelativeRotation {
+  int first = 0, second = 0;  // images
+  Eigen::Quaterniond second_from_first;
+  const ColmapPair* pair = nullptr;
+};
+
+// Of every pair with enough matches and a rotation that its essential matrix tells.
+std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<ColmapImage>& images,
+                                                 const std::vector<ColmapPair>& pairs, int min_matches);
+
 // Rough poses and points (to be adjusted by adjust_model) of the largest connected part; nothing if fewer than three
 // images hang together. Deterministic.
 std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
-                                              const std::vector<ColmapPair>& pairs, const GlobalModelOptions& options);
+                                              const std::vector<RelativeRotation>& rotations,
+                                              const GlobalModelOptions& options);
 
 }  // namespace rumi

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "slam/geometry/resection.h"
 #include "slam/geometry/triangulation.h"
@@ -62,6 +63,13 @@ void solve(const Camera& camera, const std::vector<ColmapImage>& images, int ite
   for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
 }
 
+void remove_images(const std::set<int>& images, ColmapModel* model) {
+  for (int image : images) model->cam_from_world.erase(image);
+  for (ColmapModel::Point& point : model->points)
+    std::erase_if(point.track, [&](const auto& o) { return images.contains(o.first); });
+  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+}
+
 void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& images,
                      const ModelRefinementOptions& options, ColmapModel* model) {
   for (ColmapModel::Point& point : model->points) {
@@ -78,13 +86,10 @@ void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& image
   for (const ColmapModel::Point& point : model->points)
     for (const auto& [image, keypoint] : point.track) ++seen[image];
   // What sees fewer points than a resection asks for has no pose worth having.
-  std::vector<int> gone;
+  std::set<int> gone;
   for (const auto& [image, pose] : model->cam_from_world)
-    if (seen[image] < options.resection_min_inliers) gone.push_back(image);
-  for (int image : gone) model->cam_from_world.erase(image);
-  for (ColmapModel::Point& point : model->points)
-    std::erase_if(point.track, [&](const auto& o) { return !model->cam_from_world.contains(o.first); });
-  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+    if (seen[image] < options.resection_min_inliers) gone.insert(image);
+  remove_images(gone, model);
 }
 
 ModelQuality quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model) {
@@ -208,6 +213,28 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
     for (const auto& o : track)
       if (model->cam_from_world.contains(o.first)) posed.push_back(o);
     if (auto point = triangulate_track(camera, images, posed, options, *model)) model->points.push_back(*point);
+  }
+}
+
+int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model) {
+  const double min_parallax = 0.5 * options.min_parallax_deg * M_PI / 180;
+  int removed = 0;
+  while (true) {
+    std::map<int, int> placed;  // points of an image that the others place
+    for (const auto& [image, pose] : model->cam_from_world) placed[image] = 0;
+    for (const ColmapModel::Point& point : model->points) {
+      for (const auto& [image, keypoint] : point.track) {
+        ColmapModel::Point others{point.position, {}};
+        for (const auto& o : point.track)
+          if (o.first != image) others.track.push_back(o);
+        placed[image] += others.track.size() >= 2 && max_parallax_rad(*model, others) >= min_parallax;
+      }
+    }
+    const auto loosest = std::min_element(placed.begin(), placed.end(),
+                                          [](const auto& a, const auto& b) { return a.second < b.second; });
+    if (loosest == placed.end() || loosest->second >= options.resection_min_inliers) return removed;
+    remove_images({loosest->first}, model);
+    ++removed;
   }
 }
 

@@ -26,6 +26,7 @@ struct ModelQuality {
 
 // Bundle adjustment with the calibrated camera, observations beyond the error limit and points without parallax
 // removed, and once more. The first registered view keeps its pose. Images that lose all their points are dropped.
+// Removes observations beyond the error limit, points without parallax and images that lose all their points.
 void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
                  ColmapModel* model);
 
@@ -36,6 +37,11 @@ ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& 
 // agree with.
 void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<Track>& tracks,
                         const ModelRefinementOptions& options, ColmapModel* model);
+
+// Removes images whose place is not determined: those with fewer than resection_min_inliers points that the other
+// images alone place (with half the parallax asked of a point). What such an image sees fits wherever it is put along
+// its rays. Returns how many went.
+int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model);
 
 // Images without a pose get one by resection over their verified matches with images that have one; then their matches
 // become observations and new points. Returns how many were added; adjust_model should follow.

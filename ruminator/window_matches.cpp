@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ruminator/window_matches.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <numeric>
 
@@ -30,6 +31,35 @@ std::vector<ColmapPair> match_window(const Camera& camera, const std::vector<Sif
     return std::pair(a.first, a.second) < std::pair(b.first, b.second);
   });
   return pairs;
+}
+
+double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ColmapPair& pair) {
+  const auto direction = [&camera](const Eigen::Vector2f& p) {
+    return Eigen::Vector3d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1).normalized();
+  };
+  std::vector<Eigen::Vector3d> first, second;
+  for (const auto& [i, j] : pair.matches) {
+    first.push_back(direction(images[pair.first].undistorted[i]));
+    second.push_back(direction(images[pair.second].undistorted[j]));
+  }
+  // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
+  // near, have less to say.
+  std::vector<double> weight(first.size(), 1), angle(first.size());
+  for (int round = 0; round < 2; ++round) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (size_t k = 0; k < first.size(); ++k) sum += weight[k] * second[k] * first[k].transpose();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+    const Eigen::Matrix3d rotation =
+        svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    for (size_t k = 0; k < first.size(); ++k) {
+      angle[k] = (rotation * first[k]).cross(second[k]).norm();
+      weight[k] = 1 / (angle[k] + 1e-3);
+    }
+  }
+  const auto middle = angle.begin() + static_cast<long>(angle.size() / 2);
+  std::nth_element(angle.begin(), middle, angle.end());
+  return *middle * 0.5 * (camera.fx + camera.fy);
 }
 
 std::vector<int> connected_images(int images, const std::vector<ColmapPair>& pairs, int min_matches) {

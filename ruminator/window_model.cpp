@@ -20,6 +20,7 @@ class Attempts {
            const std::atomic<bool>& cancel)
       : in_(input), o_(options), folder_(folder), cancel_(cancel), mapper_(options.colmap) {
     tracks_ = join_tracks(in_.images, in_.pairs);
+    rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs, o_.global.min_pair_matches);
     for (const ColmapImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
     const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
     connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
@@ -27,7 +28,7 @@ class Attempts {
 
   // The global model, and what COLMAP makes of it.
   void global() {
-    auto model = build_global_model(in_.camera, in_.images, in_.pairs, o_.global);
+    auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global);
     ++result.attempts;
     if (!model || cancel_) return;
     // Rough as it is, it comes to its senses in steps.
@@ -55,7 +56,6 @@ class Attempts {
     const MapperOutcome outcome = run_mapper("", settings);
     for (const ColmapModel& model : outcome.models) {
       WindowModel candidate = complete(model, fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg));
-      candidate.focal_change = -1;
       judge(&candidate);
       candidates_.push_back(std::move(candidate));
     }
@@ -113,20 +113,15 @@ class Attempts {
     return outcome;
   }
 
-  // What COLMAP adds to our model, and where it takes the focal lengths.
+  // What COLMAP adds to our model.
   void extend(const std::string& seed, WindowModel* ours) {
     MapperSettings settings = common_settings();
-    settings.refine_focal = true;
     settings.min_model_size = 3;
     MapperOutcome outcome = run_mapper(seed, settings);
     if (outcome.models.empty()) return;
     ColmapModel& extended = outcome.models.front();
-    const double change =
-        std::max(std::abs(extended.fx / in_.camera.fx - 1), std::abs(extended.fy / in_.camera.fy - 1));
-    ours->focal_change = change;
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
     WindowModel more = complete(std::move(extended), "global model extended by COLMAP");
-    more.focal_change = change;
     judge(&more);
     candidates_.push_back(std::move(more));
   }
@@ -140,9 +135,12 @@ class Attempts {
     adjust_model(in_.camera, in_.images, rough, &model);
     triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
     adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    remove_loose_images(o_.refinement, &model);
     if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, &model) > 0)
       adjust_model(in_.camera, in_.images, o_.refinement, &model);
     triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
+    adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    remove_loose_images(o_.refinement, &model);
     WindowModel candidate;
     candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
     candidate.model = std::move(model);
@@ -154,18 +152,29 @@ class Attempts {
     std::map<int64_t, SE3> poses;
     for (const auto& [image, pose] : candidate->model.cam_from_world) poses[in_.utimes_us[image]] = pose;
     candidate->agreement = compare_with_front(in_.front, poses, o_.min_front_frames);
+    candidate->pair_rotation_deg = pair_rotation_deg(candidate->model);
     if (poses.size() < 3) {
       candidate->doubt = fmt::format("{} images have a pose", poses.size());
     } else if (candidate->quality.rmse_px > o_.max_rmse_px) {
       candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
-    } else if (candidate->focal_change > o_.max_focal_change) {
-      candidate->doubt = fmt::format("it wants other focal lengths, by {:.0f} %", 100 * candidate->focal_change);
-    } else {
-      for (const FrontAgreement& a : candidate->agreement)
-        if (a.rotation_deg > o_.max_front_rotation_deg)
-          candidate->doubt = fmt::format("its rotations differ from those of submap {} by {:.1f} degrees", a.submap_id,
-                                         a.rotation_deg);
+    } else if (candidate->pair_rotation_deg > o_.max_pair_rotation_deg) {
+      candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                                     candidate->pair_rotation_deg);
     }
+  }
+
+  double pair_rotation_deg(const ColmapModel& model) const {
+    std::vector<double> angles;
+    for (const RelativeRotation& r : rotations_) {
+      const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
+      if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
+      angles.push_back(
+          r.second_from_first.angularDistance(second->second.rotation * first->second.rotation.conjugate()));
+    }
+    if (angles.empty()) return 180;
+    const auto middle = angles.begin() + static_cast<long>(angles.size() / 2);
+    std::nth_element(angles.begin(), middle, angles.end());
+    return *middle * 180 / M_PI;
   }
 
   std::string doubts() const {
@@ -182,6 +191,7 @@ class Attempts {
   const std::atomic<bool>& cancel_;
   ColmapMapper mapper_;
   std::vector<Track> tracks_;
+  std::vector<RelativeRotation> rotations_;
   std::vector<int> keypoint_counts_;
   int connected_ = 0;  // images of the largest group that hangs together
   std::vector<WindowModel> candidates_;

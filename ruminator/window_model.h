@@ -22,7 +22,8 @@ struct WindowModel {
   ColmapModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  double focal_change = 0;  // relative, the larger of fx and fy; negative: not known
+  // Median difference between the relative rotations that the pairs' essential matrices tell and those of the model.
+  double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;
   std::string doubt;  // empty, or why it cannot be believed
 };
