@@ -241,7 +241,7 @@ TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
 }
 
 TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
-  Feed feed({.gap_min_motion_px = 2});
+  Feed feed({.gap_dense_frames = 0, .gap_min_motion_px = 2});
   feed.motion_px = 0.5;
   feed.span(41, kNoSubmap);
   feed.finish();
@@ -467,7 +467,7 @@ TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
 }
 
 TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
-  Feed feed;
+  Feed feed({.gap_dense_frames = 0});
   feed.span(100, 1, 10);
   feed.motion_px = 0;
   feed.span(10, kNoSubmap);  // one sample
