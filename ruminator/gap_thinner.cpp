@@ -13,7 +13,8 @@ constexpr size_t kMinFrames = 2;   // the first and the last
 }  // namespace
 
 void GapThinner::add(const GapFrame& frame) {
-  if (!frames_.empty() && frame.path_px - frames_.back().path_px < options_.gap_min_motion_px) return;
+  const bool is_small = frames_.empty() || static_cast<int>(frames_.size()) < options_.gap_dense_frames;
+  if (!is_small && frame.path_px - frames_.back().path_px < options_.gap_min_motion_px) return;
   frames_.push_back(frame);
   thin_to(static_cast<size_t>(cap_));
 }
@@ -79,7 +80,8 @@ bool GapThinner::is_blurred(size_t index) const {
   const size_t end = std::min(index + kNeighbours + 1, frames_.size());
   for (size_t i = begin; i < end; ++i)
     if (i != index) neighbours.push_back(frames_[i].sharpness);
-  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>(neighbours.size() / 2);
+  // Of an even number the lower: at an edge between two scenes both halves are as they should be.
+  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>((neighbours.size() - 1) / 2);
   std::nth_element(neighbours.begin(), middle, neighbours.end());
   return frames_[index].sharpness < options_.min_sharpness * *middle;
 }

@@ -2,7 +2,9 @@
 // The gap's frames, at most so many: by how far the picture moved and how sharp it is, not by their number alone. At
 // 5 Hz every frame is precious, at 30 Hz most of a slow motion is redundant.
 //
-// - A frame that hardly moved since the last one kept (gap_min_motion_px) is left out at once.
+// - Of a small gap (gap_dense_frames) all are kept: what is left out here stays without a pose. From then on a frame
+// that
+//   hardly moved since the last one kept (gap_min_motion_px) is left out at once.
 // - Beyond the cap one frame goes for each that comes. First those that are blurred beside their neighbours, as long as
 //   these stay near enough to be matched (gap_max_step set points of gap_motion_px); then the one whose neighbours are
 //   nearest to each other. So what remains is even in motion, not in time.

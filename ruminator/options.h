@@ -17,8 +17,9 @@ struct WindowOptions {
   int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
   int departure_max_samples = 40;   // complete the window anyway, for a camera that stands still
   int gap_max_frames = 120;         // samples of the gap; beyond it they are thinned
+  int gap_dense_frames = 60;        // samples of the gap that are kept whatever the motion: a small window costs little
   double gap_motion_px = 12;        // set point of the motion between samples of a thinned gap
-  double gap_min_motion_px = 1.5;   // frames that moved less since the last sample add nothing
+  double gap_min_motion_px = 1.5;   // beyond, frames that moved less since the last sample add nothing
   double gap_max_step = 3;          // set points that dropping a blurred frame may leave between its neighbours
   double min_sharpness = 0.5;       // of the neighbours' median; frames below it are the first to be thinned out
 };
@@ -54,10 +55,12 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             "samples after resuming that complete the window anyway", 1, 10000);
   table.add("ruminator.gap_max_frames", &w.gap_max_frames, "frames", "samples of the gap; beyond it they are thinned",
             2, 100000);
+  table.add("ruminator.gap_dense_frames", &w.gap_dense_frames, "frames", "samples of the gap kept whatever the motion",
+            0, 100000);
   table.add("ruminator.gap_motion_px", &w.gap_motion_px, "px", "motion between samples that thinning aims at", 0.1,
             1000);
   table.add("ruminator.gap_min_motion_px", &w.gap_min_motion_px, "px",
-            "since the last sample of the gap; frames that moved less are left out", 0, 1000);
+            "since the last sample of a gap that is no longer small; frames that moved less are left out", 0, 1000);
   table.add("ruminator.min_sharpness", &w.min_sharpness, "",
             "of the neighbours' median; frames below it are thinned out first", 0, 1);
   table.add("ruminator.ring_mb", &o.ring_mb, "MB", "images kept in memory", 1, 100000);

@@ -124,6 +124,11 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
   return true;
 }
 
+bool WindowSampler::has_enough() const {
+  return departure_.keyframes() >= options_.departure_min_keyframes ||
+         (resumed_in_known_ && static_cast<int>(departure_.samples().size()) >= options_.window_length);
+}
+
 bool WindowSampler::is_complete() const {
   const int samples = static_cast<int>(departure_.samples().size());
   const int keyframes = departure_.keyframes();
@@ -135,10 +140,8 @@ bool WindowSampler::is_complete() const {
 std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
   if (open_ && !open_->is_lost()) {
-    if (departure_.keyframes() >= options_.departure_min_keyframes)
+    if (has_enough())
       ended = close("");
-    else if (resumed_in_known_)
-      ended = close("tracking was lost again");
     else
       extend_window();
   }

@@ -18,8 +18,9 @@
 //   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart
 //   are one window. Lost with more, but before shared_keyframes, the window is complete, and the loss opens another:
 //   waiting for more keyframes costs no submap its life.
-// - A submap that had been left and is tracked again (relocalization) cannot die young: lost again, the window ends as
-//   it is. If it is the one before the loss, nothing needs to be connected: window_length samples are enough.
+// - A submap that had been left and is tracked again (relocalization) may need no new keyframes: it is lost too soon
+//   with fewer than window_length samples. If it is the one before the loss, nothing needs to be connected, and so many
+//   samples complete the window.
 // - A camera that stands still makes no keyframes: departure_max_samples complete the window.
 // - What is open when the input ends, or front_tracker starts again, ends as it is, with a reason.
 #pragma once
@@ -91,7 +92,8 @@ class WindowSampler {
   void begin_window(const FrameEvent& frame);
   void resume(const FrameEvent& frame);
   void add_to_departure(const GapFrame& frame, bool has_image);
-  void extend_window();  // the new submap died young
+  void extend_window();     // lost again too soon
+  bool has_enough() const;  // not to have died young
   bool is_complete() const;
   std::optional<RuminationWindow> close(const std::string& reason);
   void forget_window();

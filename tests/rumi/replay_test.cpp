@@ -70,6 +70,28 @@ TEST_F(ReplayTest, TracksARenderedRoomTheSameToTheBitEveryTime) {
   EXPECT_TRUE(fs::exists(first / "evaluation.png"));
 }
 
+TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
+  const fs::path first = work_->path / "recorded", second = work_->path / "from_log", log = work_->path / "bus.lcm";
+  const std::string flag = "--log '" + log.string() + "'";
+  ASSERT_EQ(replay(sequence_, first, "--duration 3 " + flag).exit_code, 0);
+  const std::string bytes = read_file(log);
+  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS"}) EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
+  EXPECT_EQ(bytes.find("RUMI_MAP_CHUNK"), std::string::npos);
+  EXPECT_EQ(bytes.find("RUMI_SUBMAP"), std::string::npos);
+  ASSERT_EQ(replay(log, second).exit_code, 0);
+  EXPECT_EQ(read_file(first / "trajectory.txt"), read_file(second / "trajectory.txt"));
+
+  const Outcome itself = replay(log, second, flag);
+  EXPECT_EQ(itself.exit_code, 1);
+  EXPECT_THAT(itself.output, HasSubstr("input itself"));
+  EXPECT_TRUE(read_file(log) == bytes) << "it must survive that";
+  EXPECT_EQ(replay(sequence_, second, "--log /proc/bus.lcm").exit_code, 1);
+  const Outcome no_loss =
+      shell("$RUMI/rumi draw-window '" + log.string() + "' -o '" + (second / "w.png").string() + "'");
+  EXPECT_EQ(no_loss.exit_code, 1);
+  EXPECT_THAT(no_loss.output, HasSubstr("no window"));
+}
+
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
   const fs::path out = work_->path / "map", model = work_->path / "model";
   ASSERT_EQ(replay(sequence_, out, "--duration 4").exit_code, 0);

@@ -34,8 +34,11 @@ TEST(GapThinner, KeepsEveryFrameBelowTheCap) {
   EXPECT_EQ(thinner.frames().size(), 50);
 }
 
-TEST(GapThinner, LeavesOutFramesThatHardlyMoved) {
-  GapThinner thinner({.gap_min_motion_px = 1.5});
+TEST(GapThinner, LeavesOutFramesThatHardlyMovedOnceThereAreMany) {
+  GapThinner many({.gap_dense_frames = 5});
+  for (int i = 0; i < 20; ++i) many.add(frame(i, 3));
+  EXPECT_THAT(utimes(many), ElementsAre(0, 1, 2, 3, 4));
+  GapThinner thinner({.gap_dense_frames = 0, .gap_min_motion_px = 1.5});
   for (const double path_px : {0.0, 0.0, 1.0, 1.5, 2.0, 2.9, 3.1, 30.0, 30.0}) thinner.add(frame(1, path_px));
   EXPECT_THAT(steps(thinner), ElementsAre(1.5, 1.6, 26.9));
 }

@@ -219,6 +219,7 @@ TEST_F(RuminatorNodeTest, BytesAreBounded) {
 }
 
 TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
+  options_.window.gap_dense_frames = 0;
   start();
   frames(50, 1);
   const cv::Mat still = [] {

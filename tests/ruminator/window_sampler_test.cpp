@@ -165,21 +165,42 @@ TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
   for (const Sample& s : w.gap) EXPECT_EQ(s.submap_id, s.utime_us < 56 || s.utime_us > 67 ? kNoSubmap : 2);
 }
 
-TEST(WindowSampler, LosingAKnownSubmapAgainMakesTwoWindows) {
+TEST(WindowSampler, LosingAKnownSubmapAgainSoonIsOneWindow) {
+  Feed feed;
+  feed.span(50, 1, 10);
+  feed.span(5, kNoSubmap);  // 51..55
+  feed.span(20, 1, 0);      // relocalized: 56..75, no new keyframes, four samples
+  feed.span(5, kNoSubmap);  // 76..80
+  feed.span(100, 2, 5);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_EQ(w.lost_utime_us, 51);
+  EXPECT_EQ(w.resumed_utime_us, 81);
+  EXPECT_EQ(w.submap_before, 1);
+  EXPECT_EQ(w.submap_after, 2);
+  EXPECT_EQ(keyframes(w.approach).size(), 5) << "those from before the first loss";
+  EXPECT_EQ(w.gap_frames, 30);
+  EXPECT_EQ(w.gap[10].submap_id, 1) << "tracked in between: it ties the gap to the submap too";
+}
+
+TEST(WindowSampler, LosingAKnownSubmapLaterMakesTwoWindows) {
   Feed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
-  feed.span(20, 1, 0);      // relocalized: 56..75, no new keyframes
-  feed.span(5, kNoSubmap);  // 76..80
-  feed.span(100, 1, 0);
+  feed.span(60, 2, 4);
+  feed.span(5, kNoSubmap);
+  feed.span(60, 1, 0);  // relocalized: 121..180, not enough keyframes to be complete, but samples
+  EXPECT_EQ(feed.windows.size(), 1);
+  feed.span(5, kNoSubmap);
   ASSERT_EQ(feed.windows.size(), 2);
-  EXPECT_EQ(feed.windows[0].submap_after, 1);
-  EXPECT_EQ(feed.windows[0].reason, "tracking was lost again");
-  EXPECT_THAT(utimes(feed.windows[0].departure), ElementsAre(56, 61, 66, 71));
-  EXPECT_EQ(feed.windows[1].id, 2);
-  EXPECT_THAT(utimes(feed.windows[1].approach), ElementsAre(56, 61, 66, 71, 75));
-  EXPECT_EQ(feed.windows[1].lost_utime_us, 76);
-  EXPECT_EQ(feed.windows[1].departure.size(), 10);  // window_length samples are enough
+  EXPECT_EQ(feed.windows[1].reason, "");
+  EXPECT_EQ(feed.windows[1].submap_after, 1);
+  EXPECT_EQ(feed.windows[1].departure.size(), 12);
+  EXPECT_EQ(feed.sampler.open()->id, 3);
+  EXPECT_EQ(feed.sampler.open()->submap_before, 1);
+  feed.span(100, 1, 0);
+  ASSERT_EQ(feed.windows.size(), 3);
+  EXPECT_EQ(feed.windows[2].departure.size(), 10) << "window_length samples are enough, it is the same submap";
 }
 
 TEST(WindowSampler, ACameraThatStandsStillCompletesTheWindowToo) {
@@ -241,7 +262,7 @@ TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
 }
 
 TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
-  Feed feed({.gap_min_motion_px = 2});
+  Feed feed({.gap_dense_frames = 0, .gap_min_motion_px = 2});
   feed.motion_px = 0.5;
   feed.span(41, kNoSubmap);
   feed.finish();
@@ -467,7 +488,7 @@ TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
 }
 
 TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
-  Feed feed;
+  Feed feed({.gap_dense_frames = 0});
   feed.span(100, 1, 10);
   feed.motion_px = 0;
   feed.span(10, kNoSubmap);  // one sample
