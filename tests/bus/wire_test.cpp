@@ -41,7 +41,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(submap_update_t, 0x24158f37c74575b1u);
   PIN(window_t, 0x4056712316a0c018u);
   PIN(window_sample_t, 0x2023c02d415c880fu);
-  PIN(window_job_t, 0x46fdb74edaa19f55u);
+  PIN(window_job_t, 0x12d7b730ba16808au);
   PIN(submap_summary_t, 0xc1ffbb2e88ca8756u);
   PIN(map_status_t, 0x9cf677aff4572924u);
   PIN(map_request_t, 0xdb0064066755b684u);
