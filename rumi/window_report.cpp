@@ -143,7 +143,7 @@ std::string window_table_line(const WindowRow& row, bool with_truth) {
     line += fmt::format(" {:>9} {:>8}", row.ate_m ? fmt::format("{:.4f} m", *row.ate_m) : "-",
                         percent ? fmt::format("{:.2f} %", *percent) : "-");
   }
-  return row.ok ? line : line + "  failed: " + r.failure;
+  return row.ok ? line : fmt::format("{}\n    failed: {}", line, r.failure);
 }
 
 }  // namespace rumi

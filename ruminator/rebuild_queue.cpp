@@ -294,6 +294,8 @@ void RebuildQueue::take_report(int64_t now_us) {
 
 void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us) {
   const BuildResult& r = report.result;
+  std::error_code ignored;
+  if (entry->job) std::filesystem::remove_all(temporary_work_folder(entry->name), ignored);
   if (r.cancelled && !r.submap) {
     if (!entry->job) spool_->forget_try(entry->name);
     return give_up(entry, "called off");
@@ -407,7 +409,8 @@ void RebuildQueue::on_delivered(JobName name, const TransferResult& result) {
   if (entry->claim)
     if (const std::string error = spool_->complete(name); !error.empty()) spdlog::error("{}", error);
   const int64_t since_us = frame_utime_us_ - entry->window.resumed_utime_us;
-  const bool has_resumed = entry->window.resumed_utime_us > 0 && since_us >= 0;
+  // Where there is no thread, time stands still while a window is rebuilt.
+  const bool has_resumed = entry->window.resumed_utime_us > 0 && since_us >= 0 && options_.build_thread;
   spdlog::info(
       "window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
       has_resumed ? fmt::format(", {:.1f} s after tracking resumed", 1e-6 * static_cast<double>(since_us)) : "");
