@@ -102,6 +102,8 @@ ordered_json to_json(const WindowRow& row) {
       {"landmarks", row.landmarks},
       {"error_px", r.error_px},
       {"mapper_runs", r.models_tried},
+      {"origin", r.origin},
+      {"warning", r.warning},
       {"ate_m", or_null(row.ate_m)},
       {"path_m", or_null(row.path_m)},
       {"ate_percent", or_null(ate_percent(row))},

@@ -312,9 +312,10 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
   spdlog::info(
       "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s CPU, "
       "{} "
-      "mapper runs){}",
+      "mapper runs){}{}{}",
       w.id, r.approach, w.approach.size(), r.gap, w.gap.size(), r.departure, w.departure.size(), r.error_px,
-      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.models_tried, broken);
+      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.models_tried, r.origin.empty() ? "" : ", ", r.origin, broken);
+  if (!r.warning.empty()) spdlog::warn("window {}: {}", w.id, r.warning);
   ++built_;
   store(entry, report.submap);
 }
@@ -359,7 +360,10 @@ void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
   const bool is_kept = !entry->job;
   spdlog::info("window {}: not rebuilt, {}{}", entry->window.id, reason,
                is_kept ? "; it stays in the spool for the next start" : "");
-  announce(*entry, window_t::FAILED, reason + (is_kept ? "; will be tried again at the next start" : ""));
+  if (is_kept)
+    announce(*entry, window_t::QUEUED, reason + "; will be tried again at the next start");
+  else
+    announce(*entry, window_t::FAILED, reason);
   if (!is_kept) {
     ++failed_;
     entries_.erase(entry);
