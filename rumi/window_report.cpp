@@ -102,6 +102,8 @@ ordered_json to_json(const WindowRow& row) {
       {"landmarks", row.landmarks},
       {"error_px", r.error_px},
       {"mapper_runs", r.models_tried},
+      {"origin", r.origin},
+      {"warning", r.warning},
       {"ate_m", or_null(row.ate_m)},
       {"path_m", or_null(row.path_m)},
       {"ate_percent", or_null(ate_percent(row))},
@@ -143,7 +145,7 @@ std::string window_table_line(const WindowRow& row, bool with_truth) {
     line += fmt::format(" {:>9} {:>8}", row.ate_m ? fmt::format("{:.4f} m", *row.ate_m) : "-",
                         percent ? fmt::format("{:.2f} %", *percent) : "-");
   }
-  return row.ok ? line : line + "  failed: " + r.failure;
+  return row.ok ? line : fmt::format("{}\n    failed: {}", line, r.failure);
 }
 
 }  // namespace rumi

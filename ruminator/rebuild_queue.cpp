@@ -294,6 +294,8 @@ void RebuildQueue::take_report(int64_t now_us) {
 
 void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us) {
   const BuildResult& r = report.result;
+  std::error_code ignored;
+  if (entry->job) std::filesystem::remove_all(temporary_work_folder(entry->name), ignored);
   if (r.cancelled && !r.submap) {
     if (!entry->job) spool_->forget_try(entry->name);
     return give_up(entry, "called off");
@@ -310,9 +312,10 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
   spdlog::info(
       "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s CPU, "
       "{} "
-      "mapper runs){}",
+      "mapper runs){}{}{}",
       w.id, r.approach, w.approach.size(), r.gap, w.gap.size(), r.departure, w.departure.size(), r.error_px,
-      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.models_tried, broken);
+      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.models_tried, r.origin.empty() ? "" : ", ", r.origin, broken);
+  if (!r.warning.empty()) spdlog::warn("window {}: {}", w.id, r.warning);
   ++built_;
   store(entry, report.submap);
 }
@@ -357,7 +360,10 @@ void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
   const bool is_kept = !entry->job;
   spdlog::info("window {}: not rebuilt, {}{}", entry->window.id, reason,
                is_kept ? "; it stays in the spool for the next start" : "");
-  announce(*entry, window_t::FAILED, reason + (is_kept ? "; will be tried again at the next start" : ""));
+  if (is_kept)
+    announce(*entry, window_t::QUEUED, reason + "; will be tried again at the next start");
+  else
+    announce(*entry, window_t::FAILED, reason);
   if (!is_kept) {
     ++failed_;
     entries_.erase(entry);
@@ -407,7 +413,8 @@ void RebuildQueue::on_delivered(JobName name, const TransferResult& result) {
   if (entry->claim)
     if (const std::string error = spool_->complete(name); !error.empty()) spdlog::error("{}", error);
   const int64_t since_us = frame_utime_us_ - entry->window.resumed_utime_us;
-  const bool has_resumed = entry->window.resumed_utime_us > 0 && since_us >= 0;
+  // Where there is no thread, time stands still while a window is rebuilt.
+  const bool has_resumed = entry->window.resumed_utime_us > 0 && since_us >= 0 && options_.build_thread;
   spdlog::info(
       "window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
       has_resumed ? fmt::format(", {:.1f} s after tracking resumed", 1e-6 * static_cast<double>(since_us)) : "");

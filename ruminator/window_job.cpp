@@ -198,7 +198,9 @@ std::string write_window_job(const std::string& file, const WindowJob& job) {
   for (const image_t& image : job.images) ok = ok && log.write(image.utime, channels::kCamera, encode_message(image));
   if (!log.close() || !ok) {
     std::remove(temporary.c_str());
-    return log.error();
+    // The name that people know.
+    std::string error = log.error();
+    return error.starts_with(temporary) ? file + error.substr(temporary.size()) : error;
   }
   return commit_file(temporary, file);
 }

@@ -23,7 +23,7 @@ class LiveTest : public testing::Test {
     fs::create_directories(out.string() + "-view");
     return "$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence_.string() + "' --snapshot '" + out.string() +
            "' --set map_server.database='" + out.string() + "-live.db' --set viewer_offscreen.output='" + out.string() +
-           "-view' " + flags;
+           "-view' --set ruminator.spool='" + out.string() + "-spool' " + flags;
   }
   static void expect_tracked(const fs::path& out) {
     const auto figures = evaluate(out, sequence_ / "groundtruth.txt");

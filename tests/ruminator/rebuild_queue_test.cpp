@@ -132,6 +132,24 @@ TEST_F(RebuildQueueTest, AWindowLivesFromQueuedToPublished) {
   EXPECT_THAT(left(), IsEmpty());
 }
 
+TEST_F(RebuildQueueTest, WithoutASpoolNothingRemainsOfAFailure) {
+  options_.spool.clear();
+  std::string used;
+  World world(options_, [&](const WindowJob&, const std::string& work, const auto&, const auto&) {
+    used = work;
+    fs::create_directories(work);
+    testing::write_file(work + "/colmap.log", "said COLMAP");
+    BuildResult result;
+    result.failure = "no model";
+    return result;
+  });
+  world.queue->add(small_job(1));
+  world.run_for(1);
+  EXPECT_TRUE(world.announced(1, window_t::FAILED));
+  EXPECT_FALSE(used.empty());
+  EXPECT_FALSE(fs::exists(used));
+}
+
 TEST_F(RebuildQueueTest, InAThreadOfItsOwnAtLowPriority) {
   options_.build_thread = true;
   options_.build.nice = 7;

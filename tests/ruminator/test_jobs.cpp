@@ -37,6 +37,7 @@ WindowJob small_job(int32_t id, int64_t session) {
   w.session = session;
   w.submap_before = 1;
   w.submap_after = 3;
+  w.gap_frames = 9;
   w.reason = "a reason";
   int64_t utime = 1'000'000'000 + id * 100 * kPeriodUs;
   const auto fill = [&](std::vector<Sample>* part, int count, int32_t submap) {

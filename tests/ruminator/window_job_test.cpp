@@ -61,8 +61,10 @@ TEST_F(WindowJobTest, ComesBackAsItWas) {
   ASSERT_TRUE(read.ok()) << read.error;
   EXPECT_EQ(read.broken_images, 0);
   const RuminationWindow &a = job.window, &b = read.job.window;
-  EXPECT_EQ(std::tie(a.id, a.session, a.submap_before, a.submap_after, a.lost_utime_us, a.resumed_utime_us, a.reason),
-            std::tie(b.id, b.session, b.submap_before, b.submap_after, b.lost_utime_us, b.resumed_utime_us, b.reason));
+  EXPECT_EQ(std::tie(a.id, a.session, a.submap_before, a.submap_after, a.lost_utime_us, a.resumed_utime_us,
+                     a.gap_frames, a.reason),
+            std::tie(b.id, b.session, b.submap_before, b.submap_after, b.lost_utime_us, b.resumed_utime_us,
+                     b.gap_frames, b.reason));
   const auto expect_same = [](const std::vector<Sample>& x, const std::vector<Sample>& y) {
     ASSERT_EQ(x.size(), y.size());
     for (size_t i = 0; i < x.size(); ++i) {
@@ -164,6 +166,7 @@ TEST_F(WindowJobTest, WrongNumbersAreNamed) {
               HasSubstr("samples[10].cam_from_submap"));
   EXPECT_EQ(manifest_error([&](auto& m) { m.samples[5].cam_from_submap.trans[1] = nan; }), "") << "tracked in none";
   EXPECT_THAT(manifest_error([](auto& m) { m.window.window_id = 0; }), HasSubstr("window_id 0"));
+  EXPECT_THAT(manifest_error([](auto& m) { m.window.gap_frames = -2; }), HasSubstr("gap_frames -2"));
   EXPECT_THAT(manifest_error([](auto& m) { m.window.session = -4; }), HasSubstr("session -4"));
   EXPECT_THAT(manifest_error([](auto& m) { m.window.lost_utime = -1; }), HasSubstr("lost_utime -1"));
   EXPECT_THAT(manifest_error([](auto& m) { m.window.resumed_utime = INT64_MAX; }), HasSubstr("resumed_utime 9223"));
