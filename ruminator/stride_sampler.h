@@ -18,7 +18,8 @@ class StrideSampler {
       : stride_(stride), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
 
   // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
-  // stride before it, if that is no keyframe and not needed as a bridge. A frame without image is counted only.
+  // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
+  // nearest to the gap. A frame without image is counted only.
   void add(const Sample& frame, bool has_image) {
     ++since_last_;
     if (!has_image) return;
@@ -61,8 +62,8 @@ class StrideSampler {
     return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > max_turn_rad_;
   }
   bool can_replace_last(const Sample& frame) const {
-    if (samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
-    return samples_.size() < 2 || !has_turned(samples_[samples_.size() - 2], frame);
+    if (samples_.size() < 2 || samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
+    return !has_turned(samples_[samples_.size() - 2], frame);
   }
 
   int stride_;

@@ -54,6 +54,13 @@ TEST(StrideSampler, AKeyframeDoesNotReplaceABridge) {
   EXPECT_THAT(utimes(sampler), ElementsAre(1, 2, 3));
 }
 
+TEST(StrideSampler, AKeyframeDoesNotReplaceTheFirst) {
+  StrideSampler sampler(5, 10);
+  sampler.add(frame(1), true);
+  sampler.add(frame(2, true), true);
+  EXPECT_THAT(utimes(sampler), ElementsAre(1, 2));
+}
+
 TEST(StrideSampler, StrideOneTakesAllAndFramesWithoutImageNever) {
   StrideSampler sampler(1, 10);
   for (int i = 1; i <= 4; ++i) sampler.add(frame(i, i == 2), i != 3);
