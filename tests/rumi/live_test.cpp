@@ -65,6 +65,26 @@ TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
   EXPECT_GE(figures["tracked_frames"], 216) << "poses travel with the submaps, which are sent until they are stored";
 }
 
+TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
+  const WorkFolder work;
+  const fs::path sequence = render(work, "--seconds 6 --hard rotation --at 3 --for 1.5");
+  const fs::path out = work.path / "out", log = work.path / "log", spool = work.path / "spool";
+  const Outcome outcome =
+      shell("$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence.string() + "' --snapshot '" + out.string() +
+            "' --set up.viewer=false --set map_server.database='" + (work.path / "live.db").string() +
+            "' --set ruminator.spool='" + spool.string() + "' > '" + log.string() +
+            "' 2>&1 & up=$!; while kill -0 $up 2>/dev/null && [ ! -e '" + spool.string() +
+            "'/*-1.work ]; do sleep 0.1; done; pkill -9 -P $up -x ruminator; wait $up");
+  const std::string text = read_file(log);
+  ASSERT_EQ(outcome.exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("ruminator was ended by signal 9"));
+  EXPECT_THAT(text, HasSubstr("left in the spool"));
+  EXPECT_THAT(text, HasSubstr("window 1: published"));
+  EXPECT_TRUE(fs::exists(out / "submaps/b001.txt"));
+  for (const auto& entry : fs::directory_iterator(spool))
+    EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();
+}
+
 TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
   const fs::path out = work_->path / "interrupted";
   const Outcome outcome = shell(up(out, "--loop") +

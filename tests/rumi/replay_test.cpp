@@ -103,6 +103,36 @@ TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
   EXPECT_THAT(no_loss.output, HasSubstr("no window"));
 }
 
+// The back submap of a loss, by replay and once more from the window's file.
+TEST_F(ReplayTest, ALossIsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
+  const WorkFolder work;
+  const fs::path sequence = render(work, "--seconds 6 --hard rotation --at 3 --for 1.5");
+  const fs::path out = work.path / "out", again = work.path / "again";
+  const Outcome outcome = replay(sequence, out);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto run = read_json_file(out / "run.json");
+  ASSERT_EQ(run["windows"]["complete"], 1);
+  EXPECT_EQ(run["windows"]["rebuilt"], 1);
+  ASSERT_TRUE(fs::exists(out / "submaps/b001.txt"));
+
+  const Outcome rebuilt =
+      shell("$RUMI/rumi ruminate '" + (out / "windows").string() + "' -q --json -o '" + again.string() + "' --truth '" +
+            (sequence / "groundtruth.txt").string() + "' 2>/dev/null");
+  ASSERT_EQ(rebuilt.exit_code, 0) << rebuilt.output;
+  const auto row = nlohmann::json::parse(rebuilt.output, nullptr, /*allow_exceptions=*/false);
+  ASSERT_TRUE(row.is_object()) << rebuilt.output;
+  EXPECT_GE(row["registered_gap"].get<double>(), 0.9 * row["gap"].get<double>());
+  EXPECT_GE(row["shared_before"], 8);
+  EXPECT_LE(row["ate_percent"], 5.0);
+  const std::string name = row["window"];
+  EXPECT_EQ(read_file(again / (name + ".txt")), read_file(out / "submaps/b001.txt"));
+  EXPECT_TRUE(fs::exists(again / (name + ".submap")));
+
+  const Outcome absent = shell("$RUMI/rumi ruminate -q '" + (out / "windows/absent.window").string() + "'");
+  EXPECT_EQ(absent.exit_code, 1);
+  EXPECT_THAT(absent.output, HasSubstr("absent.window: cannot be opened"));
+}
+
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
   const fs::path out = work_->path / "map", model = work_->path / "model";
   ASSERT_EQ(replay(sequence_, out, "--duration 4").exit_code, 0);
