@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "ruminator/colmap_model_writer.h"
+#include "ruminator/scale_check.h"
 
 namespace rumi {
 namespace {
