@@ -94,8 +94,8 @@ void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& image
                      const ModelRefinementOptions& options, ColmapModel* model) {
   for (ColmapModel::Point& point : model->points) {
     std::erase_if(point.track, [&](const auto& o) {
-      return error_px(camera, model->cam_from_world.at(o.first), point.position, images[o.first].keypoints[o.second]) >
-             options.max_error_px;
+      return !(error_px(camera, model->cam_from_world.at(o.first), point.position,
+                        images[o.first].keypoints[o.second]) <= options.max_error_px);
     });
   }
   std::erase_if(model->points, [&](const ColmapModel::Point& point) {

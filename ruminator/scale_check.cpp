@@ -49,7 +49,9 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
         if (model.cam_from_world.contains(o.first)) (o.first <= pose->first ? before : after).push_back(o);
       const auto seen_before = see(before);
       const auto seen_after = seen_before ? see(after) : std::nullopt;
-      if (seen_after) logs.push_back(std::log((*seen_after - center).norm() / (*seen_before - center).norm()));
+      if (!seen_after) continue;
+      const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
+      if (std::isfinite(log)) logs.push_back(log);
     }
     cuts.push_back({.image = pose->first});
     summarize(&logs, &cuts.back());
@@ -60,7 +62,8 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options) {
   std::optional<ScaleCut> worst;
   for (const ScaleCut& cut : cuts) {
-    const bool is_certain = cut.points >= options.min_points && std::abs(cut.log_ratio) > 3 * cut.log_error;
+    const bool is_certain = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
+                            std::abs(cut.log_ratio) > 3 * cut.log_error;
     if (!is_certain || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
     if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
   }

@@ -20,6 +20,7 @@ struct ScaleCheckOptions {
   double max_error_px = 3.0;      // of its observations
   int min_points = 5;             // that tell of a slip
   double max_change = 0.25;       // of the scale, relative, that is no slip
+  double max_log_error = 0.2;     // of what they tell
   int repairs = 3;                // of one model, at most
 };
 
