@@ -2,6 +2,7 @@
 #include "bus/process.h"
 
 #include <fmt/format.h>
+#include <glog/logging.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -146,6 +147,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
   spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
   spdlog::set_pattern("%H:%M:%S.%e %n %^%l%$ %v");
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres tells of every step that it takes back
   spdlog::set_level(quiet ? spdlog::level::warn : verbose ? spdlog::level::debug : spdlog::level::info);
 }
 

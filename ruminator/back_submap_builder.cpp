@@ -7,11 +7,11 @@
 #include <chrono>
 #include <ctime>
 #include <filesystem>
-#include <set>
 
 #include "bus/image_codec.h"
 #include "ruminator/back_landmarks.h"
 #include "ruminator/window_model.h"
+#include "ruminator/window_prospects.h"
 
 namespace rumi {
 namespace {
@@ -67,41 +67,6 @@ WindowImages extract(const WindowJob& job, const BuildOptions& options, const Pr
   return images;
 }
 
-std::set<int64_t> utimes(const std::vector<Sample>& samples) {
-  std::set<int64_t> set;
-  for (const Sample& sample : samples) set.insert(sample.utime_us);
-  return set;
-}
-
-// Nothing to be had? Without matches between frames of the gap and frames around it no attempt can place them, and
-// it is said before any is made.
-std::string hopeless(const WindowJob& job, const WindowImages& images, const std::vector<ColmapPair>& pairs,
-                     const BuildOptions& options) {
-  const int count = static_cast<int>(images.colmap.size());
-  const std::vector<int> group = connected_images(count, pairs, options.matching.min_inliers);
-  const auto largest = std::count(group.begin(), group.end(), 0);
-  if (largest < 3) return fmt::format("of {} images no three have enough in common", count);
-  const bool has_moved = std::any_of(pairs.begin(), pairs.end(), [&](const ColmapPair& pair) {
-    return parallax_px(job.camera, images.features, pair) >= options.min_parallax_px;
-  });
-  if (!has_moved) return fmt::format("the camera turned or stood still: no parallax between {} images", count);
-  const std::set<int64_t> gap = utimes(job.window.gap);
-  int in_gap = 0, connected = 0;
-  for (int i = 0; i < count; ++i) {
-    if (!gap.contains(images.utimes_us[i])) continue;
-    ++in_gap;
-    for (int j = 0; j < count; ++j)
-      if (group[j] == group[i] && !gap.contains(images.utimes_us[j])) {
-        ++connected;
-        break;
-      }
-  }
-  const bool has_tracked = in_gap < count;
-  if (in_gap > 0 && has_tracked && connected == 0)
-    return fmt::format("none of the {} images of the gap has enough in common with the images around it", in_gap);
-  return "";
-}
-
 std::vector<Sample> front_samples(const RuminationWindow& window) {
   std::vector<Sample> samples;
   for (const auto* part : {&window.approach, &window.gap, &window.departure})
@@ -130,11 +95,13 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
     result->retryable = true;
     return;
   }
+  result->failure = find_blind_gap(job, options);
+  if (!result->failure.empty()) return;
   const WindowImages images = extract(job, options, progress, cancel);
   const std::vector<ColmapPair> pairs = match_window(
       job.camera, images.features, options.matching, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
-  if (!cancel) result->failure = hopeless(job, images, pairs, options);
+  if (!cancel) result->failure = find_hopeless(job, images.utimes_us, images.features, pairs, options);
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -164,10 +131,10 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   result->pair_rotation_deg = model.best.pair_rotation_deg;
   result->agreement = model.best.agreement;
   count_registered(job.window, submap, result);
-  if (result->gap == 0 && !job.window.gap.empty())
-    result->failure = fmt::format("no image of the gap is among the {} that have a pose", submap.frames.size());
-  else
+  if (is_useful(result->approach, result->gap, result->departure))
     result->submap = std::move(submap);
+  else
+    result->failure = fmt::format("the {} images that have a pose bridge no gap", submap.frames.size());
 }
 
 }  // namespace

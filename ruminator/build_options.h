@@ -23,10 +23,12 @@ struct BuildOptions {
   GlobalModelOptions global;
   ModelRefinementOptions refinement;
   BackLandmarkOptions landmarks;
+  int look_images = 6;                // of a long gap, looked at first
+  int look_min_keypoints = 50;        // in one of them, or the gap is blind
   double min_parallax_px = 2;         // of some pair of images, or the camera has only turned
   double max_rmse_px = 1.5;           // of the reprojection
   double max_pair_rotation_deg = 3;   // median difference to the relative rotations of the pairs
-  double max_front_rotation_deg = 5;  // median difference to front_tracker's poses of the approach or departure
+  double max_front_rotation_deg = 5;  // median difference to a front submap that is warned of
   int min_front_frames = 5;           // that such a comparison needs
   double complete_ratio = 0.95;       // of the images that hang together: a model with so many needs no rival
 };
@@ -41,6 +43,7 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             1);
   table.add("ruminator.match_near", &o.pairs.near, "images",
             "apart: matched in full; farther pairs if a preview finds something", 1, 100000);
+  table.add("ruminator.match_far", &o.pairs.far, "images", "of the farther pairs, the best of each image", 0, 100000);
   table.add("ruminator.match_preview_keypoints", &o.matching.preview_keypoints, "", "the largest ones, in a preview",
             10, 20000);
   table.add("ruminator.match_preview_matches", &o.matching.preview_matches, "", "found by a preview that is followed",
@@ -55,6 +58,10 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "points seen by an image, for it to have a pose", 6, 1000);
   table.add("ruminator.landmark_neighbours", &o.landmarks.neighbours, "images",
             "that each is matched with for the landmarks of the submap", 1, 1000);
+  table.add("ruminator.look_images", &o.look_images, "images", "of a long gap, looked at before anything else", 0,
+            1000);
+  table.add("ruminator.look_min_keypoints", &o.look_min_keypoints, "",
+            "in one of them, or the window is given up at once", 0, 20000);
   table.add("ruminator.min_parallax_px", &o.min_parallax_px, "px",
             "median motion beyond a turn of the camera, of some pair of images; else there is nothing to rebuild", 0,
             100);
@@ -63,7 +70,7 @@ inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.max_pair_rotation_deg", &o.max_pair_rotation_deg, "degrees",
             "median difference to the rotations between pairs of images: beyond it the model is false", 0.1, 180);
   table.add("ruminator.max_front_rotation_deg", &o.max_front_rotation_deg, "degrees",
-            "median difference to front_tracker's rotations: beyond it the model is false", 0.1, 180);
+            "median difference to a front submap's rotations: beyond it that submap is warned of", 0.1, 180);
   table.add("ruminator.min_front_frames", &o.min_front_frames, "frames", "that such a comparison needs", 3, 1000);
   table.add("ruminator.complete_ratio", &o.complete_ratio, "",
             "of the images with matches: a model with as many poses needs no rival", 0, 1);

@@ -32,8 +32,14 @@ std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::ve
   cv::Mat rotation, translation;
   try {
     const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
-    const double threshold = 1.5 / (0.5 * (camera.fx + camera.fy));
-    const cv::Mat essential = cv::findEssentialMat(a, b, k, cv::USAC_ACCURATE, 0.9999, threshold);
+    // The matches are verified: few samples will do, and the best is refined over all.
+    cv::UsacParams usac;
+    usac.confidence = 0.999;
+    usac.maxIterations = 200;
+    usac.loMethod = cv::LOCAL_OPTIM_GC;
+    usac.score = cv::SCORE_METHOD_MSAC;
+    usac.threshold = 1.5 / (0.5 * (camera.fx + camera.fy));
+    const cv::Mat essential = cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), cv::noArray(), usac);
     if (essential.rows != 3 || cv::recoverPose(essential, a, b, k, rotation, translation) < 10) return std::nullopt;
   } catch (const cv::Exception&) {
     return std::nullopt;
@@ -87,11 +93,28 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
   problem.SetParameterBlockConstant(rotations[pairs[0].first]->coeffs().data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return rotations;
+}
+
+// The longest tracks, as many as give every image enough of them: the rest would cost time and add little.
+std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, const GlobalModelOptions& options) {
+  std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
+  std::vector<int> count(images, 0);
+  std::vector<Track> selected;
+  for (Track& track : tracks) {
+    if (static_cast<int>(track.size()) < options.min_track_images) break;
+    const bool is_wanted = std::any_of(track.begin(), track.end(),
+                                       [&](const auto& o) { return count[o.first] < options.tracks_per_image; });
+    if (!is_wanted) continue;
+    for (const auto& [image, keypoint] : track) ++count[image];
+    selected.push_back(std::move(track));
+  }
+  return selected;
 }
 
 // The ray's direction, seen from the camera's centre to the point: bilinear, and so without the local minima that a
@@ -144,6 +167,7 @@ void position(const Camera& camera, const std::vector<ColmapImage>& images, cons
     if (seen[i]) ordering->AddElementToGroup(centers[i].data(), 2);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD brings threads of its own
   solver.linear_solver_ordering = ordering;
   solver.max_num_iterations = options.iterations;
   solver.function_tolerance = 1e-5;
@@ -178,8 +202,7 @@ std::optional<ColmapModel> build_global_model(const Camera& camera, const std::v
     if (averaged[p.first] && averaged[p.second] &&
         p.second_from_first.angularDistance(*averaged[p.second] * averaged[p.first]->conjugate()) <= max_error)
       consistent.push_back(*p.pair);
-  std::vector<Track> tracks = join_tracks(images, consistent);
-  std::erase_if(tracks, [&](const Track& t) { return static_cast<int>(t.size()) < options.min_track_images; });
+  const std::vector<Track> tracks = select_tracks(join_tracks(images, consistent), images.size(), options);
   ColmapModel model;
   model.fx = camera.fx;
   model.fy = camera.fy;

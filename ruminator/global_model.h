@@ -18,6 +18,7 @@ struct GlobalModelOptions {
   int min_pair_matches = 20;          // for a relative rotation
   double max_rotation_error_deg = 5;  // between a pair and the averaged rotations
   int min_track_images = 3;
+  int tracks_per_image = 200;  // at least, where there are so many
   int iterations = 100;
   unsigned seed = 0;
 };

@@ -34,13 +34,33 @@ double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Ve
   return (camera.project_undistorted(in_camera) - pixel.cast<double>()).norm();
 }
 
-double max_parallax_rad(const ColmapModel& model, const ColmapModel::Point& point) {
-  double widest = 0;
-  for (size_t i = 0; i < point.track.size(); ++i)
-    for (size_t j = i + 1; j < point.track.size(); ++j)
-      widest = std::max(widest, parallax_rad(point.position, model.cam_from_world.at(point.track[i].first).center(),
-                                             model.cam_from_world.at(point.track[j].first).center()));
+// From the point to the cameras that see it.
+std::vector<Eigen::Vector3d> directions_to_cameras(const ColmapModel& model, const ColmapModel::Point& point) {
+  std::vector<Eigen::Vector3d> directions;
+  for (const auto& [image, keypoint] : point.track)
+    directions.push_back((model.cam_from_world.at(image).center() - point.position).normalized());
+  return directions;
+}
+
+struct WidestRays {
+  double cosine = 1;  // of the angle between them: the parallax
+  size_t first = 0, second = 0;
+};
+
+// Of all rays but `left_out`.
+WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t left_out = SIZE_MAX) {
+  WidestRays widest;
+  for (size_t i = 0; i < directions.size(); ++i) {
+    for (size_t j = i + 1; j < directions.size() && i != left_out; ++j) {
+      if (j == left_out) continue;
+      if (const double cosine = directions[i].dot(directions[j]); cosine < widest.cosine) widest = {cosine, i, j};
+    }
+  }
   return widest;
+}
+
+bool has_parallax(const ColmapModel& model, const ColmapModel::Point& point, double min_parallax_deg) {
+  return widest_rays(directions_to_cameras(model, point)).cosine <= std::cos(min_parallax_deg * M_PI / 180);
 }
 
 void solve(const Camera& camera, const std::vector<ColmapImage>& images, int iterations, ColmapModel* model) {
@@ -78,9 +98,8 @@ void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& image
              options.max_error_px;
     });
   }
-  const double min_parallax = options.min_parallax_deg * M_PI / 180;
   std::erase_if(model->points, [&](const ColmapModel::Point& point) {
-    return point.track.size() < 2 || max_parallax_rad(*model, point) < min_parallax;
+    return point.track.size() < 2 || !has_parallax(*model, point, options.min_parallax_deg);
   });
   std::map<int, int> seen;
   for (const ColmapModel::Point& point : model->points)
@@ -129,8 +148,7 @@ std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const 
       if (point.track.size() > best.track.size()) best = std::move(point);
     }
   }
-  const double min_parallax = options.min_parallax_deg * M_PI / 180;
-  if (best.track.size() < 2 || max_parallax_rad(model, best) < min_parallax) return std::nullopt;
+  if (best.track.size() < 2 || !has_parallax(model, best, options.min_parallax_deg)) return std::nullopt;
   return best;
 }
 
@@ -217,17 +235,17 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
 }
 
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model) {
-  const double min_parallax = 0.5 * options.min_parallax_deg * M_PI / 180;
+  const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
   int removed = 0;
   while (true) {
     std::map<int, int> placed;  // points of an image that the others place
     for (const auto& [image, pose] : model->cam_from_world) placed[image] = 0;
     for (const ColmapModel::Point& point : model->points) {
-      for (const auto& [image, keypoint] : point.track) {
-        ColmapModel::Point others{point.position, {}};
-        for (const auto& o : point.track)
-          if (o.first != image) others.track.push_back(o);
-        placed[image] += others.track.size() >= 2 && max_parallax_rad(*model, others) >= min_parallax;
+      const std::vector<Eigen::Vector3d> directions = directions_to_cameras(*model, point);
+      const WidestRays widest = widest_rays(directions);
+      for (size_t i = 0; i < point.track.size(); ++i) {
+        const bool is_outer = i == widest.first || i == widest.second;
+        placed[point.track[i].first] += (is_outer ? widest_rays(directions, i) : widest).cosine <= max_cosine;
       }
     }
     const auto loosest = std::min_element(placed.begin(), placed.end(),

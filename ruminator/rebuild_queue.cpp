@@ -310,12 +310,17 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
   }
   const RuminationWindow& w = entry->window;
   spdlog::info(
-      "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s CPU, "
-      "{} "
-      "mapper runs){}{}{}",
+      "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s "
+      "CPU){}{}{}",
       w.id, r.approach, w.approach.size(), r.gap, w.gap.size(), r.departure, w.departure.size(), r.error_px,
-      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.models_tried, r.origin.empty() ? "" : ", ", r.origin, broken);
+      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.origin.empty() ? "" : ", ", r.origin, broken);
   if (!r.warning.empty()) spdlog::warn("window {}: {}", w.id, r.warning);
+  for (const FrontAgreement& a : r.agreement) {
+    // The back submap has passed its own tests: it is the front's that is likely to be wrong.
+    if (a.rotation_deg > options_.build.max_front_rotation_deg)
+      spdlog::warn("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", w.id, a.submap_id,
+                   a.rotation_deg, a.frames);
+  }
   ++built_;
   store(entry, report.submap);
 }

@@ -4,32 +4,56 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 namespace rumi {
+
+namespace {
+
+using PairSet = std::set<std::pair<int, int>>;
+
+// Pairs far apart in time that show the same things, as a preview of each tells: for each image the best.
+PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const SiftMatchOptions& options,
+                         const PairSelection& selection, const std::atomic<bool>& cancel) {
+  const int count = static_cast<int>(images.size());
+  std::vector<std::vector<std::pair<int, int>>> candidates(images.size());  // (-matches, other image)
+  for (int i = 0; i < count && !cancel; ++i) {
+    for (int j = i + selection.near + 1; j < count; ++j) {
+      const auto matches =
+          static_cast<int>(match_sift(images[i], images[j], options, options.preview_keypoints).size());
+      if (matches < options.preview_matches) continue;
+      candidates[i].emplace_back(-matches, j);
+      candidates[j].emplace_back(-matches, i);
+    }
+  }
+  PairSet pairs;
+  for (int i = 0; i < count; ++i) {
+    std::sort(candidates[i].begin(), candidates[i].end());
+    for (size_t k = 0; k < candidates[i].size() && k < static_cast<size_t>(selection.far); ++k)
+      pairs.insert(std::minmax(i, candidates[i][k].second));
+  }
+  return pairs;
+}
+
+}  // namespace
 
 std::vector<ColmapPair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
                                      const SiftMatchOptions& options, const PairSelection& selection,
                                      const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
+  PairSet selected = select_far_pairs(images, options, selection, cancel);
   const int count = static_cast<int>(images.size());
+  for (int i = 0; i < count; ++i)
+    for (int j = i + 1; j < count && j <= i + selection.near; ++j) selected.emplace(i, j);
+
   std::vector<ColmapPair> pairs;
-  int64_t done = 0;
-  const int64_t all = static_cast<int64_t>(count) * (count - 1) / 2;
-  for (int j = 1; j < count && !cancel; ++j) {
-    for (int i = 0; i < j && !cancel; ++i) {
-      if (j - i > selection.near) {
-        const IndexPairs preview = match_sift(images[i], images[j], options, options.preview_keypoints);
-        if (static_cast<int>(preview.size()) < options.preview_matches) continue;
-      }
-      const IndexPairs matches = match_sift(images[i], images[j], options);
-      IndexPairs verified = verify_matches(camera, images[i], images[j], matches, options);
-      if (!verified.empty()) pairs.push_back({i, j, std::move(verified)});
-    }
-    done += j;
-    progress(static_cast<double>(done) / static_cast<double>(all));
+  size_t done = 0;
+  for (const auto& [i, j] : selected) {
+    if (cancel) break;
+    const IndexPairs matches = match_sift(images[i], images[j], options);
+    IndexPairs verified = verify_matches(camera, images[i], images[j], matches, options);
+    if (!verified.empty()) pairs.push_back({i, j, std::move(verified)});
+    progress(static_cast<double>(++done) / static_cast<double>(selected.size()));
   }
-  std::sort(pairs.begin(), pairs.end(), [](const ColmapPair& a, const ColmapPair& b) {
-    return std::pair(a.first, a.second) < std::pair(b.first, b.second);
-  });
   return pairs;
 }
 

@@ -13,7 +13,8 @@
 namespace rumi {
 
 struct PairSelection {
-  int near = 10;  // images apart: matched in full; farther pairs only if the preview finds something
+  int near = 10;  // images apart: matched in full; farther pairs only if the preview finds something,
+  int far = 10;   // and of those the best of each image
 };
 
 // The verified pairs, in order. Stops early, with what it has, when `cancel` is set.

@@ -163,18 +163,22 @@ class Attempts {
     }
   }
 
+  // The median over matches, not pairs: the rotation between two images with few matches is uncertain.
   double pair_rotation_deg(const ColmapModel& model) const {
-    std::vector<double> angles;
+    std::vector<std::pair<double, size_t>> angles;  // radians, matches
+    size_t matches = 0;
     for (const RelativeRotation& r : rotations_) {
       const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
       if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
-      angles.push_back(
-          r.second_from_first.angularDistance(second->second.rotation * first->second.rotation.conjugate()));
+      const Eigen::Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
+      angles.emplace_back(r.second_from_first.angularDistance(second_from_first), r.pair->matches.size());
+      matches += r.pair->matches.size();
     }
-    if (angles.empty()) return 180;
-    const auto middle = angles.begin() + static_cast<long>(angles.size() / 2);
-    std::nth_element(angles.begin(), middle, angles.end());
-    return *middle * 180 / M_PI;
+    std::sort(angles.begin(), angles.end());
+    size_t below = 0;
+    for (const auto& [angle, count] : angles)
+      if (below += count; 2 * below >= matches) return angle * 180 / M_PI;
+    return 180;
   }
 
   std::string doubts() const {

@@ -84,6 +84,7 @@ class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
 ceres::Solver::Options solver_options(const BundleOptions& options, size_t views) {
   ceres::Solver::Options o;
   o.linear_solver_type = views <= 40 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+  o.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD brings threads of its own
   o.max_num_iterations = options.iterations;
   o.num_threads = 1;  // repeatable to the bit
   o.function_tolerance = 1e-4;
