@@ -17,6 +17,7 @@ void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);
 void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
 void add_view_command(CLI::App& app, std::function<int()>* chosen);
+void add_cut_window_command(CLI::App& app, std::function<int()>* chosen);
 void add_draw_window_command(CLI::App& app, std::function<int()>* chosen);
 void add_export_map_command(CLI::App& app, std::function<int()>* chosen);
 void add_synth_command(CLI::App& app, std::function<int()>* chosen);
