@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ruminator/colmap_model_writer.h"
@@ -47,7 +46,7 @@ class Attempts {
       result.warning = error;
     else
       extend(seed, &ours);
-    judge(&ours);
+    judge_model(in_, rotations_, o_, &ours);
     candidates_.push_back(std::move(ours));
   }
 
@@ -57,7 +56,7 @@ class Attempts {
     const MapperOutcome outcome = run_mapper("", settings);
     for (const ColmapModel& model : outcome.models) {
       WindowModel candidate = complete(model, fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg));
-      judge(&candidate);
+      judge_model(in_, rotations_, o_, &candidate);
       candidates_.push_back(std::move(candidate));
     }
   }
@@ -123,7 +122,7 @@ class Attempts {
     ColmapModel& extended = outcome.models.front();
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
     WindowModel more = complete(std::move(extended), "global model extended by COLMAP");
-    judge(&more);
+    judge_model(in_, rotations_, o_, &more);
     candidates_.push_back(std::move(more));
   }
 
@@ -149,39 +148,6 @@ class Attempts {
     return candidate;
   }
 
-  void judge(WindowModel* candidate) const {
-    std::map<int64_t, SE3> poses;
-    for (const auto& [image, pose] : candidate->model.cam_from_world) poses[in_.utimes_us[image]] = pose;
-    candidate->agreement = compare_with_front(in_.front, poses, o_.min_front_frames);
-    candidate->pair_rotation_deg = pair_rotation_deg(candidate->model);
-    if (poses.size() < 3) {
-      candidate->doubt = fmt::format("{} images have a pose", poses.size());
-    } else if (candidate->quality.rmse_px > o_.max_rmse_px) {
-      candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
-    } else if (candidate->pair_rotation_deg > o_.max_pair_rotation_deg) {
-      candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
-                                     candidate->pair_rotation_deg);
-    }
-  }
-
-  // The median over matches, not pairs: the rotation between two images with few matches is uncertain.
-  double pair_rotation_deg(const ColmapModel& model) const {
-    std::vector<std::pair<double, size_t>> angles;  // radians, matches
-    size_t matches = 0;
-    for (const RelativeRotation& r : rotations_) {
-      const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
-      if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
-      const Eigen::Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
-      angles.emplace_back(r.second_from_first.angularDistance(second_from_first), r.pair->matches.size());
-      matches += r.pair->matches.size();
-    }
-    std::sort(angles.begin(), angles.end());
-    size_t below = 0;
-    for (const auto& [angle, count] : angles)
-      if (below += count; 2 * below >= matches) return angle * 180 / M_PI;
-    return 180;
-  }
-
   std::string doubts() const {
     std::string text;
     for (const WindowModel& c : candidates_)
@@ -203,6 +169,23 @@ class Attempts {
 };
 
 }  // namespace
+
+void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
+                 const BuildOptions& options, WindowModel* candidate) {
+  std::map<int64_t, SE3> poses;
+  for (const auto& [image, pose] : candidate->model.cam_from_world) poses[input.utimes_us[image]] = pose;
+  candidate->agreement = compare_with_front(input.front, poses, options.min_front_frames);
+  candidate->pair_rotation_deg = median_rotation_error_deg(rotations, candidate->model);
+  candidate->doubt.clear();
+  if (poses.size() < 3) {
+    candidate->doubt = fmt::format("{} images have a pose", poses.size());
+  } else if (candidate->quality.rmse_px > options.max_rmse_px) {
+    candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
+  } else if (candidate->pair_rotation_deg > options.max_pair_rotation_deg) {
+    candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                                   candidate->pair_rotation_deg);
+  }
+}
 
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder, const std::function<void(double)>& progress,
