@@ -16,7 +16,8 @@ struct Fixture {
 
 Fixture make_fixture(int n) {
   Fixture f;
-  const Sim3 submap_from_model[] = {{2.5, so3_exp({0.3, -0.2, 1}), {1, 2, 3}}, {0.4, so3_exp({-1, 0, 0.5}), {-4, 0, 1}}};
+  const Sim3 submap_from_model[] = {{2.5, so3_exp({0.3, -0.2, 1}), {1, 2, 3}},
+                                    {0.4, so3_exp({-1, 0, 0.5}), {-4, 0, 1}}};
   const std::vector<SE3> path = testing::sideways_path(2 * n);
   for (int i = 0; i < 2 * n; ++i) {
     const int64_t utime = 1000 + 100 * i;

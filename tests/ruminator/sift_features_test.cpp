@@ -11,9 +11,7 @@
 namespace rumi {
 namespace {
 
-cv::Mat picture() {
-  return testing::see_plane(testing::textured_picture(1), testing::picture_camera(), SE3());
-}
+cv::Mat picture() { return testing::see_plane(testing::textured_picture(1), testing::picture_camera(), SE3()); }
 
 TEST(SiftFeatures, AreOrderedFromTheLargestScaleWithUnitDescriptors) {
   const SiftFeatures features = extract_sift(picture(), testing::picture_camera(), {});

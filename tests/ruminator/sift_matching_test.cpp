@@ -11,7 +11,8 @@
 namespace rumi {
 namespace {
 
-const SE3 kFirst = SyntheticScene::pose(-0.15, 0, 0, 0.05), kSecond = SyntheticScene::pose(0.2, 0.05, -0.1, -0.08, 0.04);
+const SE3 kFirst = SyntheticScene::pose(-0.15, 0, 0, 0.05),
+          kSecond = SyntheticScene::pose(0.2, 0.05, -0.1, -0.08, 0.04);
 
 SiftFeatures features_of(const SE3& pose, uint64_t picture = 1) {
   const Camera camera = testing::picture_camera();

@@ -85,8 +85,8 @@ inline std::vector<SE3> sideways_path(int cameras, double step = 0.1) {
   std::vector<SE3> path;
   for (int i = 0; i < cameras; ++i) {
     const double u = i - 0.5 * (cameras - 1);
-    path.push_back(
-        SyntheticScene::pose(step * u, 0.03 * std::sin(0.7 * u), 0.05 * std::sin(0.4 * u), 0.02 * std::sin(u), 0.01 * u));
+    path.push_back(SyntheticScene::pose(step * u, 0.03 * std::sin(0.7 * u), 0.05 * std::sin(0.4 * u),
+                                        0.02 * std::sin(u), 0.01 * u));
   }
   return path;
 }
@@ -129,8 +129,7 @@ inline double worst_center_error(const TestWindow& w, const ColmapModel& model) 
   const auto truth_from_found = umeyama(found, truth);
   if (!truth_from_found) return std::numeric_limits<double>::infinity();
   double worst = 0;
-  for (size_t i = 0; i < found.size(); ++i)
-    worst = std::max(worst, (*truth_from_found * found[i] - truth[i]).norm());
+  for (size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (*truth_from_found * found[i] - truth[i]).norm());
   return worst / path_length(w.cam_from_world);
 }
 

@@ -36,8 +36,9 @@ TEST(Tracks, AContradictionIsLeftToTheStrongestPairs) {
   const std::vector<ColmapImage> images = images_with({4, 4, 4});
   const ColmapPair weak{0, 2, {{1, 0}}}, first{0, 1, {{0, 0}, {2, 2}}}, second{1, 2, {{0, 0}, {3, 3}, {2, 2}}};
   const auto tracks = join_tracks(images, {weak, first, second});
-  EXPECT_THAT(tracks, ElementsAre(ElementsAre(Pair(0, 0), Pair(1, 0), Pair(2, 0)),
-                                  ElementsAre(Pair(0, 2), Pair(1, 2), Pair(2, 2)), ElementsAre(Pair(1, 3), Pair(2, 3))));
+  EXPECT_THAT(tracks,
+              ElementsAre(ElementsAre(Pair(0, 0), Pair(1, 0), Pair(2, 0)),
+                          ElementsAre(Pair(0, 2), Pair(1, 2), Pair(2, 2)), ElementsAre(Pair(1, 3), Pair(2, 3))));
 }
 
 TEST(Tracks, NeverHaveTwoKeypointsOfOneImageHoweverWrongTheMatches) {

@@ -9,8 +9,8 @@
 namespace rumi {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::Each;
+using ::testing::ElementsAre;
 
 const std::atomic<bool> kNever = false;
 
@@ -50,7 +50,8 @@ TEST(MatchWindow, FindsThePairsInOrder) {
 TEST(MatchWindow, SkipsFarPairsWithoutAPreview) {
   SiftMatchOptions options;
   options.preview_matches = 1000;
-  const auto pairs = match_window(testing::picture_camera(), pictures(), options, {1}, [](double) {}, kNever);
+  const auto pairs = match_window(
+      testing::picture_camera(), pictures(), options, {1}, [](double) {}, kNever);
   EXPECT_THAT(ends(pairs), ElementsAre(std::pair(0, 1), std::pair(1, 2), std::pair(3, 4)));
 }
 

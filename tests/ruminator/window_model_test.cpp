@@ -154,8 +154,8 @@ TEST(WindowModel, CanBeCancelledAtAnyPoint) {
     std::atomic<bool> cancel = calls == 0;
     int called = 0;
     const auto progress = [&](double) { cancel = cancel || ++called == calls; };
-    const WindowModelResult result = build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, options,
-                                                        folder.path(), progress, cancel);
+    const WindowModelResult result =
+        build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, options, folder.path(), progress, cancel);
     EXPECT_TRUE(result.cancelled) << calls;
     EXPECT_EQ(result.failure, "cancelled");
   }
@@ -164,8 +164,8 @@ TEST(WindowModel, CanBeCancelledAtAnyPoint) {
 TEST(WindowModel, SaysWhereItCannotWrite) {
   const TestWindow w = testing::sideways_window(4);
   const std::atomic<bool> never = false;
-  const WindowModelResult result = build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, {},
-                                                      "/proc/nothing", kNoProgress, never);
+  const WindowModelResult result =
+      build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, {}, "/proc/nothing", kNoProgress, never);
   EXPECT_THAT(result.failure, HasSubstr("/proc/nothing/database.db"));
   EXPECT_TRUE(result.retryable);
 }
@@ -178,8 +178,8 @@ class Judge : public ::testing::Test {
     candidate.model = model;
     candidate.quality.rmse_px = rmse_px;
     candidate.doubt = "an old doubt";
-    judge_model({w_.camera, w_.images, utimes, w_.pairs, front},
-                relative_rotations(w_.camera, w_.images, w_.pairs, 20), {}, &candidate);
+    judge_model({w_.camera, w_.images, utimes, w_.pairs, front}, relative_rotations(w_.camera, w_.images, w_.pairs, 20),
+                {}, &candidate);
     return candidate;
   }
 
