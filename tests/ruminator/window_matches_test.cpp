@@ -18,10 +18,12 @@ const std::atomic<bool> kNever = false;
 std::vector<SiftFeatures> pictures() {
   std::vector<SiftFeatures> features;
   const Camera camera = testing::picture_camera();
+  SiftOptions few;
+  few.keypoints = 300;
   for (int i = 0; i < 6; ++i) {
     const cv::Mat wall = testing::textured_picture(i == 3 || i == 4 ? 2 : 1);
     features.push_back(
-        extract_sift(testing::see_plane(wall, camera, SyntheticScene::pose(0.06 * i, 0.02 * i, 0)), camera, {}));
+        extract_sift(testing::see_plane(wall, camera, SyntheticScene::pose(0.06 * i, 0.02 * i, 0)), camera, few));
   }
   return features;
 }
