@@ -47,6 +47,7 @@ std::string write_camera(const std::string& file, const Camera& camera) {
 
 std::string write_images(const std::string& file, const std::vector<ColmapImage>& images, const ColmapModel& model) {
   std::vector<std::vector<uint64_t>> point_of;
+  point_of.reserve(images.size());
   for (const ColmapImage& image : images) point_of.emplace_back(image.keypoints.size(), kNoPoint);
   for (size_t p = 0; p < model.points.size(); ++p)
     for (const auto& [image, keypoint] : model.points[p].track) point_of[image][keypoint] = p + 1;

@@ -22,11 +22,13 @@ double median(std::vector<double> values) {
 // Every pair of frames gives a rotation from model to front; the one that the others differ least from is taken.
 double rotation_difference_deg(const std::vector<PosePair>& pairs) {
   std::vector<Eigen::Quaterniond> front_from_model;
+  front_from_model.reserve(pairs.size());
   for (const PosePair& p : pairs)
     front_from_model.push_back(p.cam_from_front.rotation.conjugate() * p.cam_from_model.rotation);
   double best = M_PI;
   for (const Eigen::Quaterniond& candidate : front_from_model) {
     std::vector<double> angles;
+    angles.reserve(front_from_model.size());
     for (const Eigen::Quaterniond& other : front_from_model) angles.push_back(candidate.angularDistance(other));
     best = std::min(best, median(angles));
   }

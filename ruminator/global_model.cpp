@@ -227,7 +227,7 @@ double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations,
   for (const RelativeRotation& r : rotations) {
     const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
     if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
-    const Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
+    const Eigen::Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
     angles.emplace_back(r.second_from_first.angularDistance(second_from_first), r.pair->matches.size());
     matches += r.pair->matches.size();
   }

@@ -23,6 +23,24 @@ void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
 }
 
+// Points of which the images of one side of the cut have enough parallax.
+int points_with_depth(const ColmapModel& model, int last_before, bool before, const ScaleCheckOptions& options) {
+  const double max_cosine = std::cos(options.min_parallax_deg * M_PI / 180);
+  int count = 0;
+  for (const ColmapModel::Point& point : model.points) {
+    std::vector<Eigen::Vector3d> directions;
+    for (const auto& [image, keypoint] : point.track)
+      if ((image <= last_before) == before)
+        directions.push_back((model.cam_from_world.at(image).center() - point.position).normalized());
+    bool has_depth = false;
+    for (size_t i = 0; i < directions.size() && !has_depth; ++i)
+      for (size_t j = i + 1; j < directions.size() && !has_depth; ++j)
+        has_depth = directions[i].dot(directions[j]) <= max_cosine;
+    if ((count += has_depth) >= options.min_depth_points) return count;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<ColmapImage>& images,
@@ -54,7 +72,11 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
       if (std::isfinite(log)) logs.push_back(log);
     }
     cuts.push_back({.image = pose->first});
-    summarize(&logs, &cuts.back());
+    ScaleCut& cut = cuts.back();
+    summarize(&logs, &cut);
+    const bool is_known = cut.points >= options.min_carrying_points && cut.log_error <= options.max_carried_log_error;
+    cut.is_break = !is_known && points_with_depth(model, cut.image, true, options) >= options.min_depth_points &&
+                   points_with_depth(model, cut.image, false, options) >= options.min_depth_points;
   }
   return cuts;
 }
@@ -68,6 +90,23 @@ std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const Scale
     if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
   }
   return worst;
+}
+
+std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts) {
+  std::optional<ScaleCut> weakest;
+  for (const ScaleCut& cut : cuts)
+    if (cut.is_break && (!weakest || cut.points < weakest->points)) weakest = cut;
+  return weakest;
+}
+
+void keep_larger_side(const ScaleCut& cut, ColmapModel* model) {
+  const auto& poses = model->cam_from_world;
+  const auto before = std::distance(poses.begin(), poses.upper_bound(cut.image));
+  const bool keep_before = 2 * before >= static_cast<long>(poses.size());
+  std::erase_if(model->cam_from_world, [&](const auto& pose) { return (pose.first <= cut.image) != keep_before; });
+  for (ColmapModel::Point& point : model->points)
+    std::erase_if(point.track, [&](const auto& o) { return !model->cam_from_world.contains(o.first); });
+  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
 }
 
 void repair_scale(const ScaleCut& cut, ColmapModel* model) {

@@ -16,17 +16,22 @@
 namespace rumi {
 
 struct ScaleCheckOptions {
-  double min_parallax_deg = 0.5;  // of a point, on either side of a cut
-  double max_error_px = 3.0;      // of its observations
-  int min_points = 5;             // that tell of a slip
-  double max_change = 0.25;       // of the scale, relative, that is no slip
-  double max_log_error = 0.2;     // of what they tell
-  int repairs = 3;                // of one model, at most
+  double min_parallax_deg = 0.5;       // of a point, on either side of a cut
+  double max_error_px = 3.0;           // of its observations
+  int min_points = 5;                  // that tell of a slip
+  double max_change = 0.25;            // of the scale, relative, that is no slip
+  double max_log_error = 0.2;          // of what they tell
+  int min_carrying_points = 5;         // across a cut, for the scale to be carried over it,
+  double max_carried_log_error = 0.2;  // and how well
+  int min_depth_points = 20;           // that a side must see by itself, for it to have a scale
+  int repairs = 3;                     // of one model, at most
 };
 
 struct ScaleCut {
   int image = 0;   // the last one before the cut
   int points = 0;  // that either side can triangulate by itself
+  // Both sides see depth, but too few points tell how that of the one relates to that of the other.
+  bool is_break = false;
   // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
   // from `image`, and its standard error.
   double log_ratio = 0, log_error = 0;
@@ -39,6 +44,12 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
 
 // The cut where the scale certainly changes the most, if it does.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);
+
+// The break with the fewest points, if there is one.
+std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
+
+// Removes the images on that side of the cut that has fewer.
+void keep_larger_side(const ScaleCut& cut, ColmapModel* model);
 
 // Brings everything after the cut to the scale before it, seen from the image of the cut. Points are to be triangulated
 // anew.

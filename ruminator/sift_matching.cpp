@@ -85,15 +85,11 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, con
 IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const SiftFeatures& second,
                           const IndexPairs& matches, const SiftMatchOptions& options) {
   if (static_cast<int>(matches.size()) < options.min_matches) return {};
-  const auto normalized = [&camera](const Eigen::Vector2f& p) {
-    return cv::Point2d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy);
-  };
   std::vector<cv::Point2d> a, b;
   for (const auto& [i, j] : matches) {
-    a.push_back(normalized(first.undistorted[i]));
-    b.push_back(normalized(second.undistorted[j]));
+    a.emplace_back(first.undistorted[i].x(), first.undistorted[i].y());
+    b.emplace_back(second.undistorted[j].x(), second.undistorted[j].y());
   }
-  const double threshold = options.max_error_px / (0.5 * (camera.fx + camera.fy));
   std::vector<uint8_t> is_inlier;
   try {
     cv::UsacParams usac;
@@ -101,8 +97,8 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
     usac.maxIterations = options.iterations;
     usac.loMethod = cv::LOCAL_OPTIM_GC;
     usac.score = cv::SCORE_METHOD_MSAC;
-    usac.threshold = threshold;
-    const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
+    usac.threshold = options.max_error_px;
+    const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
     cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), is_inlier, usac);
   } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point
     return {};

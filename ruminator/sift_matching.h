@@ -16,9 +16,10 @@ struct SiftMatchOptions {
   // `preview_matches` (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
   int preview_keypoints = 150;
   int preview_matches = 6;
-  int min_matches = 20;       // of a pair, for it to be verified
-  int iterations = 1000;      // RANSAC, at most
-  double max_error_px = 1.5;  // from the epipolar line
+  int min_matches = 20;   // of a pair, for it to be verified
+  int iterations = 1000;  // RANSAC, at most
+  // What OpenCV compares with it is about the sum of the distances from both epipolar lines.
+  double max_error_px = 1.5;
   int min_inliers = 15;
 };
 

@@ -29,6 +29,7 @@ std::vector<Track> join_tracks(const std::vector<ColmapImage>& images, const std
       tracks[k].emplace_back(static_cast<int>(image), k - offset[image]);
 
   std::vector<const ColmapPair*> strongest;
+  strongest.reserve(pairs.size());
   for (const ColmapPair& pair : pairs) strongest.push_back(&pair);
   std::stable_sort(strongest.begin(), strongest.end(),
                    [](const ColmapPair* a, const ColmapPair* b) { return a->matches.size() > b->matches.size(); });

@@ -63,19 +63,18 @@ class Attempts {
 
   bool is_complete() const {
     return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
-      return c.doubt.empty() && static_cast<double>(c.model.cam_from_world.size()) >= o_.complete_ratio * connected_;
+      return c.doubt.empty() && images_of(c) >= o_.complete_ratio * connected_;
     });
   }
 
   // The most images; where candidates have about as many, the smallest error.
   void choose() {
-    size_t most = 0;
+    double most = 0;
     for (const WindowModel& c : candidates_)
-      if (c.doubt.empty()) most = std::max(most, c.model.cam_from_world.size());
+      if (c.doubt.empty()) most = std::max(most, images_of(c));
     const WindowModel* best = nullptr;
     for (const WindowModel& c : candidates_) {
-      const bool has_most =
-          static_cast<double>(c.model.cam_from_world.size()) >= o_.complete_ratio * static_cast<double>(most);
+      const bool has_most = images_of(c) >= o_.complete_ratio * most;
       if (c.doubt.empty() && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
     }
     if (best)
@@ -89,6 +88,11 @@ class Attempts {
   WindowModelResult result;
 
  private:
+  // Those broken off included: where one candidate shows a break, another that bridges it has guessed.
+  static double images_of(const WindowModel& c) {
+    return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
+  }
+
   MapperSettings common_settings() const {
     MapperSettings settings;
     settings.min_model_size = std::max(3, connected_ / 4);
@@ -151,8 +155,17 @@ class Attempts {
     remove_loose_images(o_.refinement, &model);
     WindowModel candidate;
     candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    // Where nothing tells how the scales of two sides relate, there are two models, and one of them is kept.
+    while (const auto gap = find_break(check_scale(in_.camera, in_.images, tracks_, o_.scale, model))) {
+      candidate.broken_off += static_cast<int>(model.cam_from_world.size());
+      keep_larger_side(*gap, &model);
+      candidate.broken_off -= static_cast<int>(model.cam_from_world.size());
+      candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    }
     candidate.model = std::move(model);
     candidate.origin = std::move(origin);
+    if (candidate.broken_off > 0)
+      candidate.origin += fmt::format(", {} images of unrelated scale left out", candidate.broken_off);
     return candidate;
   }
 

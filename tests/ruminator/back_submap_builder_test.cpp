@@ -25,8 +25,14 @@ using testing::TemporaryFolder;
 const std::atomic<bool> kNever = false;
 const auto kNoProgress = [](const BuildProgress&) {};
 
-BuildOptions without_colmap() {
+BuildOptions quick_options() {
   BuildOptions options;
+  options.sift.keypoints = 300;  // small pictures; and sanitizers make matching slow
+  return options;
+}
+
+BuildOptions without_colmap() {
+  BuildOptions options = quick_options();
   options.colmap = "/no/such/colmap";
   return options;
 }
@@ -89,7 +95,7 @@ TEST(BackSubmapBuilder, RebuildsARenderedWindow) {
   const TemporaryFolder folder;
   std::vector<BuildProgress> reports;
   const BuildResult result = build_back_submap(
-      window.job, {}, folder / "work", [&](const BuildProgress& p) { reports.push_back(p); }, kNever);
+      window.job, quick_options(), folder / "work", [&](const BuildProgress& p) { reports.push_back(p); }, kNever);
   expect_whole(window, result);
   EXPECT_GE(result.models_tried, 1);
   EXPECT_GT(result.cpu_s, 0);
@@ -102,7 +108,7 @@ TEST(BackSubmapBuilder, RebuildsARenderedWindow) {
   for (const BuildProgress& p : reports) EXPECT_TRUE(p.fraction >= 0 && p.fraction <= 1) << p.fraction;
 
   // Again, without anyone to tell: to the bit the same.
-  const BuildResult again = build_back_submap(window.job, {}, folder / "work", {}, kNever);
+  const BuildResult again = build_back_submap(window.job, quick_options(), folder / "work", {}, kNever);
   ASSERT_TRUE(again.submap);
   EXPECT_EQ(wire(*again.submap), wire(*result.submap));
 }
@@ -130,7 +136,7 @@ TEST(BackSubmapBuilder, CanBeCancelledInEveryStage) {
   const RenderedWindow& window = rendered_window();
   const TemporaryFolder folder;
   std::atomic<bool> cancel = true;
-  const BuildResult at_once = build_back_submap(window.job, {}, folder / "work", kNoProgress, cancel);
+  const BuildResult at_once = build_back_submap(window.job, quick_options(), folder / "work", kNoProgress, cancel);
   EXPECT_TRUE(at_once.cancelled);
   EXPECT_FALSE(at_once.submap);
   EXPECT_FALSE(fs::exists(folder / "work"));
@@ -141,7 +147,7 @@ TEST(BackSubmapBuilder, CanBeCancelledInEveryStage) {
       calls_after += cancel;
       if (p.stage == stage) cancel = true;
     };
-    const BuildResult result = build_back_submap(window.job, {}, folder / "work", progress, cancel);
+    const BuildResult result = build_back_submap(window.job, quick_options(), folder / "work", progress, cancel);
     EXPECT_TRUE(result.cancelled);
     EXPECT_FALSE(result.submap);
     EXPECT_LE(calls_after, 1);
@@ -162,7 +168,7 @@ TEST_P(HopelessWindow, FailsAtOnceWithItsReason) {
   WindowJob job = rendered_window().job;
   GetParam().spoil(&job);
   const TemporaryFolder folder;
-  const BuildResult result = build_back_submap(job, {}, folder / "work", kNoProgress, kNever);
+  const BuildResult result = build_back_submap(job, quick_options(), folder / "work", kNoProgress, kNever);
   EXPECT_FALSE(result.submap);
   EXPECT_FALSE(result.cancelled);
   EXPECT_FALSE(result.retryable);
@@ -203,7 +209,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& window) { return window.param.name; });
 
 TEST(BackSubmapBuilder, SaysWhereItCannotWork) {
-  const BuildResult result = build_back_submap(rendered_window().job, {}, "/proc/nothing/here", kNoProgress, kNever);
+  const BuildResult result =
+      build_back_submap(rendered_window().job, quick_options(), "/proc/nothing/here", kNoProgress, kNever);
   EXPECT_THAT(result.failure, HasSubstr("/proc/nothing/here"));
   EXPECT_TRUE(result.retryable);
 }
