@@ -53,6 +53,16 @@ colmap_step() { # work command options ...
   )
 }
 
+colmap_steps() { # work
+  colmap_step "$1" feature_extractor --database_path "$1/colmap.db" --image_path "$1/images" \
+    --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
+    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 &&
+    colmap_step "$1" exhaustive_matcher --database_path "$1/colmap.db" --SiftMatching.use_gpu 0 \
+      --SiftMatching.num_threads 1 &&
+    colmap_step "$1" mapper --database_path "$1/colmap.db" --image_path "$1/images" --output_path "$1/models" \
+      --Mapper.num_threads 1
+}
+
 colmap_alone() { # size
   work=$out/$1
   rm -rf "$work/images" "$work/colmap.db" "$work/models" "$work/stopped"
@@ -63,15 +73,10 @@ colmap_alone() { # size
     "$sequence/rgb.txt" | while read -r time image; do
     ln -s "$sequence/$image" "$work/images/$time.${image##*.}"
   done
-  colmap_step "$work" feature_extractor --database_path "$work/colmap.db" --image_path "$work/images" \
-    --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
-    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 &&
-    colmap_step "$work" exhaustive_matcher --database_path "$work/colmap.db" --SiftMatching.use_gpu 0 \
-      --SiftMatching.num_threads 1 &&
-    colmap_step "$work" mapper --database_path "$work/colmap.db" --image_path "$work/images" \
-      --output_path "$work/models" --Mapper.num_threads 1 ||
-    awk -v limit="$limit" '{ used += $2 + $3 } END { exit used < limit - 5 }' "$work/colmap.time" &&
+  if ! colmap_steps "$work" &&
+    awk -v limit="$limit" '{ used += $2 + $3 } END { exit used < limit - 5 }' "$work/colmap.time"; then
     touch "$work/stopped"
+  fi
   for model in "$work"/models/*; do
     [ ! -e "$model/images.bin" ] ||
       colmap model_converter --input_path "$model" --output_path "$model" --output_type TXT >>"$work/colmap.log" 2>&1
