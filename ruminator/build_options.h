@@ -7,6 +7,7 @@
 #include "ruminator/back_landmarks.h"
 #include "ruminator/global_model.h"
 #include "ruminator/model_refinement.h"
+#include "ruminator/scale_check.h"
 #include "ruminator/sift_features.h"
 #include "ruminator/window_matches.h"
 
@@ -22,6 +23,7 @@ struct BuildOptions {
   PairSelection pairs;
   GlobalModelOptions global;
   ModelRefinementOptions refinement;
+  ScaleCheckOptions scale;
   BackLandmarkOptions landmarks;
   int look_images = 6;                // of a long gap, looked at first
   int look_min_keypoints = 50;        // in one of them, or the gap is blind
@@ -54,6 +56,8 @@ inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.max_error_px", &o.refinement.max_error_px, "px", "of an observation of the model", 0.5, 20);
   table.add("ruminator.min_parallax_deg", &o.refinement.min_parallax_deg, "degrees", "of a point of the model", 0.1,
             20);
+  table.add("ruminator.scale_max_change", &o.scale.max_change, "",
+            "of the scale along a model, relative; more is a slip and is repaired", 0.01, 10);
   table.add("ruminator.resection_min_inliers", &o.refinement.resection_min_inliers, "",
             "points seen by an image, for it to have a pose", 6, 1000);
   table.add("ruminator.landmark_neighbours", &o.landmarks.neighbours, "images",

@@ -4,11 +4,13 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <random>
 
 #include "ruminator/tracks.h"
+#include "ruminator/window_matches.h"
 
 namespace rumi {
 namespace {
@@ -61,6 +63,14 @@ struct RotationError {
     return true;
   }
 };
+
+std::vector<RelativeRotation> in_largest_part(size_t images, std::vector<RelativeRotation> rotations) {
+  std::vector<ColmapPair> pairs;
+  for (const RelativeRotation& r : rotations) pairs.push_back({r.first, r.second, {}});
+  const std::vector<int> part = connected_images(static_cast<int>(images), pairs, 0);
+  std::erase_if(rotations, [&part](const RelativeRotation& r) { return part[r.first] != 0; });
+  return rotations;
+}
 
 // Rotations cam_from_world along the tree of the strongest pairs, then all pairs together, robustly.
 std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::vector<RelativeRotation> pairs) {
@@ -195,7 +205,7 @@ std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std
 std::optional<ColmapModel> build_global_model(const Camera& camera, const std::vector<ColmapImage>& images,
                                               const std::vector<RelativeRotation>& rotations,
                                               const GlobalModelOptions& options) {
-  const auto averaged = average_rotations(images.size(), rotations);
+  const auto averaged = average_rotations(images.size(), in_largest_part(images.size(), rotations));
   const double max_error = options.max_rotation_error_deg * M_PI / 180;
   std::vector<ColmapPair> consistent;
   for (const RelativeRotation& p : rotations)
@@ -209,6 +219,23 @@ std::optional<ColmapModel> build_global_model(const Camera& camera, const std::v
   position(camera, images, options, averaged, tracks, &model);
   if (model.cam_from_world.size() < 3) return std::nullopt;
   return model;
+}
+
+double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations, const ColmapModel& model) {
+  std::vector<std::pair<double, size_t>> angles;  // radians, matches
+  size_t matches = 0;
+  for (const RelativeRotation& r : rotations) {
+    const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
+    if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
+    const Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
+    angles.emplace_back(r.second_from_first.angularDistance(second_from_first), r.pair->matches.size());
+    matches += r.pair->matches.size();
+  }
+  std::sort(angles.begin(), angles.end());
+  size_t below = 0;
+  for (const auto& [angle, count] : angles)
+    if (below += count; 2 * below >= matches) return angle * 180 / M_PI;
+  return 180;
 }
 
 }  // namespace rumi

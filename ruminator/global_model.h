@@ -39,4 +39,8 @@ std::optional<ColmapModel> build_global_model(const Camera& camera, const std::v
                                               const std::vector<RelativeRotation>& rotations,
                                               const GlobalModelOptions& options);
 
+// The median difference, in degrees, between the rotations of those pairs whose images both have a pose and the same
+// rotations in the model; 180 if there is no such pair.
+double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations, const ColmapModel& model);
+
 }  // namespace rumi

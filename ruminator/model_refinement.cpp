@@ -94,8 +94,8 @@ void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& image
                      const ModelRefinementOptions& options, ColmapModel* model) {
   for (ColmapModel::Point& point : model->points) {
     std::erase_if(point.track, [&](const auto& o) {
-      return error_px(camera, model->cam_from_world.at(o.first), point.position, images[o.first].keypoints[o.second]) >
-             options.max_error_px;
+      return !(error_px(camera, model->cam_from_world.at(o.first), point.position,
+                        images[o.first].keypoints[o.second]) <= options.max_error_px);
     });
   }
   std::erase_if(model->points, [&](const ColmapModel::Point& point) {
@@ -124,32 +124,6 @@ ModelQuality quality(const Camera& camera, const std::vector<ColmapImage>& image
   }
   if (q.observations > 0) q.rmse_px = std::sqrt(sum / q.observations);
   return q;
-}
-
-// Of the pairs of rays the one that most of the others agree with: all pairs of a short track, of a long one those of
-// its first, middle and last image.
-std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const std::vector<ColmapImage>& images,
-                                                    const Track& track, const ModelRefinementOptions& options,
-                                                    const ColmapModel& model) {
-  constexpr size_t kShort = 6;
-  const auto pixel = [&images](const auto& o) { return images[o.first].keypoints[o.second]; };
-  ColmapModel::Point best;
-  for (size_t i = 0; i < track.size(); ++i) {
-    for (size_t j = i + 1; j < track.size(); ++j) {
-      const auto is_pivot = [&track](size_t k) { return k == 0 || k == track.size() / 2 || k + 1 == track.size(); };
-      if (track.size() > kShort && !(is_pivot(i) && is_pivot(j))) continue;
-      const SE3 &pose_i = model.cam_from_world.at(track[i].first), &pose_j = model.cam_from_world.at(track[j].first);
-      const auto position = triangulate(pose_i, ray(camera, pixel(track[i])), pose_j, ray(camera, pixel(track[j])));
-      if (!position) continue;
-      ColmapModel::Point point{*position, {}};
-      for (const auto& o : track)
-        if (error_px(camera, model.cam_from_world.at(o.first), *position, pixel(o)) <= options.max_error_px)
-          point.track.push_back(o);
-      if (point.track.size() > best.track.size()) best = std::move(point);
-    }
-  }
-  if (best.track.size() < 2 || !has_parallax(model, best, options.min_parallax_deg)) return std::nullopt;
-  return best;
 }
 
 bool resect_image(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<ColmapPair>& pairs,
@@ -221,6 +195,30 @@ ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& 
     remove_outliers(camera, images, options, model);
   }
   return quality(camera, images, *model);
+}
+
+std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const std::vector<ColmapImage>& images,
+                                                    const Track& track, const ModelRefinementOptions& options,
+                                                    const ColmapModel& model) {
+  constexpr size_t kShort = 6;
+  const auto pixel = [&images](const auto& o) { return images[o.first].keypoints[o.second]; };
+  ColmapModel::Point best;
+  for (size_t i = 0; i < track.size(); ++i) {
+    for (size_t j = i + 1; j < track.size(); ++j) {
+      const auto is_pivot = [&track](size_t k) { return k == 0 || k == track.size() / 2 || k + 1 == track.size(); };
+      if (track.size() > kShort && !(is_pivot(i) && is_pivot(j))) continue;
+      const SE3 &pose_i = model.cam_from_world.at(track[i].first), &pose_j = model.cam_from_world.at(track[j].first);
+      const auto position = triangulate(pose_i, ray(camera, pixel(track[i])), pose_j, ray(camera, pixel(track[j])));
+      if (!position) continue;
+      ColmapModel::Point point{*position, {}};
+      for (const auto& o : track)
+        if (error_px(camera, model.cam_from_world.at(o.first), *position, pixel(o)) <= options.max_error_px)
+          point.track.push_back(o);
+      if (point.track.size() > best.track.size()) best = std::move(point);
+    }
+  }
+  if (best.track.size() < 2 || !has_parallax(model, best, options.min_parallax_deg)) return std::nullopt;
+  return best;
 }
 
 void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<Track>& tracks,

@@ -3,6 +3,7 @@
 // everything adjusted together.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "ruminator/colmap_database.h"
@@ -32,6 +33,12 @@ void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, c
 
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
                           const ModelRefinementOptions& options, ColmapModel* model);
+
+// The point of a track whose images all have poses: of the pairs of rays the one that most of the others agree with
+// (all pairs of a short track, of a long one those of its first, middle and last image). Nothing without parallax.
+std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const std::vector<ColmapImage>& images,
+                                                    const Track& track, const ModelRefinementOptions& options,
+                                                    const ColmapModel& model);
 
 // The model's points anew: every track of two or more images with a pose, from the two of its rays that most others
 // agree with.

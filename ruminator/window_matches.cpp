@@ -81,6 +81,7 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
       weight[k] = 1 / (angle[k] + 1e-3);
     }
   }
+  if (angle.empty()) return 0;
   const auto middle = angle.begin() + static_cast<long>(angle.size() / 2);
   std::nth_element(angle.begin(), middle, angle.end());
   return *middle * 0.5 * (camera.fx + camera.fy);

@@ -24,7 +24,7 @@ std::vector<ColmapPair> match_window(const Camera& camera, const std::vector<Sif
                                      const std::atomic<bool>& cancel);
 
 // How far the matches of a pair move apart, in pixels, beyond what a turn of the camera explains: the median. Less than
-// the keypoints' error, and nothing can be said of depth.
+// the keypoints' error, and nothing can be said of depth. 0 without matches.
 double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ColmapPair& pair);
 
 // The images that hang together over pairs of at least `min_matches`: the index of its group for each image, groups

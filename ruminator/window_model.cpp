@@ -4,10 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "ruminator/colmap_model_writer.h"
+#include "ruminator/scale_check.h"
 
 namespace rumi {
 namespace {
@@ -46,7 +46,7 @@ class Attempts {
       result.warning = error;
     else
       extend(seed, &ours);
-    judge(&ours);
+    judge_model(in_, rotations_, o_, &ours);
     candidates_.push_back(std::move(ours));
   }
 
@@ -56,7 +56,7 @@ class Attempts {
     const MapperOutcome outcome = run_mapper("", settings);
     for (const ColmapModel& model : outcome.models) {
       WindowModel candidate = complete(model, fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg));
-      judge(&candidate);
+      judge_model(in_, rotations_, o_, &candidate);
       candidates_.push_back(std::move(candidate));
     }
   }
@@ -122,19 +122,27 @@ class Attempts {
     ColmapModel& extended = outcome.models.front();
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
     WindowModel more = complete(std::move(extended), "global model extended by COLMAP");
-    judge(&more);
+    judge_model(in_, rotations_, o_, &more);
     candidates_.push_back(std::move(more));
   }
 
-  // The points from the tracks, everything adjusted with the calibrated camera, images left out tried once more. The
-  // same for every candidate, so that they can be compared.
+  // The points from the tracks, everything adjusted with the calibrated camera, slips of the scale repaired, images
+  // left out tried once more. The same for every candidate, so that they can be compared.
   WindowModel complete(ColmapModel model, std::string origin) const {
-    ModelRefinementOptions rough = o_.refinement;
-    rough.max_error_px = 4 * o_.refinement.max_error_px;
-    triangulate_tracks(in_.camera, in_.images, tracks_, rough, &model);
-    adjust_model(in_.camera, in_.images, rough, &model);
-    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
-    adjust_model(in_.camera, in_.images, o_.refinement, &model);
+    ModelQuality quality = settle(&model);
+    for (int i = 0; i < o_.scale.repairs; ++i) {
+      const auto slip = find_slip(check_scale(in_.camera, in_.images, tracks_, o_.scale, model), o_.scale);
+      if (!slip) break;
+      ColmapModel repaired = model;
+      repair_scale(*slip, &repaired);
+      const ModelQuality after = settle(&repaired);
+      const auto left = find_slip(check_scale(in_.camera, in_.images, tracks_, o_.scale, repaired), o_.scale);
+      // Right if everything else fits as well as before, and the slip is gone.
+      const bool fits = after.observations > 0.98 * quality.observations && after.rmse_px < 1.05 * quality.rmse_px;
+      if (!fits || (left && std::abs(left->log_ratio) > 0.5 * std::abs(slip->log_ratio))) break;
+      quality = after;
+      model = std::move(repaired);
+    }
     remove_loose_images(o_.refinement, &model);
     if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, &model) > 0)
       adjust_model(in_.camera, in_.images, o_.refinement, &model);
@@ -148,37 +156,14 @@ class Attempts {
     return candidate;
   }
 
-  void judge(WindowModel* candidate) const {
-    std::map<int64_t, SE3> poses;
-    for (const auto& [image, pose] : candidate->model.cam_from_world) poses[in_.utimes_us[image]] = pose;
-    candidate->agreement = compare_with_front(in_.front, poses, o_.min_front_frames);
-    candidate->pair_rotation_deg = pair_rotation_deg(candidate->model);
-    if (poses.size() < 3) {
-      candidate->doubt = fmt::format("{} images have a pose", poses.size());
-    } else if (candidate->quality.rmse_px > o_.max_rmse_px) {
-      candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
-    } else if (candidate->pair_rotation_deg > o_.max_pair_rotation_deg) {
-      candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
-                                     candidate->pair_rotation_deg);
-    }
-  }
-
-  // The median over matches, not pairs: the rotation between two images with few matches is uncertain.
-  double pair_rotation_deg(const ColmapModel& model) const {
-    std::vector<std::pair<double, size_t>> angles;  // radians, matches
-    size_t matches = 0;
-    for (const RelativeRotation& r : rotations_) {
-      const auto first = model.cam_from_world.find(r.first), second = model.cam_from_world.find(r.second);
-      if (first == model.cam_from_world.end() || second == model.cam_from_world.end()) continue;
-      const Eigen::Quaterniond second_from_first = second->second.rotation * first->second.rotation.conjugate();
-      angles.emplace_back(r.second_from_first.angularDistance(second_from_first), r.pair->matches.size());
-      matches += r.pair->matches.size();
-    }
-    std::sort(angles.begin(), angles.end());
-    size_t below = 0;
-    for (const auto& [angle, count] : angles)
-      if (below += count; 2 * below >= matches) return angle * 180 / M_PI;
-    return 180;
+  // Points anew and everything adjusted, first with a wide limit for errors.
+  ModelQuality settle(ColmapModel* model) const {
+    ModelRefinementOptions rough = o_.refinement;
+    rough.max_error_px = 4 * o_.refinement.max_error_px;
+    triangulate_tracks(in_.camera, in_.images, tracks_, rough, model);
+    adjust_model(in_.camera, in_.images, rough, model);
+    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, model);
+    return adjust_model(in_.camera, in_.images, o_.refinement, model);
   }
 
   std::string doubts() const {
@@ -202,6 +187,23 @@ class Attempts {
 };
 
 }  // namespace
+
+void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
+                 const BuildOptions& options, WindowModel* candidate) {
+  std::map<int64_t, SE3> poses;
+  for (const auto& [image, pose] : candidate->model.cam_from_world) poses[input.utimes_us[image]] = pose;
+  candidate->agreement = compare_with_front(input.front, poses, options.min_front_frames);
+  candidate->pair_rotation_deg = median_rotation_error_deg(rotations, candidate->model);
+  candidate->doubt.clear();
+  if (poses.size() < 3) {
+    candidate->doubt = fmt::format("{} images have a pose", poses.size());
+  } else if (candidate->quality.rmse_px > options.max_rmse_px) {
+    candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
+  } else if (candidate->pair_rotation_deg > options.max_pair_rotation_deg) {
+    candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                                   candidate->pair_rotation_deg);
+  }
+}
 
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder, const std::function<void(double)>& progress,

@@ -45,6 +45,12 @@ struct WindowModelInput {
   const std::vector<Sample>& front;  // samples that front_tracker has poses of
 };
 
+// Sets agreement, pair_rotation_deg and doubt of a candidate whose model and quality are known. `rotations`: see
+// relative_rotations.
+void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
+                 const BuildOptions& options, WindowModel* candidate);
+
+// `work_folder` exists; the database, the models and the log stay in it.
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder,
                                      const std::function<void(double fraction)>& progress,

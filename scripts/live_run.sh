@@ -27,7 +27,7 @@ trap cleanup EXIT
 
 "$build/tests/live_stats" -q --lcm-url "$url" >"$work/stats.json" &
 stats=$!
-set -- --lcm-url "$url" --set "map_server.database=$work/map.db" --set "viewer_offscreen.output=$work" \
+set -- --lcm-url "$url" --set "map_server.database=$work/map.db" --set "ruminator.spool=$work/spool" --set "viewer_offscreen.output=$work" \
   --snapshot "$out" "$@"
 if [ "${RUMI_LIVE_PLAYER:-}" = lcm-logplayer ]; then
   "$build/bin/rumi" up "$config" --set up.input= "$@" &

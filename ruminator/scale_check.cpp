@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/scale_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rumi {
+
+namespace {
+
+double median(std::vector<double>* values) {
+  const auto middle = values->begin() + static_cast<long>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+// Median and its standard error (from the median absolute deviation) of the logarithms.
+void summarize(std::vector<double>* logs, ScaleCut* cut) {
+  cut->points = static_cast<int>(logs->size());
+  if (logs->empty()) return;
+  cut->log_ratio = median(logs);
+  for (double& value : *logs) value = std::abs(value - cut->log_ratio);
+  cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
+}
+
+}  // namespace
+
+std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<ColmapImage>& images,
+                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
+                                  const ColmapModel& model) {
+  ModelRefinementOptions triangulation;
+  triangulation.min_parallax_deg = options.min_parallax_deg;
+  triangulation.max_error_px = options.max_error_px;
+  const auto see = [&](const Track& part) -> std::optional<Eigen::Vector3d> {
+    if (part.size() < 2) return std::nullopt;
+    const auto point = triangulate_track(camera, images, part, triangulation, model);
+    if (!point || point->track.size() < part.size()) return std::nullopt;
+    return point->position;
+  };
+  std::vector<ScaleCut> cuts;
+  for (auto pose = model.cam_from_world.begin(); pose != model.cam_from_world.end(); ++pose) {
+    if (std::next(pose) == model.cam_from_world.end()) break;
+    const Eigen::Vector3d center = pose->second.center();
+    std::vector<double> logs;
+    for (const Track& track : tracks) {
+      if (track.front().first > pose->first || track.back().first <= pose->first) continue;
+      Track before, after;
+      for (const auto& o : track)
+        if (model.cam_from_world.contains(o.first)) (o.first <= pose->first ? before : after).push_back(o);
+      const auto seen_before = see(before);
+      const auto seen_after = seen_before ? see(after) : std::nullopt;
+      if (!seen_after) continue;
+      const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
+      if (std::isfinite(log)) logs.push_back(log);
+    }
+    cuts.push_back({.image = pose->first});
+    summarize(&logs, &cuts.back());
+  }
+  return cuts;
+}
+
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options) {
+  std::optional<ScaleCut> worst;
+  for (const ScaleCut& cut : cuts) {
+    const bool is_certain = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
+                            std::abs(cut.log_ratio) > 3 * cut.log_error;
+    if (!is_certain || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
+    if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
+  }
+  return worst;
+}
+
+void repair_scale(const ScaleCut& cut, ColmapModel* model) {
+  const Eigen::Vector3d center = model->cam_from_world.at(cut.image).center();
+  for (auto& [image, pose] : model->cam_from_world) {
+    if (image <= cut.image) continue;
+    const Eigen::Vector3d moved = center + (pose.center() - center) * std::exp(-cut.log_ratio);
+    pose.translation = -(pose.rotation * moved);
+  }
+}
+
+}  // namespace rumi

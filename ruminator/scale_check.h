@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Is the scale of a model the same from its beginning to its end? Where a camera turns more than it moves, the two
+// sides of the turn can have different units: the reprojection errors stay small, because the points that tell of it
+// are taken for outliers.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "ruminator/colmap_database.h"
+#include "ruminator/colmap_model.h"
+#include "ruminator/model_refinement.h"
+#include "ruminator/tracks.h"
+#include "slam/geometry/camera.h"
+
+namespace rumi {
+
+struct ScaleCheckOptions {
+  double min_parallax_deg = 0.5;  // of a point, on either side of a cut
+  double max_error_px = 3.0;      // of its observations
+  int min_points = 5;             // that tell of a slip
+  double max_change = 0.25;       // of the scale, relative, that is no slip
+  double max_log_error = 0.2;     // of what they tell
+  int repairs = 3;                // of one model, at most
+};
+
+struct ScaleCut {
+  int image = 0;   // the last one before the cut
+  int points = 0;  // that either side can triangulate by itself
+  // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
+  // from `image`, and its standard error.
+  double log_ratio = 0, log_error = 0;
+};
+
+// A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.
+std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<ColmapImage>& images,
+                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
+                                  const ColmapModel& model);
+
+// The cut where the scale certainly changes the most, if it does.
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);
+
+// Brings everything after the cut to the scale before it, seen from the image of the cut. Points are to be triangulated
+// anew.
+void repair_scale(const ScaleCut& cut, ColmapModel* model);
+
+}  // namespace rumi

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/model_refinement.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/ruminator/test_window.h"
+
+namespace rumi {
+namespace {
+
+using testing::TestWindow;
+
+constexpr ModelRefinementOptions kOptions;
+
+void disturb(double meters, double radians, ColmapModel* model) {
+  SyntheticScene random(11);
+  const auto vector = [&random](double s) {
+    const double x = random.uniform(-s, s), y = random.uniform(-s, s);
+    return Eigen::Vector3d(x, y, random.uniform(-s, s));
+  };
+  for (auto& [image, pose] : model->cam_from_world) {
+    const Eigen::Vector3d turn = vector(radians);
+    pose = SE3(so3_exp(turn), vector(meters)) * pose;
+  }
+  for (ColmapModel::Point& point : model->points) point.position += vector(meters);
+}
+
+TEST(AdjustModel, ComesBackFromARoughStart) {
+  const TestWindow w = testing::sideways_window(10);
+  ColmapModel model = testing::true_model(w);
+  disturb(0.03, 0.01, &model);
+  ModelRefinementOptions rough;
+  rough.max_error_px = 50;
+  adjust_model(w.camera, w.images, rough, &model);
+  const ModelQuality quality = adjust_model(w.camera, w.images, kOptions, &model);
+  EXPECT_EQ(model.cam_from_world.size(), 10U);
+  EXPECT_LT(quality.rmse_px, 1.05);
+  EXPECT_GT(quality.rmse_px, 0.7);
+  EXPECT_LT(testing::worst_center_error(w, model), 0.01);
+}
+
+TEST(AdjustModel, RemovesWrongObservations) {
+  TestWindow w = testing::sideways_window(10, 0.5);
+  ColmapModel model = testing::true_model(w);
+  std::set<std::pair<int, int>> wrong;
+  SyntheticScene random(5);
+  for (const ColmapModel::Point& point : model.points) {
+    if (random.uniform(0, 1) > 0.2) continue;
+    const auto& [image, keypoint] = point.track.front();
+    w.images[image].keypoints[keypoint] += Eigen::Vector2f(25, -15);
+    wrong.insert(point.track.front());
+  }
+  ASSERT_GT(wrong.size(), 50U);
+  const ModelQuality quality = adjust_model(w.camera, w.images, kOptions, &model);
+  EXPECT_LT(quality.rmse_px, 0.8);
+  int observations = 0;
+  for (const ColmapModel::Point& point : model.points)
+    for (const auto& observation : point.track) {
+      EXPECT_FALSE(wrong.contains(observation));
+      ++observations;
+    }
+  EXPECT_EQ(observations, quality.observations);
+}
+
+TEST(AdjustModel, OfNothingIsNothing) {
+  ColmapModel model;
+  EXPECT_EQ(adjust_model(test_camera(), {}, kOptions, &model).observations, 0);
+  const TestWindow w = testing::sideways_window(3);
+  model = testing::true_model(w);
+  model.points.clear();
+  EXPECT_EQ(adjust_model(w.camera, w.images, kOptions, &model).observations, 0);
+  EXPECT_TRUE(model.cam_from_world.empty());
+}
+
+// The camera only turns: no point has parallax, and nothing is left.
+TEST(PruneModel, LeavesNothingOfAPureRotation) {
+  std::vector<SE3> path;
+  for (int i = 0; i < 6; ++i) path.push_back(SyntheticScene::pose(0, 0, 0, 0.05 * i));
+  const TestWindow w = testing::make_window(path, SyntheticScene(7).cloud(300), 0.5);
+  ColmapModel model = testing::true_model(w);
+  prune_model(w.camera, w.images, kOptions, &model);
+  EXPECT_TRUE(model.points.empty());
+  EXPECT_TRUE(model.cam_from_world.empty());
+}
+
+TEST(PruneModel, KeepsWhatIsRight) {
+  const TestWindow w = testing::sideways_window(10, 0);
+  ColmapModel model = testing::true_model(w);
+  const size_t points = model.points.size();
+  prune_model(w.camera, w.images, kOptions, &model);
+  EXPECT_EQ(model.cam_from_world.size(), 10U);
+  EXPECT_GT(static_cast<double>(model.points.size()), 0.9 * static_cast<double>(points));
+  EXPECT_LE(model.points.size(), points);
+}
+
+TEST(TriangulateTracks, FindsThePointsDespiteWrongMatches) {
+  TestWindow w = testing::sideways_window(10);
+  testing::spoil(&w, 0.1, 0);
+  ColmapModel model = testing::true_model(w);
+  triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
+  ASSERT_GT(model.points.size(), 200U);
+  std::vector<double> errors;
+  for (const ColmapModel::Point& point : model.points) {
+    EXPECT_GE(point.track.size(), 2U);
+    EXPECT_FALSE(testing::sees_an_image_twice(point.track));
+    const auto& [image, keypoint] = point.track[0];
+    const Eigen::Vector3d truth = w.points[w.point_of_keypoint[image][keypoint]];
+    errors.push_back((point.position - truth).norm() / truth.norm());
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() / 2], 0.03);
+}
+
+TEST(TriangulateTracks, LeavesOutImagesWithoutPose) {
+  const TestWindow w = testing::sideways_window(6);
+  ColmapModel model = testing::true_model(w);
+  model.cam_from_world.erase(0);
+  model.cam_from_world.erase(4);
+  triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
+  EXPECT_GT(model.points.size(), 100U);
+  for (const ColmapModel::Point& point : model.points)
+    for (const auto& [image, keypoint] : point.track) EXPECT_TRUE(model.cam_from_world.contains(image));
+  model.cam_from_world.clear();
+  triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
+  EXPECT_TRUE(model.points.empty());
+}
+
+TEST(RemoveLooseImages, LeavesAWellTiedModelAlone) {
+  const TestWindow w = testing::sideways_window(8);
+  ColmapModel model = testing::true_model(w);
+  const ColmapModel before = model;
+  EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
+  EXPECT_TRUE(testing::is_identical(model, before));
+}
+
+// The last image sees only what images 0 and 1 see, and they are at the same place: wherever it is along the rays, its
+// points can follow.
+TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
+  std::vector<SE3> path = testing::sideways_path(7);
+  path[1] = path[0];
+  const TestWindow w = testing::make_window(path, SyntheticScene(7).cloud(500), 0.7);
+  ColmapModel model = testing::true_model(w);
+  std::vector<ColmapModel::Point> split;
+  bool tied = false;
+  for (const ColmapModel::Point& point : model.points) {
+    ColmapModel::Point loose{point.position, {}}, firm{point.position, {}};
+    for (const auto& o : point.track) (o.first < 2 || o.first == 6 ? loose : firm).track.push_back(o);
+    // Images 0 and 1 are tied to the others by every second point.
+    if (tied = !tied; tied) {
+      std::erase_if(loose.track, [](const auto& o) { return o.first == 6; });
+      firm.track.insert(firm.track.begin(), loose.track.begin(), loose.track.end());
+      loose.track.clear();
+    }
+    for (const ColmapModel::Point& part : {loose, firm})
+      if (part.track.size() >= 2) split.push_back(part);
+  }
+  model.points = split;
+  EXPECT_EQ(remove_loose_images(kOptions, &model), 1);
+  EXPECT_FALSE(model.cam_from_world.contains(6));
+  EXPECT_EQ(model.cam_from_world.size(), 6U);
+  for (const ColmapModel::Point& point : model.points) {
+    EXPECT_GE(point.track.size(), 2U);
+    for (const auto& [image, keypoint] : point.track) EXPECT_NE(image, 6);
+  }
+}
+
+TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
+  const TestWindow w = testing::sideways_window(2);
+  ColmapModel model = testing::true_model(w);
+  EXPECT_EQ(remove_loose_images(kOptions, &model), 2);
+  EXPECT_TRUE(model.cam_from_world.empty());
+  EXPECT_TRUE(model.points.empty());
+  EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
+}
+
+TEST(ResectMissingImages, PutsThemBack) {
+  TestWindow w = testing::sideways_window(10);
+  testing::spoil(&w, 0.1, 0);
+  ColmapModel model = testing::true_model(w);
+  for (const int missing : {2, 3, 9}) model.cam_from_world.erase(missing);
+  for (ColmapModel::Point& point : model.points)
+    std::erase_if(point.track, [&](const auto& o) { return !model.cam_from_world.contains(o.first); });
+  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  const size_t points = model.points.size();
+  EXPECT_EQ(resect_missing_images(w.camera, w.images, w.pairs, kOptions, &model), 3);
+  EXPECT_EQ(model.cam_from_world.size(), 10U);
+  EXPECT_GE(model.points.size(), points);
+  for (const ColmapModel::Point& point : model.points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
+  EXPECT_LT(testing::worst_center_error(w, model), 0.03);
+  adjust_model(w.camera, w.images, kOptions, &model);
+  EXPECT_LT(testing::worst_center_error(w, model), 0.01);
+}
+
+TEST(ResectMissingImages, LeavesOutWhatCannotBePlaced) {
+  TestWindow w = testing::sideways_window(6);
+  std::erase_if(w.pairs, [](const ColmapPair& p) { return p.second == 5; });  // no matches
+  for (ColmapPair& pair : w.pairs)
+    if (pair.first == 0) pair.matches.resize(4);  // too few
+  ColmapModel model = testing::true_model(w);
+  for (const int missing : {0, 5}) model.cam_from_world.erase(missing);
+  for (ColmapModel::Point& point : model.points)
+    std::erase_if(point.track, [&](const auto& o) { return !model.cam_from_world.contains(o.first); });
+  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  const ColmapModel before = model;
+  EXPECT_EQ(resect_missing_images(w.camera, w.images, w.pairs, kOptions, &model), 0);
+  EXPECT_TRUE(testing::is_identical(model, before));
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A window of rendered pictures with its truth.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "ruminator/window_job.h"
+
+namespace rumi::testing {
+
+struct RenderedWindow {
+  WindowJob
+      job;  // 7 + 6 + 7 frames, 320 x 240; the gap is blurred, the rest has front poses (the truth) in two submaps
+  std::vector<SE3> cam_from_map;  // of every image
+};
+
+// Rendered once, at the first call.
+const RenderedWindow& rendered_window();
+
+// Another picture in place of the image.
+void replace_image(WindowJob* job, size_t index, const cv::Mat& grey);
+
+}  // namespace rumi::testing
