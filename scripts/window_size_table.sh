@@ -47,10 +47,7 @@ colmap_step() { # work command options ...
   work=$1
   shift
   left=$(awk -v limit="$limit" '{ used += $2 + $3 } END { left = int(limit - used); print (left > 1 ? left : 1) }' "$work/colmap.time")
-  (
-    ulimit -t "$left"
-    timed "$work/colmap.time" colmap "$@" >>"$work/colmap.log" 2>&1
-  )
+  timed "$work/colmap.time" prlimit --cpu="$left" colmap "$@" >>"$work/colmap.log" 2>&1
 }
 
 colmap_steps() { # work
@@ -87,7 +84,7 @@ colmap_alone() { # size
 stopped=
 for size in $sizes; do
   frames=$(awk '!/^#/ && NF >= 2' "$sequence/rgb.txt" | wc -l)
-  if [ $((($size - 1) * stride)) -ge "$frames" ]; then
+  if [ $(((size - 1) * stride)) -ge "$frames" ]; then
     echo "$size frames, one of $stride: the sequence has only $frames" >&2
     continue
   fi
