@@ -104,7 +104,7 @@ def colmap(folder, truth):
 
 def cells(r, limit):
     if r is None:
-        return ["-", "-", f"> {limit}" if float(limit) > 0 else "-", "-", "-"]
+        return ["-"] * 5
     error = "-" if r["ate_m"] is None else f"{100 * r['ate_m']:.2f}"
     time = f"> {limit}" if r.get("stopped") else f"{r['cpu_s']:.1f}"
     return ["-" if r.get("stopped") and not r["registered"] else str(r["registered"]), error, time,

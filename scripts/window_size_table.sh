@@ -47,10 +47,17 @@ colmap_step() { # work command options ...
   work=$1
   shift
   left=$(awk -v limit="$limit" '{ used += $2 + $3 } END { left = int(limit - used); print (left > 1 ? left : 1) }' "$work/colmap.time")
-  (
-    ulimit -t "$left"
-    timed "$work/colmap.time" colmap "$@" >>"$work/colmap.log" 2>&1
-  )
+  timed "$work/colmap.time" prlimit --cpu="$left" colmap "$@" >>"$work/colmap.log" 2>&1
+}
+
+colmap_steps() { # work
+  colmap_step "$1" feature_extractor --database_path "$1/colmap.db" --image_path "$1/images" \
+    --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
+    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 &&
+    colmap_step "$1" exhaustive_matcher --database_path "$1/colmap.db" --SiftMatching.use_gpu 0 \
+      --SiftMatching.num_threads 1 &&
+    colmap_step "$1" mapper --database_path "$1/colmap.db" --image_path "$1/images" --output_path "$1/models" \
+      --Mapper.num_threads 1
 }
 
 colmap_alone() { # size
@@ -63,15 +70,10 @@ colmap_alone() { # size
     "$sequence/rgb.txt" | while read -r time image; do
     ln -s "$sequence/$image" "$work/images/$time.${image##*.}"
   done
-  colmap_step "$work" feature_extractor --database_path "$work/colmap.db" --image_path "$work/images" \
-    --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
-    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 &&
-    colmap_step "$work" exhaustive_matcher --database_path "$work/colmap.db" --SiftMatching.use_gpu 0 \
-      --SiftMatching.num_threads 1 &&
-    colmap_step "$work" mapper --database_path "$work/colmap.db" --image_path "$work/images" \
-      --output_path "$work/models" --Mapper.num_threads 1 ||
-    awk -v limit="$limit" '{ used += $2 + $3 } END { exit used < limit - 5 }' "$work/colmap.time" &&
+  if ! colmap_steps "$work" &&
+    awk -v limit="$limit" '{ used += $2 + $3 } END { exit used < limit - 5 }' "$work/colmap.time"; then
     touch "$work/stopped"
+  fi
   for model in "$work"/models/*; do
     [ ! -e "$model/images.bin" ] ||
       colmap model_converter --input_path "$model" --output_path "$model" --output_type TXT >>"$work/colmap.log" 2>&1
@@ -82,7 +84,7 @@ colmap_alone() { # size
 stopped=
 for size in $sizes; do
   frames=$(awk '!/^#/ && NF >= 2' "$sequence/rgb.txt" | wc -l)
-  if [ $((($size - 1) * stride)) -ge "$frames" ]; then
+  if [ $(((size - 1) * stride)) -ge "$frames" ]; then
     echo "$size frames, one of $stride: the sequence has only $frames" >&2
     continue
   fi
