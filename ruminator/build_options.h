@@ -41,6 +41,8 @@ inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.mapper_time_limit_s", &o.mapper_time_limit_s, "s", "of one run of COLMAP's mapper", 1, 86400);
   table.add("ruminator.sift_keypoints", &o.sift.keypoints, "", "per image, the strongest", 100, 20000);
   table.add("ruminator.sift_contrast", &o.sift.contrast_threshold, "", "least contrast of a keypoint", 0.001, 1);
+  table.add("ruminator.sift_low_contrast", &o.sift.low_contrast_threshold, "", "the same for images that show little",
+            0.0001, 1);
   table.add("ruminator.match_ratio", &o.matching.max_ratio, "", "distance of the best match over the second best", 0.1,
             1);
   table.add("ruminator.match_near", &o.pairs.near, "images",

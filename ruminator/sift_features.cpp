@@ -25,8 +25,10 @@ SiftDescriptor root_sift(const float* histogram) {
 SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, const SiftOptions& options) {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat histograms;
-  cv::SIFT::create(options.keypoints, 3, options.contrast_threshold)
-      ->detectAndCompute(grey, cv::noArray(), keypoints, histograms);
+  for (const double contrast : {options.contrast_threshold, options.low_contrast_threshold}) {
+    cv::SIFT::create(options.keypoints, 3, contrast)->detectAndCompute(grey, cv::noArray(), keypoints, histograms);
+    if (static_cast<int>(keypoints.size()) >= options.few_keypoints) break;
+  }
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return keypoints[a].size > keypoints[b].size; });
