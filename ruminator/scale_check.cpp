@@ -60,18 +60,20 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
     if (std::next(pose) == model.cam_from_world.end()) break;
     const Eigen::Vector3d center = pose->second.center();
     std::vector<double> logs;
+    int crossing = 0;
     for (const Track& track : tracks) {
       if (track.front().first > pose->first || track.back().first <= pose->first) continue;
       Track before, after;
       for (const auto& o : track)
         if (model.cam_from_world.contains(o.first)) (o.first <= pose->first ? before : after).push_back(o);
+      crossing += !before.empty() && !after.empty();
       const auto seen_before = see(before);
       const auto seen_after = seen_before ? see(after) : std::nullopt;
       if (!seen_after) continue;
       const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
       if (std::isfinite(log)) logs.push_back(log);
     }
-    cuts.push_back({.image = pose->first});
+    cuts.push_back({.image = pose->first, .tracks = crossing});
     ScaleCut& cut = cuts.back();
     summarize(&logs, &cut);
     const bool is_known = cut.points >= options.min_carrying_points && cut.log_error <= options.max_carried_log_error;
@@ -95,7 +97,8 @@ std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const Scale
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts) {
   std::optional<ScaleCut> weakest;
   for (const ScaleCut& cut : cuts)
-    if (cut.is_break && (!weakest || cut.points < weakest->points)) weakest = cut;
+    if (cut.is_break && (!weakest || std::pair(cut.points, cut.tracks) < std::pair(weakest->points, weakest->tracks)))
+      weakest = cut;
   return weakest;
 }
 

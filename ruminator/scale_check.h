@@ -29,7 +29,8 @@ struct ScaleCheckOptions {
 
 struct ScaleCut {
   int image = 0;   // the last one before the cut
-  int points = 0;  // that either side can triangulate by itself
+  int tracks = 0;  // that cross it
+  int points = 0;  // of which either side can triangulate by itself
   // Both sides see depth, but too few points tell how that of the one relates to that of the other.
   bool is_break = false;
   // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
@@ -45,7 +46,7 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
 // The cut where the scale certainly changes the most, if it does.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);
 
-// The break with the fewest points, if there is one.
+// The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
 
 // Removes the images on that side of the cut that has fewer.

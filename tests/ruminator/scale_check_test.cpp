@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/scale_check.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/ruminator/test_window.h"
+
+namespace rumi {
+namespace {
+
+using testing::TestWindow;
+
+constexpr ScaleCheckOptions kOptions;
+
+// Everything after the image is `factor` times as large, seen from it.
+void slip(int image, double factor, ColmapModel* model) {
+  repair_scale({.image = image, .log_ratio = -std::log(factor)}, model);
+}
+
+TEST(ScaleCheck, FindsNothingInARightModel) {
+  const TestWindow w = testing::sideways_window(12);
+  const auto cuts = check_scale(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, testing::true_model(w));
+  ASSERT_EQ(cuts.size(), 11U);
+  EXPECT_FALSE(find_slip(cuts, kOptions));
+  EXPECT_FALSE(find_break(cuts));
+  EXPECT_GT(cuts[5].points, 50);
+  EXPECT_NEAR(cuts[5].log_ratio, 0, 0.05);
+}
+
+TEST(ScaleCheck, FindsASlipAndRepairsIt) {
+  const TestWindow w = testing::sideways_window(12);
+  const std::vector<Track> tracks = join_tracks(w.images, w.pairs);
+  for (const double factor : {3.0, 0.4}) {
+    ColmapModel model = testing::true_model(w);
+    slip(5, factor, &model);
+    const auto found = find_slip(check_scale(w.camera, w.images, tracks, kOptions, model), kOptions);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->image, 5);
+    EXPECT_NEAR(found->log_ratio, std::log(factor), 0.1);
+    repair_scale(*found, &model);
+    EXPECT_FALSE(find_slip(check_scale(w.camera, w.images, tracks, kOptions, model), kOptions));
+    EXPECT_LT(testing::worst_center_error(w, model), 0.1);
+  }
+}
+
+TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
+  TestWindow w = testing::sideways_window(12);
+  std::erase_if(w.pairs, [](const ColmapPair& p) { return p.first <= 7 && p.second > 7; });
+  ColmapModel model = testing::true_model(w);
+  model.points.clear();
+  const std::vector<Track> tracks = join_tracks(w.images, w.pairs);
+  triangulate_tracks(w.camera, w.images, tracks, {}, &model);
+  const auto found = find_break(check_scale(w.camera, w.images, tracks, kOptions, model));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->image, 7);
+  EXPECT_EQ(found->points, 0);
+  keep_larger_side(*found, &model);
+  EXPECT_EQ(model.cam_from_world.size(), 8U);
+  for (const ColmapModel::Point& point : model.points)
+    for (const auto& [image, keypoint] : point.track) EXPECT_LE(image, 7);
+  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
+}
+
+TEST(ScaleCheck, ACameraThatStandsStillHasNoScaleToLose) {
+  TestWindow w = testing::sideways_window(12);
+  ColmapModel model = testing::true_model(w);
+  for (int image = 0; image < 6; ++image) model.cam_from_world[image] = model.cam_from_world[0];
+  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first < 6; });
+  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  std::vector<Track> tracks = join_tracks(w.images, w.pairs);
+  for (Track& track : tracks) std::erase_if(track, [](const auto& o) { return o.first < 6; });
+  std::erase_if(tracks, [](const Track& track) { return track.size() < 2; });
+  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
+}
+
+TEST(ScaleCheck, OfNothingIsNothing) {
+  const TestWindow w = testing::sideways_window(3);
+  EXPECT_TRUE(check_scale(w.camera, w.images, {}, kOptions, {}).empty());
+}
+
+}  // namespace
+}  // namespace rumi
