@@ -106,8 +106,8 @@ int64_t Atlas::frames_in_map() const {
 std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
   const auto record = frames_.find(utime_us);
   const auto order = [&](const AtlasSubmap& s) {
-    const bool tracked_in = record != frames_.end() &&
-                            s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
+    const bool tracked_in =
+        record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
     return std::make_tuple(!s.in_map, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;

@@ -23,7 +23,8 @@ using WideDescriptor = std::array<int16_t, 128>;
 
 // Nearly all the time of matching goes here. With 16-bit factors the compiler makes vector code of it, for each kind of
 // processor.
-RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void dot_products(const WideDescriptor& a, const std::vector<WideDescriptor>& b, int* products) {
+RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void dot_products(const WideDescriptor& a, const std::vector<WideDescriptor>& b,
+                                                      int* products) {
   for (const WideDescriptor& other : b) {
     int sum = 0;
     for (int i = 0; i < 128; ++i) sum += a[i] * other[i];

@@ -37,7 +37,7 @@ struct Features {
   void undistort(const Camera& camera);
 };
 
-inline constexpr int kNone = -1;    // no keyframe, landmark or keypoint
+inline constexpr int kNone = -1;     // no keyframe, landmark or keypoint
 inline constexpr int kNoSubmap = 0;  // submap ids count up from 1 (front) and down from -1 (back)
 
 struct Keyframe {
@@ -78,7 +78,7 @@ struct FramePose {
 };
 
 struct SubmapKey {
-  int64_t session = 0;  // names the run of front_tracker that made it
+  int64_t session = 0;     // names the run of front_tracker that made it
   int32_t id = kNoSubmap;  // front: 1, 2, 3, ...; back: -1, -2, ...
   auto operator<=>(const SubmapKey&) const = default;
 };

@@ -86,7 +86,8 @@ TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
   const std::string flag = "--log '" + log.string() + "'";
   ASSERT_EQ(replay(sequence_, first, "--duration 3 " + flag).exit_code, 0);
   const std::string bytes = read_file(log);
-  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS"}) EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
+  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS"})
+    EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
   EXPECT_EQ(bytes.find("RUMI_MAP_CHUNK"), std::string::npos);
   EXPECT_EQ(bytes.find("RUMI_SUBMAP"), std::string::npos);
   ASSERT_EQ(replay(log, second).exit_code, 0);
