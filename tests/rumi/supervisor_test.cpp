@@ -124,9 +124,11 @@ TEST_F(SupervisorTest, StopsInStagesWithWordInBetween) {
   EXPECT_EQ(order, (std::vector<std::string>{"front done", "asked", "map done"}));
 }
 
+// Asked again while it is at it, a shell would begin its answer anew: hence the empty trap.
 ChildProcess finisher(const std::string& on_request) {
-  ChildProcess child = shell("worker", "trap '" + on_request + "' USR1; trap 'echo stopped; exit 0' TERM; " +
-                                           "echo works; while :; do sleep 0.02; done");
+  ChildProcess child =
+      shell("worker", "trap 'trap \"\" USR1; " + on_request + "' USR1; trap 'echo stopped; exit 0' TERM; " +
+                          "echo works; while :; do sleep 0.02; done");
   child.finishes = true;
   return child;
 }
