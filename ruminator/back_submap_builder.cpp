@@ -128,7 +128,6 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   fill_back_submap(job.camera, images.grey, images.utimes_us, model.best.model, options.landmarks, &submap);
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
-  result->pair_rotation_deg = model.best.pair_rotation_deg;
   result->agreement = model.best.agreement;
   count_registered(job.window, submap, result);
   if (is_useful(result->approach, result->gap, result->departure))

@@ -31,9 +31,8 @@ struct BuildResult {
 
   // Frames registered of those sampled.
   int approach = 0, gap = 0, departure = 0;
-  std::string warning;           // of what went wrong on the way and was not needed, e.g. no COLMAP
-  std::string origin;            // how the model was found
-  double pair_rotation_deg = 0;  // see WindowModel
+  std::string warning;  // of what went wrong on the way and was not needed, e.g. no COLMAP
+  std::string origin;   // how the model was found
   std::vector<FrontAgreement> agreement;
   double error_px = 0;           // RMS reprojection error
   int models_tried = 0;          // mapper runs

@@ -54,7 +54,7 @@ std::vector<MapperOption> mapper_options(const MapperCommand& command, const Map
       {{"Mapper.init_min_num_inliers"}, text(s.init_min_num_inliers)},
       {{"Mapper.abs_pose_min_num_inliers"}, text(s.abs_pose_min_num_inliers)},
       {{"Mapper.filter_max_reproj_error"}, text(s.filter_max_reproj_error_px)},
-      {{"Mapper.ba_refine_focal_length"}, flag(s.refine_focal)},
+      {{"Mapper.ba_refine_focal_length"}, flag(false)},
       {{"Mapper.ba_refine_principal_point"}, flag(false)},
       {{"Mapper.ba_refine_extra_params"}, flag(false)},  // the camera has none
       {{"Mapper.ba_local_num_images"}, text(s.local_num_images)},

@@ -22,7 +22,6 @@ struct MapperSettings {
   int min_num_matches = 15;           // of a pair, for it to be used at all
   double filter_max_reproj_error_px = 4;
   int random_seed = 0;
-  bool refine_focal = false;    // fx and fy; the principal point stays
   bool multiple_models = true;  // false: what the first pair gives is kept, even two images
   int min_model_size = 10;      // images; smaller models are dropped (with multiple_models)
   int max_num_models = 3;

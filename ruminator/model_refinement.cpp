@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "slam/geometry/resection.h"
 #include "slam/geometry/triangulation.h"
@@ -59,10 +58,6 @@ WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t le
   return widest;
 }
 
-bool has_parallax(const ColmapModel& model, const ColmapModel::Point& point, double min_parallax_deg) {
-  return widest_rays(directions_to_cameras(model, point)).cosine <= std::cos(min_parallax_deg * M_PI / 180);
-}
-
 void solve(const Camera& camera, const std::vector<ColmapImage>& images, int iterations, ColmapModel* model) {
   BundleProblem problem;
   std::map<int, int> view_of;
@@ -81,34 +76,6 @@ void solve(const Camera& camera, const std::vector<ColmapImage>& images, int ite
   if (!solve_bundle(camera, options, &problem).usable) return;
   for (const auto& [image, view] : view_of) model->cam_from_world[image] = problem.views[view].cam_from_submap;
   for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
-}
-
-void remove_images(const std::set<int>& images, ColmapModel* model) {
-  for (int image : images) model->cam_from_world.erase(image);
-  for (ColmapModel::Point& point : model->points)
-    std::erase_if(point.track, [&](const auto& o) { return images.contains(o.first); });
-  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
-}
-
-void remove_outliers(const Camera& camera, const std::vector<ColmapImage>& images,
-                     const ModelRefinementOptions& options, ColmapModel* model) {
-  for (ColmapModel::Point& point : model->points) {
-    std::erase_if(point.track, [&](const auto& o) {
-      return !(error_px(camera, model->cam_from_world.at(o.first), point.position,
-                        images[o.first].keypoints[o.second]) <= options.max_error_px);
-    });
-  }
-  std::erase_if(model->points, [&](const ColmapModel::Point& point) {
-    return point.track.size() < 2 || !has_parallax(*model, point, options.min_parallax_deg);
-  });
-  std::map<int, int> seen;
-  for (const ColmapModel::Point& point : model->points)
-    for (const auto& [image, keypoint] : point.track) ++seen[image];
-  // What sees fewer points than a resection asks for has no pose worth having.
-  std::set<int> gone;
-  for (const auto& [image, pose] : model->cam_from_world)
-    if (seen[image] < options.resection_min_inliers) gone.insert(image);
-  remove_images(gone, model);
 }
 
 ModelQuality quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model) {
@@ -183,16 +150,43 @@ void triangulate_matches(const Camera& camera, const std::vector<ColmapImage>& i
 
 }  // namespace
 
+bool has_parallax(const ColmapModel& model, const ColmapModel::Point& point, double min_parallax_deg) {
+  return widest_rays(directions_to_cameras(model, point)).cosine <= std::cos(min_parallax_deg * M_PI / 180);
+}
+
+void remove_images(const std::set<int>& images, ColmapModel* model) {
+  for (int image : images) model->cam_from_world.erase(image);
+  for (ColmapModel::Point& point : model->points)
+    std::erase_if(point.track, [&](const auto& o) { return images.contains(o.first); });
+  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+}
+
 void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
                  ColmapModel* model) {
-  remove_outliers(camera, images, options, model);
+  for (ColmapModel::Point& point : model->points) {
+    std::erase_if(point.track, [&](const auto& o) {
+      return !(error_px(camera, model->cam_from_world.at(o.first), point.position,
+                        images[o.first].keypoints[o.second]) <= options.max_error_px);
+    });
+  }
+  std::erase_if(model->points, [&](const ColmapModel::Point& point) {
+    return point.track.size() < 2 || !has_parallax(*model, point, options.min_parallax_deg);
+  });
+  std::map<int, int> seen;
+  for (const ColmapModel::Point& point : model->points)
+    for (const auto& [image, keypoint] : point.track) ++seen[image];
+  // What sees fewer points than a resection asks for has no pose worth having.
+  std::set<int> gone;
+  for (const auto& [image, pose] : model->cam_from_world)
+    if (seen[image] < options.resection_min_inliers) gone.insert(image);
+  remove_images(gone, model);
 }
 
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
                           const ModelRefinementOptions& options, ColmapModel* model) {
   for (int round = 0; round < 2; ++round) {
     solve(camera, images, options.bundle_iterations, model);
-    remove_outliers(camera, images, options, model);
+    prune_model(camera, images, options, model);
   }
   return quality(camera, images, *model);
 }

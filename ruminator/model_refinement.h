@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "ruminator/colmap_database.h"
@@ -25,12 +26,18 @@ struct ModelQuality {
   int observations = 0;
 };
 
-// Bundle adjustment with the calibrated camera, observations beyond the error limit and points without parallax
-// removed, and once more. The first registered view keeps its pose. Images that lose all their points are dropped.
+// With their observations, and the points that fewer than two images are left to see.
+void remove_images(const std::set<int>& images, ColmapModel* model);
+
+// Does the point have that angle between two of its rays?
+bool has_parallax(const ColmapModel& model, const ColmapModel::Point& point, double min_parallax_deg);
+
 // Removes observations beyond the error limit, points without parallax and images that lose all their points.
 void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
                  ColmapModel* model);
 
+// Bundle adjustment with the calibrated camera, then prune_model, and both once more. The first registered view keeps
+// its pose.
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
                           const ModelRefinementOptions& options, ColmapModel* model);
 

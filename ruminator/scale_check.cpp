@@ -23,20 +23,14 @@ void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
 }
 
-// Points of which the images of one side of the cut have enough parallax.
+// Points of which the images of one side of the cut have enough parallax; no more than asked for are counted.
 int points_with_depth(const ColmapModel& model, int last_before, bool before, const ScaleCheckOptions& options) {
-  const double max_cosine = std::cos(options.min_parallax_deg * M_PI / 180);
   int count = 0;
   for (const ColmapModel::Point& point : model.points) {
-    std::vector<Eigen::Vector3d> directions;
-    for (const auto& [image, keypoint] : point.track)
-      if ((image <= last_before) == before)
-        directions.push_back((model.cam_from_world.at(image).center() - point.position).normalized());
-    bool has_depth = false;
-    for (size_t i = 0; i < directions.size() && !has_depth; ++i)
-      for (size_t j = i + 1; j < directions.size() && !has_depth; ++j)
-        has_depth = directions[i].dot(directions[j]) <= max_cosine;
-    if ((count += has_depth) >= options.min_depth_points) return count;
+    ColmapModel::Point part{point.position, {}};
+    for (const auto& o : point.track)
+      if ((o.first <= last_before) == before) part.track.push_back(o);
+    if ((count += has_parallax(model, part, options.min_parallax_deg)) >= options.min_depth_points) return count;
   }
   return count;
 }
@@ -102,14 +96,12 @@ std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts) {
   return weakest;
 }
 
-void keep_larger_side(const ScaleCut& cut, ColmapModel* model) {
-  const auto& poses = model->cam_from_world;
-  const auto before = std::distance(poses.begin(), poses.upper_bound(cut.image));
-  const bool keep_before = 2 * before >= static_cast<long>(poses.size());
-  std::erase_if(model->cam_from_world, [&](const auto& pose) { return (pose.first <= cut.image) != keep_before; });
-  for (ColmapModel::Point& point : model->points)
-    std::erase_if(point.track, [&](const auto& o) { return !model->cam_from_world.contains(o.first); });
-  std::erase_if(model->points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+int keep_larger_side(const ScaleCut& cut, ColmapModel* model) {
+  std::set<int> before, after;
+  for (const auto& [image, pose] : model->cam_from_world) (image <= cut.image ? before : after).insert(image);
+  const std::set<int>& smaller = before.size() >= after.size() ? after : before;
+  remove_images(smaller, model);
+  return static_cast<int>(smaller.size());
 }
 
 void repair_scale(const ScaleCut& cut, ColmapModel* model) {

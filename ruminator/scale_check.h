@@ -49,8 +49,8 @@ std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const Scale
 // The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
 
-// Removes the images on that side of the cut that has fewer.
-void keep_larger_side(const ScaleCut& cut, ColmapModel* model);
+// Removes the images on that side of the cut that has fewer. Returns how many.
+int keep_larger_side(const ScaleCut& cut, ColmapModel* model);
 
 // Brings everything after the cut to the scale before it, seen from the image of the cut. Points are to be triangulated
 // anew.

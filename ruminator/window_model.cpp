@@ -134,18 +134,18 @@ class Attempts {
   // left out tried once more. The same for every candidate, so that they can be compared.
   WindowModel complete(ColmapModel model, std::string origin) const {
     ModelQuality quality = settle(&model);
-    for (int i = 0; i < o_.scale.repairs; ++i) {
-      const auto slip = find_slip(check_scale(in_.camera, in_.images, tracks_, o_.scale, model), o_.scale);
-      if (!slip) break;
+    std::optional<ScaleCut> slip = find_slip(scale_cuts(model), o_.scale);
+    for (int i = 0; slip && i < o_.scale.repairs; ++i) {
       ColmapModel repaired = model;
       repair_scale(*slip, &repaired);
       const ModelQuality after = settle(&repaired);
-      const auto left = find_slip(check_scale(in_.camera, in_.images, tracks_, o_.scale, repaired), o_.scale);
+      const std::optional<ScaleCut> left = find_slip(scale_cuts(repaired), o_.scale);
       // Right if everything else fits as well as before, and the slip is gone.
       const bool fits = after.observations > 0.98 * quality.observations && after.rmse_px < 1.05 * quality.rmse_px;
       if (!fits || (left && std::abs(left->log_ratio) > 0.5 * std::abs(slip->log_ratio))) break;
       quality = after;
       model = std::move(repaired);
+      slip = left;
     }
     remove_loose_images(o_.refinement, &model);
     if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, &model) > 0)
@@ -156,10 +156,8 @@ class Attempts {
     WindowModel candidate;
     candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
     // Where nothing tells how the scales of two sides relate, there are two models, and one of them is kept.
-    while (const auto gap = find_break(check_scale(in_.camera, in_.images, tracks_, o_.scale, model))) {
-      candidate.broken_off += static_cast<int>(model.cam_from_world.size());
-      keep_larger_side(*gap, &model);
-      candidate.broken_off -= static_cast<int>(model.cam_from_world.size());
+    while (const auto cut = find_break(scale_cuts(model))) {
+      candidate.broken_off += keep_larger_side(*cut, &model);
       candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
     }
     candidate.model = std::move(model);
@@ -167,6 +165,10 @@ class Attempts {
     if (candidate.broken_off > 0)
       candidate.origin += fmt::format(", {} images of unrelated scale left out", candidate.broken_off);
     return candidate;
+  }
+
+  std::vector<ScaleCut> scale_cuts(const ColmapModel& model) const {
+    return check_scale(in_.camera, in_.images, tracks_, o_.scale, model);
   }
 
   // Points anew and everything adjusted, first with a wide limit for errors.
