@@ -55,12 +55,13 @@ keyframe_features_t features_to_wire(const Keyframe& keyframe) {
   return wire;
 }
 
-std::shared_ptr<const Features> features_from_wire(const keyframe_features_t& wire) {
+std::shared_ptr<const Features> features_from_wire(const keyframe_features_t& wire, const Camera& camera) {
   auto features = std::make_shared<Features>();
   features->keypoints.resize(wire.n);
   features->descriptors.resize(wire.n);
   for (int i = 0; i < wire.n; ++i) features->keypoints[i] = {{wire.x[i], wire.y[i]}, wire.angle[i], wire.octave[i]};
   if (wire.n > 0) std::memcpy(features->descriptors.data(), wire.descriptors.data(), wire.descriptors.size());
+  features->undistort(camera);
   return features;
 }
 
@@ -114,7 +115,7 @@ void apply_landmarks(const submap_update_t& update, Submap* s) {
 void apply_keyframes(const submap_update_t& update, Submap* s) {
   for (const keyframe_features_t& f : update.features) {
     Keyframe& keyframe = s->keyframes[f.keyframe_id];
-    keyframe.features = features_from_wire(f);
+    keyframe.features = features_from_wire(f, s->camera);
     keyframe.created_revision = update.revision;
   }
   for (const keyframe_t& k : update.keyframes) {

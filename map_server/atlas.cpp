@@ -30,10 +30,6 @@ const char* to_string(FrameState state) {
   return "UNKNOWN";
 }
 
-SE3 map_from_camera(const AtlasSubmap& owner, const SE3& cam_from_submap) {
-  return owner.map_from_submap.transform_camera(cam_from_submap).inverse();
-}
-
 std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change) {
   const auto known = submaps_.find(key);
   AtlasSubmap fresh;
@@ -114,7 +110,7 @@ std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
   for (const auto& [key, candidate] : submaps_)
     if (candidate.submap.frame(utime_us) && (!best || order(candidate) < order(*best))) best = &candidate;
   if (!best) return std::nullopt;
-  return LocatedFrame{best, best->submap.cam_from_submap(*best->submap.frame(utime_us))};
+  return LocatedFrame{best, best->submap.frame(utime_us)};
 }
 
 std::map<int64_t, SE3> Atlas::map_trajectory() const {
@@ -123,8 +119,7 @@ std::map<int64_t, SE3> Atlas::map_trajectory() const {
     if (!owner.in_map) continue;
     for (const auto& [utime_us, frame] : owner.submap.frames) {
       if (trajectory.contains(utime_us)) continue;
-      const LocatedFrame located = *locate(utime_us);
-      trajectory.emplace(utime_us, map_from_camera(*located.owner, located.cam_from_submap));
+      trajectory.emplace(utime_us, locate(utime_us)->cam_from_map().inverse());
     }
   }
   return trajectory;

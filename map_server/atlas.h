@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All submaps, what became of every frame, and which submaps form the map that is served. Knows no LCM and no files.
 //
-// In this version the served map is one submap, the one with most frames, in its own gauge. Merging will put more
-// submaps into it: everything that reads an atlas already asks in_map and map_from_submap.
+// The served map is made of the submaps that hang together with the largest front submap (see map_builder.h).
 #pragma once
 
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "map_server/placement.h"
 #include "slam/geometry/transform.h"
 #include "slam/map/submap.h"
 
@@ -33,14 +33,17 @@ struct FrameRecord {
 
 struct AtlasSubmap {
   Submap submap;
-  bool in_map = false;   // part of the served map
-  Sim3 map_from_submap;  // meaningful where in_map
+  bool in_map = false;  // part of the served map
+  Placement placement;  // meaningful where in_map
 };
 
 // Where a frame is: the pose that counts, if several submaps have one.
 struct LocatedFrame {
   const AtlasSubmap* owner = nullptr;
-  SE3 cam_from_submap;
+  const FramePose* frame = nullptr;
+  SE3 cam_from_submap() const { return owner->submap.cam_from_submap(*frame); }
+  // Meaningful where the owner is in the map.
+  SE3 cam_from_map() const { return owner->placement.cam_from_map(owner->submap, *frame); }
 };
 
 class Atlas {
@@ -73,8 +76,5 @@ class Atlas {
   std::map<int64_t, FrameRecord> frames_;
   int64_t revision_ = 0;
 };
-
-// map_from_cam for a camera whose cam_from_submap is known.
-SE3 map_from_camera(const AtlasSubmap& owner, const SE3& cam_from_submap);
 
 }  // namespace rumi

@@ -105,7 +105,7 @@ void add_submap(const AtlasSubmap& owner, ColmapModel* model) {
     ColmapImage& image = model->images.emplace_back();
     image.id = image_ids[id] = static_cast<uint32_t>(model->images.size());
     image.camera = camera;
-    image.cam_from_map = owner.map_from_submap.transform_camera(keyframe.cam_from_submap);
+    image.cam_from_map = owner.placement.cam_from_map(keyframe);
     image.name = seconds_text(keyframe.utime_us) + ".jpg";
     for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
       const auto point = point_ids.find(keyframe.landmark_ids[i]);
@@ -117,7 +117,7 @@ void add_submap(const AtlasSubmap& owner, ColmapModel* model) {
     const Landmark& landmark = *submap.landmark(id);
     ColmapPoint& point = model->points.emplace_back();
     point.id = point_id;
-    point.position = owner.map_from_submap * landmark.position;
+    point.position = owner.placement.position_in_map(owner.submap, landmark);
     point.colour = submap_colour(submap.key);
     point.error_px = mean_error_px(submap, landmark);
     for (const Observation& o : landmark.observations)

@@ -40,7 +40,7 @@ submap_summary_t summarize(const AtlasSubmap& owner) {
   summary.frames = static_cast<int32_t>(s.frames.size());
   summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
   summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
-  summary.map_from_submap = to_wire(owner.map_from_submap);
+  summary.map_from_submap = to_wire(owner.placement.latest());
   return summary;
 }
 

@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column) {
+std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Camera& camera) {
   const auto keypoints = vector_from_blob<float>(row.blob(first_column));
   const auto octaves = vector_from_blob<uint8_t>(row.blob(first_column + 1));
   auto features = std::make_shared<Features>();
@@ -21,6 +21,7 @@ std::shared_ptr<const Features> features_from_row(const Statement& row, int firs
     throw std::runtime_error("keypoints, octaves and descriptors do not have the same length");
   for (size_t i = 0; i < octaves.size(); ++i)
     features->keypoints.push_back({{keypoints[3 * i], keypoints[3 * i + 1]}, keypoints[3 * i + 2], octaves[i]});
+  features->undistort(camera);
   return features;
 }
 
@@ -111,7 +112,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
     keyframe.revision = keyframes.integer(3);
     keyframe.created_revision = keyframes.integer(4);
-    keyframe.features = features_from_row(keyframes, 6);
+    keyframe.features = features_from_row(keyframes, 6, s->camera);
     keyframe.landmark_ids.assign(keyframe.features->keypoints.size(), kNone);
     restore_observations(vector_from_blob<int32_t>(keyframes.blob(5)), &keyframe, s);
     s->keyframes.emplace_hint(s->keyframes.end(), keyframe.id, std::move(keyframe));

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What two submaps have in common because they were made of the same images: frames of the same time, and landmarks
+// that the same keypoint observes (the paper's M_com, section IV.C: by the distance in the image, not by descriptor,
+// and without a check of the geometry, which on challenging frames is what is wrong).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+// Keyframes of the same image, one of each submap.
+struct SharedKeyframe {
+  int64_t utime_us = 0;
+  int a = kNone, b = kNone;  // ids
+};
+
+// One observation each of the same pixel in a shared keyframe.
+struct LandmarkMatch {
+  int a = kNone, b = kNone;  // landmark ids
+  int shared = 0;            // index into Correspondences::keyframes
+  int keypoint_a = 0, keypoint_b = 0;
+};
+
+struct Correspondences {
+  std::vector<int64_t> frames;            // utime_us, with a pose in both submaps; ascending
+  std::vector<SharedKeyframe> keyframes;  // ascending utime
+  std::vector<LandmarkMatch> landmarks;   // by shared keyframe; each keypoint at most once in each
+};
+
+// `max_distance_px` between keypoints (undistorted) that are taken for one.
+Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px);
+
+}  // namespace rumi

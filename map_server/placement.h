@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a submap lies in the served map. Not in one piece: a submap bends when it is joined to others, so every
+// keyframe has a similarity of its own, and what hangs on the keyframe (frames, landmarks) follows it. The submap itself
+// stays as its maker sent it; what the maker changes or adds later follows the keyframe nearest in time.
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+struct LandmarkRef {
+  SubmapKey submap;
+  int id = kNone;
+  auto operator<=>(const LandmarkRef&) const = default;
+};
+
+struct Placement {
+  std::map<int64_t, Sim3> map_from_submap;    // at the keyframe of that utime_us; empty: identity everywhere
+  std::map<int, Eigen::Vector3d> landmarks;   // position in the map of those that a bundle adjustment of the map moved
+  std::map<int, LandmarkRef> fused;           // these landmarks are the same point as another one's
+
+  // At the keyframe nearest in time.
+  Sim3 at(int64_t utime_us) const;
+  // At the latest keyframe: what a camera that goes on in the submap is placed with.
+  Sim3 latest() const { return map_from_submap.empty() ? Sim3() : map_from_submap.rbegin()->second; }
+
+  SE3 cam_from_map(const Keyframe& keyframe) const;
+  // The frame keeps its place relative to its keyframe.
+  SE3 cam_from_map(const Submap& submap, const FramePose& frame) const;
+  Eigen::Vector3d position_in_map(const Submap& submap, const Landmark& landmark) const;
+};
+
+// The submap as it is in the map: same ids and observations, poses and positions in the map's unit and frame of
+// reference.
+Submap place(const Submap& submap, const Placement& placement);
+
+}  // namespace rumi

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/submap_alignment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/geometry/alignment.h"
+
+namespace rumi {
+namespace {
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// A match with all that scoring it needs.
+struct Pair {
+  Eigen::Vector3d point_a, point_b;
+  Eigen::Vector2d pixel;
+  double depth_a, depth_b, sigma_px;
+  const SE3* cam_from_a;
+  const SE3* cam_from_b;
+};
+
+class Aligner {
+ public:
+  Aligner(const Submap& a, const Submap& b, const Correspondences& common, const AlignmentOptions& options)
+      : a_(a), b_(b), common_(common), o_(options) {
+    for (const LandmarkMatch& match : common.landmarks) {
+      const SharedKeyframe& shared = common.keyframes[match.shared];
+      const Keyframe& in_a = *a.keyframe(shared.a);
+      const Keyframe& in_b = *b.keyframe(shared.b);
+      const Eigen::Vector3d point_a = a.landmark(match.a)->position, point_b = b.landmark(match.b)->position;
+      pairs_.push_back({point_a, point_b, in_b.features->undistorted[match.keypoint_b].cast<double>(),
+                        (in_a.cam_from_submap * point_a).z(), (in_b.cam_from_submap * point_b).z(),
+                        std::pow(1.2, in_b.features->keypoints[match.keypoint_b].octave), &in_a.cam_from_submap,
+                        &in_b.cam_from_submap});
+    }
+  }
+
+  Alignment run() {
+    Alignment best;
+    best.landmarks = static_cast<int>(pairs_.size());
+    best.keyframes = static_cast<int>(common_.keyframes.size());
+    for (int k = 0; k < best.keyframes; ++k) {
+      const std::optional<Sim3> proposal = propose(k);
+      if (!proposal) continue;
+      Alignment candidate = best;
+      score(*proposal, &candidate);
+      if (candidate.landmark_inliers > best.landmark_inliers) best = candidate;
+    }
+    for (int round = 0; round < 3 && best.landmark_inliers >= 3; ++round) {
+      Alignment refined = best;
+      score(refine(best), &refined);
+      if (refined.landmark_inliers < best.landmark_inliers) break;
+      best = refined;
+    }
+    judge(&best);
+    return best;
+  }
+
+ private:
+  std::optional<Sim3> propose(int shared) const {
+    std::vector<double> log_ratios;
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      if (common_.landmarks[i].shared == shared && pairs_[i].depth_a > 0 && pairs_[i].depth_b > 0)
+        log_ratios.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
+    if (static_cast<int>(log_ratios.size()) < std::max(3, o_.min_landmarks / 4)) return std::nullopt;
+    const SE3& cam_from_a = a_.keyframe(common_.keyframes[shared].a)->cam_from_submap;
+    const SE3& cam_from_b = b_.keyframe(common_.keyframes[shared].b)->cam_from_submap;
+    return through(cam_from_a, cam_from_b, std::exp(median(log_ratios)));
+  }
+
+  static Sim3 through(const SE3& cam_from_a, const SE3& cam_from_b, double scale) {
+    const Eigen::Quaterniond rotation = cam_from_b.rotation.conjugate() * cam_from_a.rotation;
+    return {scale, rotation, cam_from_b.center() - scale * (rotation * cam_from_a.center())};
+  }
+
+  double error_px(const Sim3& b_from_a, const Pair& pair) const {
+    const Eigen::Vector3d in_b = *pair.cam_from_b * (b_from_a * pair.point_a);
+    const Eigen::Vector3d in_a = *pair.cam_from_a * (b_from_a.inverse() * pair.point_b);
+    if (!(in_a.z() > 1e-9 && in_b.z() > 1e-9)) return std::numeric_limits<double>::infinity();
+    const double forward = (b_.camera.project_undistorted(in_b) - pair.pixel).norm();
+    const double backward = (a_.camera.project_undistorted(in_a) - pair.pixel).norm();
+    return std::max(forward, backward) / pair.sigma_px;
+  }
+
+  void score(const Sim3& b_from_a, Alignment* alignment) const {
+    alignment->b_from_a = b_from_a;
+    alignment->inlier.assign(pairs_.size(), 0);
+    alignment->landmark_inliers = 0;
+    double sum = 0;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      const double error = error_px(b_from_a, pairs_[i]);
+      if (error > o_.max_reprojection_px) continue;
+      alignment->inlier[i] = 1;
+      ++alignment->landmark_inliers;
+      sum += error * error;
+    }
+    alignment->rmse_px = std::sqrt(sum / std::max(1, alignment->landmark_inliers));
+    score_frames(alignment);
+  }
+
+  void score_frames(Alignment* alignment) const {
+    alignment->keyframe_inlier.assign(common_.keyframes.size(), 0);
+    alignment->keyframe_inliers = 0;
+    for (size_t k = 0; k < common_.keyframes.size(); ++k) {
+      const SE3& cam_from_a = a_.keyframe(common_.keyframes[k].a)->cam_from_submap;
+      const SE3& cam_from_b = b_.keyframe(common_.keyframes[k].b)->cam_from_submap;
+      const SE3 moved = alignment->b_from_a.transform_camera(cam_from_a);
+      std::vector<double> depths;
+      for (size_t i = 0; i < pairs_.size(); ++i)
+        if (common_.landmarks[i].shared == static_cast<int>(k)) depths.push_back(pairs_[i].depth_b);
+      if (depths.empty()) continue;
+      const double angle = moved.rotation.angularDistance(cam_from_b.rotation) * 180 / M_PI;
+      const double distance = (moved.center() - cam_from_b.center()).norm() / median(depths);
+      if (angle > o_.max_rotation_deg || distance > o_.max_center_depth_ratio) continue;
+      alignment->keyframe_inlier[k] = 1;
+      ++alignment->keyframe_inliers;
+    }
+  }
+
+  Sim3 refine(const Alignment& alignment) const {
+    std::vector<Eigen::Vector3d> from, to;
+    for (size_t i = 0; i < pairs_.size(); ++i)
+      if (alignment.inlier[i]) {
+        from.push_back(pairs_[i].point_a);
+        to.push_back(pairs_[i].point_b);
+      }
+    return umeyama(from, to).value_or(alignment.b_from_a);
+  }
+
+  void judge(Alignment* best) const {
+    if (best->keyframes < o_.min_shared_keyframes)
+      best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, o_.min_shared_keyframes);
+    else if (best->landmark_inliers < o_.min_landmarks || best->landmark_inliers < o_.min_inlier_ratio * best->landmarks)
+      best->doubt = fmt::format("{} of {} common landmarks agree", best->landmark_inliers, best->landmarks);
+    else if (best->keyframe_inliers < o_.min_frame_ratio * best->keyframes)
+      best->doubt = fmt::format("{} of {} shared keyframes agree", best->keyframe_inliers, best->keyframes);
+  }
+
+  const Submap& a_;
+  const Submap& b_;
+  const Correspondences& common_;
+  const AlignmentOptions& o_;
+  std::vector<Pair> pairs_;
+};
+
+}  // namespace
+
+Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
+                        const AlignmentOptions& options) {
+  return Aligner(a, b, common, options).run();
+}
+
+}  // namespace rumi
