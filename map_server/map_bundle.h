@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bundle adjustment of the served map, or of a window of it (welding, paper section IV.C).
+#pragma once
+
+#include <vector>
+
+#include "map_server/map_model.h"
+
+namespace rumi {
+
+struct MapBundleOptions {
+  // Each round solves with the observations whose squared error over sigma^2 is below its gate: the first rounds bring
+  // together what a rigid alignment left apart, the last one (95 % of a 2-D normal distribution) keeps what fits.
+  std::vector<double> gates_chi2 = {400, 36, 5.991};
+  int iterations = 30;  // of each round, at most
+};
+
+struct MapBundleReport {
+  int views = 0, points = 0, observations = 0;  // adjusted
+  int outliers = 0;                             // observations left out of the last round, and forgotten
+  double rmse = 0;                              // of the others, in units of their sigma
+};
+
+// Adjusts these views (all if empty) and the points that they see; other views that see these points stay fixed. At
+// least one view is kept fixed. Outliers of the last round are forgotten.
+MapBundleReport adjust_map(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model);
+
+}  // namespace rumi

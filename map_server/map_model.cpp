@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_model.h"
+
+#include <algorithm>
+
+#include "slam/features/keypoint_grid.h"
+
+namespace rumi {
+namespace {
+
+constexpr size_t kMinScaleLandmarks = 5;
+
+// Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none.
+std::vector<int> same_keypoints(const Features& from, const Features& to, const Camera& camera, float same_px) {
+  const KeypointGrid grid(to.undistorted, camera.width, camera.height);
+  std::vector<int> same(from.size(), kNone);
+  for (size_t i = 0; i < from.size(); ++i) {
+    float best = same_px;
+    grid.for_each_near(from.undistorted[i], same_px, [&](int j) {
+      const float distance = (to.undistorted[j] - from.undistorted[i]).norm();
+      if (distance > best || (same[i] != kNone && distance == best)) return;
+      best = distance;
+      same[i] = j;
+    });
+  }
+  return same;
+}
+
+class Joiner {
+ public:
+  Joiner(const std::map<SubmapKey, PlacedSubmap>& submaps, float same_px) : submaps_(submaps), same_px_(same_px) {}
+
+  MapModel run() {
+    make_views();
+    for (const auto& [key, placed] : submaps_)
+      for (const auto& [id, landmark] : placed.submap->landmarks) collect(key, landmark);
+    for (const auto& [key, placed] : submaps_)
+      for (const auto& [from, into] : placed.placement.fused)
+        if (index_.contains({key, from}) && index_.contains(into)) unite(index_.at({key, from}), index_.at(into));
+    make_points();
+    return std::move(model_);
+  }
+
+ private:
+  struct Seen {
+    int view = 0;
+    std::vector<int> keypoints;  // of the view's features, by index of the keyframe's own; empty: they are the same
+  };
+  struct Item {
+    LandmarkRef ref;
+    std::vector<MapModel::Observation> observations;
+    size_t parent = 0;  // of the union-find: the one with the lowest index stands for all
+  };
+
+  void make_views() {
+    std::map<int64_t, std::vector<KeyframeRef>> images;
+    for (const auto& [key, placed] : submaps_)  // back submaps have the lower keys
+      for (const auto& [id, keyframe] : placed.submap->keyframes) images[keyframe.utime_us].push_back({key, id});
+    for (auto& [utime_us, keyframes] : images) {
+      const int index = static_cast<int>(model_.views.size());
+      MapModel::View& view = model_.views.emplace_back();
+      const PlacedSubmap& first = submaps_.at(keyframes.front().submap);
+      const Keyframe& chosen = *first.submap->keyframe(keyframes.front().id);
+      view.utime_us = utime_us;
+      view.cam_from_map = first.placement.cam_from_map(chosen);
+      view.camera = first.submap->camera;
+      view.features = chosen.features;
+      view.points.assign(chosen.features->size(), kNone);
+      view.keyframes = std::move(keyframes);
+      first_seen_.emplace_back(chosen.features->size(), kNone);
+      for (const KeyframeRef& ref : view.keyframes) seen_[{ref.submap, ref.id}] = see(ref, view, index);
+    }
+  }
+
+  Seen see(const KeyframeRef& ref, const MapModel::View& view, int index) const {
+    const auto& own = submaps_.at(ref.submap).submap->keyframe(ref.id)->features;
+    Seen seen{index, {}};
+    if (own != view.features) seen.keypoints = same_keypoints(*own, *view.features, view.camera, same_px_);
+    return seen;
+  }
+
+  void collect(SubmapKey key, const Landmark& landmark) {
+    const size_t item = items_.size();
+    items_.push_back({{key, landmark.id}, {}, item});
+    index_[items_.back().ref] = item;
+    for (const Observation& o : landmark.observations) {
+      const Seen& seen = seen_.at({key, o.keyframe_id});
+      const int keypoint = seen.keypoints.empty() ? o.keypoint_index : seen.keypoints[o.keypoint_index];
+      if (keypoint == kNone) continue;
+      items_.back().observations.push_back({seen.view, keypoint});
+      int& first = first_seen_[seen.view][keypoint];
+      if (first == kNone)
+        first = static_cast<int>(item);
+      else
+        unite(static_cast<size_t>(first), item);
+    }
+  }
+
+  size_t find(size_t item) {
+    while (items_[item].parent != item) item = items_[item].parent = items_[items_[item].parent].parent;
+    return item;
+  }
+
+  void unite(size_t a, size_t b) {
+    a = find(a);
+    b = find(b);
+    items_[std::max(a, b)].parent = std::min(a, b);
+  }
+
+  void make_points() {
+    std::vector<int> point_of(items_.size(), kNone);
+    for (size_t i = 0; i < items_.size(); ++i) {
+      int& point = point_of[find(i)];
+      if (point == kNone) {  // i stands for all
+        const PlacedSubmap& placed = submaps_.at(items_[i].ref.submap);
+        const Landmark& landmark = *placed.submap->landmark(items_[i].ref.id);
+        point = static_cast<int>(model_.points.size());
+        model_.points.push_back(
+            {placed.placement.position_in_map(*placed.submap, landmark), landmark.descriptor, {}, {}});
+      }
+      model_.points[point].landmarks.push_back(items_[i].ref);
+      for (const MapModel::Observation& o : items_[i].observations) model_.observe(point, o.view, o.keypoint);
+    }
+  }
+
+  const std::map<SubmapKey, PlacedSubmap>& submaps_;
+  float same_px_;
+  MapModel model_;
+  std::map<std::pair<SubmapKey, int>, Seen> seen_;  // by keyframe
+  std::vector<std::vector<int>> first_seen_;        // per view and keypoint, the item that was there first
+  std::vector<Item> items_;                         // landmarks, those of back submaps first
+  std::map<LandmarkRef, size_t> index_;
+};
+
+// The similarity that takes one pose of a camera to another.
+Sim3 through(const SE3& cam_from_submap, const SE3& cam_from_map, double scale) {
+  const Eigen::Quaterniond rotation = cam_from_map.rotation.conjugate() * cam_from_submap.rotation;
+  return {scale, rotation, cam_from_map.center() - scale * (rotation * cam_from_submap.center())};
+}
+
+double scale_at(const MapModel& model, const MapModel::View& view, const std::map<int, int>& point_of,
+                const Submap& submap, const Keyframe& keyframe, double otherwise) {
+  std::vector<double> ratios;
+  for (int id : keyframe.landmark_ids) {
+    const auto point = point_of.find(id);
+    if (id == kNone || point == point_of.end()) continue;
+    const double raw = (keyframe.cam_from_submap * submap.landmark(id)->position).z();
+    const double placed = (view.cam_from_map * model.points[point->second].position).z();
+    if (raw > 0 && placed > 0) ratios.push_back(placed / raw);
+  }
+  if (ratios.size() < kMinScaleLandmarks) return otherwise;
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<long>(ratios.size() / 2), ratios.end());
+  return ratios[ratios.size() / 2];
+}
+
+}  // namespace
+
+bool MapModel::observe(int point, int view, int keypoint) {
+  std::vector<Observation>& observations = points[point].observations;
+  if (views[view].points[keypoint] != kNone) return false;
+  if (std::any_of(observations.begin(), observations.end(), [&](const auto& o) { return o.view == view; })) return false;
+  observations.push_back({view, keypoint});
+  views[view].points[keypoint] = point;
+  return true;
+}
+
+void MapModel::forget(int point, int view) {
+  std::erase_if(points[point].observations, [&](const Observation& o) {
+    if (o.view != view) return false;
+    views[view].points[o.keypoint] = kNone;
+    return true;
+  });
+}
+
+void MapModel::fuse(int into, int from) {
+  const std::vector<Observation> observations = std::move(points[from].observations);
+  points[from].observations.clear();
+  for (const Observation& o : observations) {
+    views[o.view].points[o.keypoint] = kNone;
+    observe(into, o.view, o.keypoint);
+  }
+  auto& landmarks = points[into].landmarks;
+  landmarks.insert(landmarks.end(), points[from].landmarks.begin(), points[from].landmarks.end());
+  points[from].landmarks.clear();
+}
+
+MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px) {
+  return Joiner(submaps, static_cast<float>(same_px)).run();
+}
+
+std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps) {
+  std::map<SubmapKey, Placement> placements;
+  std::map<SubmapKey, std::map<int, int>> point_of;
+  for (const auto& [key, placed] : submaps) placements[key];
+  for (size_t p = 0; p < model.points.size(); ++p) {
+    if (model.points[p].observations.size() < 2) continue;  // nothing says where it is: it follows its keyframe
+    const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
+    for (const LandmarkRef& ref : landmarks) {
+      point_of[ref.submap][ref.id] = static_cast<int>(p);
+      placements[ref.submap].landmarks[ref.id] = model.points[p].position;
+      if (!(ref == landmarks.back())) placements[ref.submap].fused[ref.id] = landmarks.back();
+    }
+  }
+  for (const MapModel::View& view : model.views)
+    for (const KeyframeRef& ref : view.keyframes) {
+      const PlacedSubmap& before = submaps.at(ref.submap);
+      const Keyframe& keyframe = *before.submap->keyframe(ref.id);
+      const double scale = scale_at(model, view, point_of[ref.submap], *before.submap, keyframe,
+                                    before.placement.at(view.utime_us).scale);
+      placements[ref.submap].map_from_submap[view.utime_us] =
+          through(keyframe.cam_from_submap, view.cam_from_map, scale);
+    }
+  return placements;
+}
+
+}  // namespace rumi
