@@ -158,7 +158,8 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
 bool MapModel::observe(int point, int view, int keypoint) {
   std::vector<Observation>& observations = points[point].observations;
   if (views[view].points[keypoint] != kNone) return false;
-  if (std::any_of(observations.begin(), observations.end(), [&](const auto& o) { return o.view == view; })) return false;
+  if (std::any_of(observations.begin(), observations.end(), [&](const auto& o) { return o.view == view; }))
+    return false;
   observations.push_back({view, keypoint});
   views[view].points[keypoint] = point;
   return true;

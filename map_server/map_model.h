@@ -26,8 +26,8 @@ struct MapModel {
     bool fixed = false;
     Camera camera;
     std::shared_ptr<const Features> features;
-    std::vector<int> points;              // per keypoint, kNone where it observes nothing
-    std::vector<KeyframeRef> keyframes;   // of this image, back submaps first
+    std::vector<int> points;             // per keypoint, kNone where it observes nothing
+    std::vector<KeyframeRef> keyframes;  // of this image, back submaps first
   };
   struct Observation {
     int view = 0;

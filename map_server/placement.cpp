@@ -31,7 +31,8 @@ Eigen::Vector3d Placement::position_in_map(const Submap& submap, const Landmark&
 
 Submap place(const Submap& submap, const Placement& placement) {
   Submap placed = submap;
-  for (auto& [id, keyframe] : placed.keyframes) keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
+  for (auto& [id, keyframe] : placed.keyframes)
+    keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
   for (auto& [id, landmark] : placed.landmarks)
     landmark.position = placement.position_in_map(submap, submap.landmarks.at(id));
   for (auto& [utime_us, frame] : placed.frames)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where a submap lies in the served map. Not in one piece: a submap bends when it is joined to others, so every
-// keyframe has a similarity of its own, and what hangs on the keyframe (frames, landmarks) follows it. The submap itself
-// stays as its maker sent it; what the maker changes or adds later follows the keyframe nearest in time.
+// keyframe has a similarity of its own, and what hangs on the keyframe (frames, landmarks) follows it. The submap
+// itself stays as its maker sent it; what the maker changes or adds later follows the keyframe nearest in time.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,9 +18,9 @@ struct LandmarkRef {
 };
 
 struct Placement {
-  std::map<int64_t, Sim3> map_from_submap;    // at the keyframe of that utime_us; empty: identity everywhere
-  std::map<int, Eigen::Vector3d> landmarks;   // position in the map of those that a bundle adjustment of the map moved
-  std::map<int, LandmarkRef> fused;           // these landmarks are the same point as another one's
+  std::map<int64_t, Sim3> map_from_submap;   // at the keyframe of that utime_us; empty: identity everywhere
+  std::map<int, Eigen::Vector3d> landmarks;  // position in the map of those that a bundle adjustment of the map moved
+  std::map<int, LandmarkRef> fused;          // these landmarks are the same point as another one's
 
   // At the keyframe nearest in time.
   Sim3 at(int64_t utime_us) const;

@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 
-#include "slam/geometry/alignment.h"
+#include "slam/features/orb_extractor.h"
+#include "slam/optimization/sim3_refinement.h"
 
 namespace rumi {
 namespace {
@@ -30,40 +33,45 @@ class Aligner {
  public:
   Aligner(const Submap& a, const Submap& b, const Correspondences& common, const AlignmentOptions& options)
       : a_(a), b_(b), common_(common), o_(options) {
+    const std::vector<double> scales = octave_scales({});
     for (const LandmarkMatch& match : common.landmarks) {
       const SharedKeyframe& shared = common.keyframes[match.shared];
       const Keyframe& in_a = *a.keyframe(shared.a);
       const Keyframe& in_b = *b.keyframe(shared.b);
       const Eigen::Vector3d point_a = a.landmark(match.a)->position, point_b = b.landmark(match.b)->position;
+      const size_t octave = in_b.features->keypoints[match.keypoint_b].octave;
       pairs_.push_back({point_a, point_b, in_b.features->undistorted[match.keypoint_b].cast<double>(),
                         (in_a.cam_from_submap * point_a).z(), (in_b.cam_from_submap * point_b).z(),
-                        std::pow(1.2, in_b.features->keypoints[match.keypoint_b].octave), &in_a.cam_from_submap,
+                        scales[std::min<size_t>(octave, scales.size() - 1)], &in_a.cam_from_submap,
                         &in_b.cam_from_submap});
     }
   }
 
   Alignment run() {
-    Alignment best;
-    best.landmarks = static_cast<int>(pairs_.size());
-    best.keyframes = static_cast<int>(common_.keyframes.size());
-    for (int k = 0; k < best.keyframes; ++k) {
-      const std::optional<Sim3> proposal = propose(k);
-      if (!proposal) continue;
-      Alignment candidate = best;
-      score(*proposal, &candidate);
-      if (candidate.landmark_inliers > best.landmark_inliers) best = candidate;
-    }
-    for (int round = 0; round < 3 && best.landmark_inliers >= 3; ++round) {
-      Alignment refined = best;
-      score(refine(best), &refined);
-      if (refined.landmark_inliers < best.landmark_inliers) break;
-      best = refined;
-    }
+    Alignment best = estimate([](size_t) { return true; });
     judge(&best);
     return best;
   }
 
  private:
+  using Chosen = std::function<bool(size_t shared)>;
+
+  // From the chosen shared keyframes, scored on all.
+  Alignment estimate(const Chosen& chosen) const {
+    Alignment best;
+    best.landmarks = static_cast<int>(pairs_.size());
+    best.keyframes = static_cast<int>(common_.keyframes.size());
+    for (size_t k = 0; k < common_.keyframes.size(); ++k) {
+      const std::optional<Sim3> proposal = chosen(k) ? propose(static_cast<int>(k)) : std::nullopt;
+      if (!proposal) continue;
+      Alignment candidate = best;
+      score(*proposal, &candidate);
+      if (candidate.landmark_inliers > best.landmark_inliers) best = candidate;
+    }
+    if (best.landmark_inliers > 0) refine(chosen, &best);
+    return best;
+  }
+
   std::optional<Sim3> propose(int shared) const {
     std::vector<double> log_ratios;
     for (size_t i = 0; i < pairs_.size(); ++i)
@@ -124,23 +132,53 @@ class Aligner {
     }
   }
 
-  Sim3 refine(const Alignment& alignment) const {
-    std::vector<Eigen::Vector3d> from, to;
-    for (size_t i = 0; i < pairs_.size(); ++i)
-      if (alignment.inlier[i]) {
-        from.push_back(pairs_[i].point_a);
-        to.push_back(pairs_[i].point_b);
-      }
-    return umeyama(from, to).value_or(alignment.b_from_a);
+  // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
+  void refine(const Chosen& chosen, Alignment* best) const {
+    Sim3RefinementProblem problem;
+    for (size_t i = 0; i < pairs_.size(); ++i) {
+      if (!best->inlier[i] || !chosen(common_.landmarks[i].shared)) continue;
+      const Pair& pair = pairs_[i];
+      problem.a_into_b.push_back({pair.point_a, *pair.cam_from_b, pair.pixel, pair.sigma_px});
+      problem.b_into_a.push_back({pair.point_b, *pair.cam_from_a, pair.pixel, pair.sigma_px});
+    }
+    Alignment refined = *best;
+    const Sim3RefinementReport report = refine_sim3(b_.camera, {}, problem, &refined.b_from_a);
+    if (!report.usable) {
+      best->doubt = report.reason;
+      return;
+    }
+    score(refined.b_from_a, &refined);
+    refined.sigma_rotation_deg = report.sigma_rotation_rad * 180 / M_PI;
+    refined.sigma_log_scale = report.sigma_log_scale;
+    *best = std::move(refined);
+  }
+
+  // What the even keyframes tell must hold in the odd ones.
+  bool holds_where_not_used() const {
+    const Alignment even = estimate([](size_t k) { return k % 2 == 0; });
+    int landmarks = 0, inliers = 0;
+    for (size_t i = 0; i < even.inlier.size(); ++i) {
+      if (common_.landmarks[i].shared % 2 == 0) continue;
+      ++landmarks;
+      inliers += even.inlier[i];
+    }
+    return inliers > 0 && inliers >= o_.min_inlier_ratio * landmarks;
   }
 
   void judge(Alignment* best) const {
+    if (!best->doubt.empty()) return;
     if (best->keyframes < o_.min_shared_keyframes)
       best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, o_.min_shared_keyframes);
-    else if (best->landmark_inliers < o_.min_landmarks || best->landmark_inliers < o_.min_inlier_ratio * best->landmarks)
+    else if (best->landmark_inliers < o_.min_landmarks ||
+             best->landmark_inliers < o_.min_inlier_ratio * best->landmarks)
       best->doubt = fmt::format("{} of {} common landmarks agree", best->landmark_inliers, best->landmarks);
     else if (best->keyframe_inliers < o_.min_frame_ratio * best->keyframes)
       best->doubt = fmt::format("{} of {} shared keyframes agree", best->keyframe_inliers, best->keyframes);
+    else if (best->sigma_rotation_deg > o_.max_sigma_rotation_deg || best->sigma_log_scale > o_.max_sigma_log_scale)
+      best->doubt = fmt::format("known to {:.2f} deg and {:.1f} % of the scale only", best->sigma_rotation_deg,
+                                100 * best->sigma_log_scale);
+    else if (!holds_where_not_used())
+      best->doubt = "what half of the shared keyframes tell does not hold in the other half";
   }
 
   const Submap& a_;

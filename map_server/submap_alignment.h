@@ -17,22 +17,25 @@ namespace rumi {
 struct AlignmentOptions {
   double max_pixel_distance_px = 1.0;  // between keypoints taken for one
   int min_shared_keyframes = 3;
-  int min_landmarks = 40;              // M_com, of one keyframe for a proposal: a quarter of it
-  double max_reprojection_px = 4.0;    // of an inlier, in each direction, at octave 0
-  double min_inlier_ratio = 0.5;       // of M_com
-  double max_rotation_deg = 3.0;       // of a frame that agrees
-  double max_center_depth_ratio = 0.1; // of a frame that agrees: distance of the centres over the median depth
-  double min_frame_ratio = 0.5;        // of the shared keyframes, that agree
+  int min_landmarks = 40;               // M_com, of one keyframe for a proposal: a quarter of it
+  double max_reprojection_px = 4.0;     // of an inlier, in each direction, at octave 0
+  double min_inlier_ratio = 0.5;        // of M_com
+  double max_rotation_deg = 3.0;        // of a frame that agrees
+  double max_center_depth_ratio = 0.1;  // of a frame that agrees: distance of the centres over the median depth
+  double min_frame_ratio = 0.5;         // of the shared keyframes, that agree
+  double max_sigma_rotation_deg = 0.5;  // of the result
+  double max_sigma_log_scale = 0.03;
 };
 
 struct Alignment {
   Sim3 b_from_a;
   int landmarks = 0, landmark_inliers = 0;
   int keyframes = 0, keyframe_inliers = 0;
-  double rmse_px = 0;  // of the inliers
-  std::vector<char> inlier;           // per Correspondences::landmarks
-  std::vector<char> keyframe_inlier;  // per Correspondences::keyframes
-  std::string doubt;                  // empty, or why it is not to be believed
+  double rmse_px = 0;                                  // of the inliers
+  double sigma_rotation_deg = 0, sigma_log_scale = 0;  // standard deviations, of the worst direction
+  std::vector<char> inlier;                            // per Correspondences::landmarks
+  std::vector<char> keyframe_inlier;                   // per Correspondences::keyframes
+  std::string doubt;                                   // empty, or why it is not to be believed
 };
 
 // Nothing but a doubt where there is too little in common to propose anything.
