@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes one map of submaps (paper, section IV.C): finds which hang together, places those that hang on the anchor,
+// bends them where their joints ask for it, welds and adjusts them. Knows no time and no threads: the same submaps in
+// the same order of calls give the same map.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "map_server/link.h"
+#include "map_server/map_association.h"
+#include "map_server/map_bundle.h"
+#include "map_server/map_model.h"
+#include "map_server/submap_alignment.h"
+
+namespace rumi {
+
+struct MapBuilderOptions {
+  AlignmentOptions alignment;
+  MapBundleOptions bundle;
+  AssociationOptions association;
+  int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
+};
+
+struct MapBuildReport {
+  int views = 0, points = 0, observations = 0, outliers = 0;
+  double rmse = 0;              // reprojection, sigma
+  int observed = 0, fused = 0;  // by association
+};
+
+struct BuiltMap {
+  std::map<SubmapKey, Placement> placements;  // of the submaps that form the map; fewer than two: nothing was joined
+  MapBuildReport report;
+};
+
+class MapBuilder {
+ public:
+  explicit MapBuilder(const MapBuilderOptions& options) : options_(options) {}
+
+  using Submaps = std::map<SubmapKey, const Submap*>;
+
+  // Looks at every pair of submaps of which one has changed since it was looked at.
+  void find_links(const Submaps& submaps);
+  // In order of the submaps' keys: accepted and refused ones.
+  std::vector<Link> links() const;
+
+  // The submaps that hang together with the largest front submap by accepted links. `placed`: where submaps are in the
+  // map as it is; they stay there until the adjustment.
+  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed) const;
+
+ private:
+  struct Pair {
+    int64_t revision_a = 0, revision_b = 0;
+    std::optional<Link> link;     // nothing: they have no image in common
+    std::vector<int64_t> images;  // in common, utime_us; ascending
+  };
+  using Placed = std::map<SubmapKey, PlacedSubmap>;
+  using Placements = std::map<SubmapKey, Placement>;
+
+  Pair compare(const Submap& a, const Submap& b) const;
+  // The largest group, in frames, of submaps that hang together and with what is placed already.
+  std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;
+  // The front submap whose beginning stays where it is.
+  SubmapKey choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members, const Placements& placed) const;
+  Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,
+                       const Placements& placed) const;
+
+  MapBuilderOptions options_;
+  std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
+};
+
+}  // namespace rumi
