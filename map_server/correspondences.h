@@ -33,4 +33,11 @@ struct Correspondences {
 // `max_distance_px` between keypoints (undistorted) that are taken for one.
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px);
 
+// Logarithm of the depth of the common landmarks of a shared keyframe in b over that in a: the median, and its standard
+// error from the spread. Infinite error where there are fewer than `min_landmarks`.
+struct ScaleRatio {
+  double log_b_over_a = 0, sigma = 0;
+};
+ScaleRatio scale_ratio(const Submap& a, const Submap& b, const Correspondences& common, int shared, int min_landmarks);
+
 }  // namespace rumi

@@ -9,16 +9,11 @@
 #include <limits>
 
 #include "slam/features/orb_extractor.h"
+#include "slam/geometry/median.h"
 #include "slam/optimization/sim3_refinement.h"
 
 namespace rumi {
 namespace {
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // A match with all that scoring it needs.
 struct Pair {
@@ -73,14 +68,11 @@ class Aligner {
   }
 
   std::optional<Sim3> propose(int shared) const {
-    std::vector<double> log_ratios;
-    for (size_t i = 0; i < pairs_.size(); ++i)
-      if (common_.landmarks[i].shared == shared && pairs_[i].depth_a > 0 && pairs_[i].depth_b > 0)
-        log_ratios.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
-    if (static_cast<int>(log_ratios.size()) < std::max(3, o_.min_landmarks / 4)) return std::nullopt;
+    const ScaleRatio ratio = scale_ratio(a_, b_, common_, shared, std::max(3, o_.min_landmarks / 4));
+    if (!std::isfinite(ratio.sigma)) return std::nullopt;
     const SE3& cam_from_a = a_.keyframe(common_.keyframes[shared].a)->cam_from_submap;
     const SE3& cam_from_b = b_.keyframe(common_.keyframes[shared].b)->cam_from_submap;
-    return through(cam_from_a, cam_from_b, std::exp(median(log_ratios)));
+    return through(cam_from_a, cam_from_b, std::exp(ratio.log_b_over_a));
   }
 
   static Sim3 through(const SE3& cam_from_a, const SE3& cam_from_b, double scale) {
