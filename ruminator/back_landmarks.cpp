@@ -7,6 +7,7 @@
 
 #include "ruminator/model_refinement.h"
 #include "slam/features/descriptor.h"
+#include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 #include "slam/optimization/bundle_adjustment.h"
 
@@ -19,8 +20,7 @@ double median_depth(const ColmapModel& model) {
     for (const auto& [image, keypoint] : point.track)
       depths.push_back((model.cam_from_world.at(image) * point.position).z());
   if (depths.empty()) return 1;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<long>(depths.size() / 2), depths.end());
-  return depths[depths.size() / 2];
+  return median(&depths);
 }
 
 // Pairs of images that share points, each image with those that it shares the most with.

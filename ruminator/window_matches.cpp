@@ -6,6 +6,8 @@
 #include <numeric>
 #include <set>
 
+#include "slam/geometry/median.h"
+
 namespace rumi {
 
 namespace {
@@ -82,9 +84,7 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
     }
   }
   if (angle.empty()) return 0;
-  const auto middle = angle.begin() + static_cast<long>(angle.size() / 2);
-  std::nth_element(angle.begin(), middle, angle.end());
-  return *middle * 0.5 * (camera.fx + camera.fy);
+  return median(&angle) * 0.5 * (camera.fx + camera.fy);
 }
 
 std::vector<int> connected_images(int images, const std::vector<ColmapPair>& pairs, int min_matches) {
