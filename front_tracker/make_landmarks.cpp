@@ -17,10 +17,6 @@ std::vector<int> free_keypoints(const Keyframe& kf) {
   return free;
 }
 
-Eigen::Vector3d ray(const Camera& camera, const Eigen::Vector2f& undistorted) {
-  return {(undistorted.x() - camera.cx) / camera.fx, (undistorted.y() - camera.cy) / camera.fy, 1};
-}
-
 bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
   return (camera.project_undistorted(point_cam) - pixel.cast<double>()).squaredNorm() < 5.991 * sigma * sigma;
 }
@@ -65,7 +61,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     }
     if (best == kNone) continue;
     const Eigen::Vector2f pb = b.features->undistorted[best];
-    const auto point = triangulate(a.cam_from_submap, ray(camera_, pa), b.cam_from_submap, ray(camera_, pb));
+    const auto point = triangulate(a.cam_from_submap, camera_.ray(pa), b.cam_from_submap, camera_.ray(pb));
     if (!point) continue;
     const double sa = scales[a.features->keypoints[i].octave], sb = scales[b.features->keypoints[best].octave];
     const Eigen::Vector3d to_a = *point - center_a, to_b = *point - center_b;

@@ -60,13 +60,10 @@ std::vector<ColmapPair> match_window(const Camera& camera, const std::vector<Sif
 }
 
 double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ColmapPair& pair) {
-  const auto direction = [&camera](const Eigen::Vector2f& p) {
-    return Eigen::Vector3d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1).normalized();
-  };
   std::vector<Eigen::Vector3d> first, second;
   for (const auto& [i, j] : pair.matches) {
-    first.push_back(direction(images[pair.first].undistorted[i]));
-    second.push_back(direction(images[pair.second].undistorted[j]));
+    first.push_back(camera.ray(images[pair.first].undistorted[i]).normalized());
+    second.push_back(camera.ray(images[pair.second].undistorted[j]).normalized());
   }
   // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
   // near, have less to say.
