@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/front_submap.h"
 
-#include <algorithm>
-
+#include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -49,8 +48,7 @@ double FrontSubmap::median_depth(int keyframe_id) const {
     if (const Landmark* lm = landmark_id == kNone ? nullptr : map.landmark(landmark_id))
       depths.push_back((kf->cam_from_submap * lm->position).z());
   if (depths.empty()) return 1.0;
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  return depths[depths.size() / 2];
+  return median(&depths);
 }
 
 }  // namespace rumi

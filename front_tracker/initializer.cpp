@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "slam/features/matching.h"
+#include "slam/geometry/median.h"
 #include "slam/geometry/resection.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/geometry/two_view.h"
@@ -202,8 +203,7 @@ bool Initializer::adjust(Structure* s) {
     refusal_ = fmt::format("{} points left after bundle adjustment", parallaxes.size());
     return false;
   }
-  std::nth_element(parallaxes.begin(), parallaxes.begin() + parallaxes.size() / 2, parallaxes.end());
-  const double parallax = parallaxes[parallaxes.size() / 2] * 180 / M_PI;
+  const double parallax = median(&parallaxes) * 180 / M_PI;
   if (s->rmse_px > options_.max_rmse_px || parallax < options_.min_parallax_deg) {
     refusal_ = fmt::format("after bundle adjustment: error {:.2f} px, parallax {:.2f} deg", s->rmse_px, parallax);
     return false;
@@ -214,9 +214,7 @@ bool Initializer::adjust(Structure* s) {
 InitialMap Initializer::finish(Structure s) {
   std::vector<double> depths;
   for (const auto& p : s.bundle.points) depths.push_back(p.z());
-  std::nth_element(depths.begin(), depths.begin() + depths.size() / 2, depths.end());
-  const Sim3 unit_from_reference(1.0 / depths[depths.size() / 2], Eigen::Quaterniond::Identity(),
-                                 Eigen::Vector3d::Zero());
+  const Sim3 unit_from_reference(1.0 / median(&depths), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero());
 
   InitialMap map;
   // The two ends and an even choice of what lies between become keyframes; the other views only lend their poses.

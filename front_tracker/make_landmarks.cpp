@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "front_tracker/mapper.h"
+#include "slam/geometry/epipolar.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/map/landmark_view.h"
 
@@ -14,17 +15,6 @@ std::vector<int> free_keypoints(const Keyframe& kf) {
   for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
     if (kf.landmark_ids[i] == kNone) free.push_back(static_cast<int>(i));
   return free;
-}
-
-// b_F_a in undistorted pixels: x_b^T F x_a = 0.
-Eigen::Matrix3d fundamental(const Camera& camera, const SE3& b_from_a) {
-  Eigen::Matrix3d k_inverse;
-  k_inverse << 1 / camera.fx, 0, -camera.cx / camera.fx, 0, 1 / camera.fy, -camera.cy / camera.fy, 0, 0, 1;
-  return k_inverse.transpose() * skew(b_from_a.translation) * b_from_a.rotation.toRotationMatrix() * k_inverse;
-}
-
-Eigen::Vector3d ray(const Camera& camera, const Eigen::Vector2f& undistorted) {
-  return {(undistorted.x() - camera.cx) / camera.fx, (undistorted.y() - camera.cy) / camera.fy, 1};
 }
 
 bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
@@ -48,7 +38,7 @@ void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
 
 void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
   const std::vector<double>& scales = submap.octave_scales;
-  const Eigen::Matrix3f f = fundamental(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
+  const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
   const std::vector<int> free_b = free_keypoints(b);
   std::vector<char> taken(b.landmark_ids.size(), 0);
   const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
@@ -71,7 +61,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     }
     if (best == kNone) continue;
     const Eigen::Vector2f pb = b.features->undistorted[best];
-    const auto point = triangulate(a.cam_from_submap, ray(camera_, pa), b.cam_from_submap, ray(camera_, pb));
+    const auto point = triangulate(a.cam_from_submap, camera_.ray(pa), b.cam_from_submap, camera_.ray(pb));
     if (!point) continue;
     const double sa = scales[a.features->keypoints[i].octave], sb = scales[b.features->keypoints[best].octave];
     const Eigen::Vector3d to_a = *point - center_a, to_b = *point - center_b;

@@ -8,6 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slam/geometry/median.h"
+
 namespace rumi {
 namespace {
 
@@ -65,8 +67,7 @@ bool neighbours(int64_t a_us, int64_t b_us, int64_t period_us) { return b_us - a
 int64_t usual_period_us(const std::vector<PoseError>& errors) {
   std::vector<int64_t> periods;
   for (size_t i = 1; i < errors.size(); ++i) periods.push_back(errors[i].utime_us - errors[i - 1].utime_us);
-  std::nth_element(periods.begin(), periods.begin() + periods.size() / 2, periods.end());
-  return periods[periods.size() / 2];
+  return median(&periods);
 }
 
 // Rows: the two directions in which the truth extends most.

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "slam/geometry/alignment.h"
+#include "slam/geometry/median.h"
 
 namespace rumi {
 namespace {
@@ -17,8 +18,7 @@ int64_t median_period_us(const std::vector<TimedPose>& poses) {
   std::vector<int64_t> periods;
   for (size_t i = 1; i < poses.size(); ++i) periods.push_back(poses[i].utime_us - poses[i - 1].utime_us);
   if (periods.empty()) return 0;
-  std::nth_element(periods.begin(), periods.begin() + periods.size() / 2, periods.end());
-  return periods[periods.size() / 2];
+  return median(&periods);
 }
 
 double rmse(const std::vector<double>& values) {

@@ -21,8 +21,7 @@ std::vector<TimedPose> trajectory_of(const Submap& submap) {
 
 std::optional<double> path_length(const RuminationWindow& window, const std::vector<TimedPose>& truth) {
   std::vector<TimedPose> samples;
-  for (const auto* part : {&window.approach, &window.gap, &window.departure})
-    for (const Sample& sample : *part) samples.push_back({sample.utime_us, {}});
+  for (const Sample& sample : window.samples()) samples.push_back({sample.utime_us, {}});
   const auto pairs = associate(samples, truth);
   if (pairs.size() < 2) return std::nullopt;
   double length = 0;

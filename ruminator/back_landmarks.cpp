@@ -7,6 +7,8 @@
 
 #include "ruminator/model_refinement.h"
 #include "slam/features/descriptor.h"
+#include "slam/geometry/epipolar.h"
+#include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 #include "slam/optimization/bundle_adjustment.h"
 
@@ -19,8 +21,7 @@ double median_depth(const ColmapModel& model) {
     for (const auto& [image, keypoint] : point.track)
       depths.push_back((model.cam_from_world.at(image) * point.position).z());
   if (depths.empty()) return 1;
-  std::nth_element(depths.begin(), depths.begin() + static_cast<long>(depths.size() / 2), depths.end());
-  return depths[depths.size() / 2];
+  return median(&depths);
 }
 
 // Pairs of images that share points, each image with those that it shares the most with.
@@ -39,14 +40,6 @@ std::set<std::pair<int, int>> neighbouring_images(const ColmapModel& model, int 
       pairs.insert(std::minmax(image, best[i].second));
   }
   return pairs;
-}
-
-// b_F_a in undistorted pixels: x_b^T F x_a = 0.
-Eigen::Matrix3f fundamental(const Camera& camera, const SE3& b_from_a) {
-  Eigen::Matrix3d k_inverse;
-  k_inverse << 1 / camera.fx, 0, -camera.cx / camera.fx, 0, 1 / camera.fy, -camera.cy / camera.fy, 0, 0, 1;
-  return (k_inverse.transpose() * skew(b_from_a.translation) * b_from_a.rotation.toRotationMatrix() * k_inverse)
-      .cast<float>();
 }
 
 struct Nearest {
@@ -78,7 +71,7 @@ std::vector<Nearest> nearest_on_lines(const Features& a, const Features& b, cons
 ColmapPair match_along_lines(const Camera& camera, const Keyframe& a, const Keyframe& b,
                              const std::vector<double>& scales, const BackLandmarkOptions& options) {
   const SE3 b_from_a = b.cam_from_submap * a.cam_from_submap.inverse();
-  const Eigen::Matrix3f f = fundamental(camera, b_from_a);
+  const Eigen::Matrix3f f = fundamental_matrix(camera, b_from_a).cast<float>();
   const auto forth = nearest_on_lines(*a.features, *b.features, f, scales, options);
   const auto back = nearest_on_lines(*b.features, *a.features, f.transpose(), scales, options);
   ColmapPair pair{a.id, b.id, {}};

@@ -68,10 +68,8 @@ WindowImages extract(const WindowJob& job, const BuildOptions& options, const Pr
 }
 
 std::vector<Sample> front_samples(const RuminationWindow& window) {
-  std::vector<Sample> samples;
-  for (const auto* part : {&window.approach, &window.gap, &window.departure})
-    for (const Sample& sample : *part)
-      if (sample.submap_id != kNoSubmap) samples.push_back(sample);
+  std::vector<Sample> samples = window.samples();
+  std::erase_if(samples, [](const Sample& sample) { return sample.submap_id == kNoSubmap; });
   return samples;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slam/geometry/alignment.h"
+#include "slam/geometry/median.h"
 
 namespace rumi {
 namespace {
@@ -12,12 +13,6 @@ namespace {
 struct PosePair {
   SE3 cam_from_front, cam_from_model;
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Every pair of frames gives a rotation from model to front; the one that the others differ least from is taken.
 double rotation_difference_deg(const std::vector<PosePair>& pairs) {
@@ -30,7 +25,7 @@ double rotation_difference_deg(const std::vector<PosePair>& pairs) {
     std::vector<double> angles;
     angles.reserve(front_from_model.size());
     for (const Eigen::Quaterniond& other : front_from_model) angles.push_back(candidate.angularDistance(other));
-    best = std::min(best, median(angles));
+    best = std::min(best, median(&angles));
   }
   return best * 180 / M_PI;
 }

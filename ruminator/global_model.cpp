@@ -18,16 +18,11 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-Vector3d ray(const Camera& camera, const Eigen::Vector2f& pixel) {
-  return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1};
-}
-
 std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::vector<ColmapImage>& images,
                                              const ColmapPair& pair) {
   std::vector<cv::Point2d> a, b;
   for (const auto& [i, j] : pair.matches) {
-    const Vector3d ra = ray(camera, images[pair.first].keypoints[i]),
-                   rb = ray(camera, images[pair.second].keypoints[j]);
+    const Vector3d ra = camera.ray(images[pair.first].keypoints[i]), rb = camera.ray(images[pair.second].keypoints[j]);
     a.emplace_back(ra.x(), ra.y());
     b.emplace_back(rb.x(), rb.y());
   }
@@ -162,7 +157,7 @@ void position(const Camera& camera, const std::vector<ColmapImage>& images, cons
   for (ColmapModel::Point& point : model->points) {
     for (const auto& [image, keypoint] : point.track) {
       const Vector3d direction =
-          rotations[image]->conjugate() * ray(camera, images[image].keypoints[keypoint]).normalized();
+          rotations[image]->conjugate() * camera.ray(images[image].keypoints[keypoint]).normalized();
       double* scale = &scales[s++];
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<DirectionError, 3, 3, 3, 1>(new DirectionError{direction}),

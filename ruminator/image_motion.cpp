@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/image_codec.h"
+#include "slam/geometry/median.h"
 
 namespace rumi {
 namespace {
@@ -57,9 +58,7 @@ std::optional<double> motion_of_corners(const cv::Mat& from, const cv::Mat& to) 
   if (static_cast<double>(lengths.size()) <
       std::max<double>(kMinCorners, kMinReturned * static_cast<double>(corners.size())))
     return std::nullopt;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return median(&lengths);
 }
 
 std::optional<double> motion_of_picture(const cv::Mat& from, const cv::Mat& to) {

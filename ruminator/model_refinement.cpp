@@ -22,10 +22,6 @@ PointIndex index_points(const std::vector<ColmapImage>& images, const ColmapMode
   return index;
 }
 
-Eigen::Vector3d ray(const Camera& camera, const Eigen::Vector2f& pixel) {
-  return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1};
-}
-
 double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Vector3d& point,
                 const Eigen::Vector2f& pixel) {
   const Eigen::Vector3d in_camera = cam_from_world * point;
@@ -137,7 +133,7 @@ void triangulate_matches(const Camera& camera, const std::vector<ColmapImage>& i
       int &point_a = (*index)[pair.first][a], &point_b = (*index)[pair.second][b];
       if (point_a != kNone || point_b != kNone) continue;
       const Eigen::Vector2f &pixel_a = images[pair.first].keypoints[a], &pixel_b = images[pair.second].keypoints[b];
-      const auto position = triangulate(pose_a, ray(camera, pixel_a), pose_b, ray(camera, pixel_b));
+      const auto position = triangulate(pose_a, camera.ray(pixel_a), pose_b, camera.ray(pixel_b));
       if (!position || error_px(camera, pose_a, *position, pixel_a) > options.max_error_px ||
           error_px(camera, pose_b, *position, pixel_b) > options.max_error_px ||
           parallax_rad(*position, pose_a.center(), pose_b.center()) < options.min_parallax_deg * M_PI / 180)
@@ -202,7 +198,7 @@ std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const 
       const auto is_pivot = [&track](size_t k) { return k == 0 || k == track.size() / 2 || k + 1 == track.size(); };
       if (track.size() > kShort && !(is_pivot(i) && is_pivot(j))) continue;
       const SE3 &pose_i = model.cam_from_world.at(track[i].first), &pose_j = model.cam_from_world.at(track[j].first);
-      const auto position = triangulate(pose_i, ray(camera, pixel(track[i])), pose_j, ray(camera, pixel(track[j])));
+      const auto position = triangulate(pose_i, camera.ray(pixel(track[i])), pose_j, camera.ray(pixel(track[j])));
       if (!position) continue;
       ColmapModel::Point point{*position, {}};
       for (const auto& o : track)

@@ -29,6 +29,12 @@ struct RuminationWindow {
   std::string reason;  // why it ended before it was complete
 
   bool is_lost() const { return resumed_utime_us == 0; }
+  // All of it, in order of time.
+  std::vector<Sample> samples() const {
+    std::vector<Sample> all;
+    for (const auto* part : {&approach, &gap, &departure}) all.insert(all.end(), part->begin(), part->end());
+    return all;
+  }
 };
 
 }  // namespace rumi

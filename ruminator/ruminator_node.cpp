@@ -122,9 +122,8 @@ void RuminatorNode::make_room(const image_t& image) {
 // What is wrong, or an empty string.
 std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) const {
   job->window = std::move(window);
-  for (const auto* part : {&job->window.approach, &job->window.gap, &job->window.departure})
-    for (const Sample& sample : *part)
-      if (const image_t* image = ring_.find(sample.utime_us)) job->images.push_back(*image);
+  for (const Sample& sample : job->window.samples())
+    if (const image_t* image = ring_.find(sample.utime_us)) job->images.push_back(*image);
   if (job->images.empty()) return "no image of it was kept";
   if (camera_from_file_) {
     job->camera = *camera_from_file_;

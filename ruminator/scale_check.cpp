@@ -1,18 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ruminator/scale_check.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "slam/geometry/median.h"
 
 namespace rumi {
 
 namespace {
-
-double median(std::vector<double>* values) {
-  const auto middle = values->begin() + static_cast<long>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
 
 // Median and its standard error (from the median absolute deviation) of the logarithms.
 void summarize(std::vector<double>* logs, ScaleCut* cut) {

@@ -18,21 +18,15 @@
 namespace rumi {
 namespace {
 
-template <class Function>
-void for_each_sample(const RuminationWindow& window, const Function& function) {
-  for (const auto* part : {&window.approach, &window.gap, &window.departure})
-    for (const Sample& sample : *part) function(sample);
-}
-
 window_job_t make_manifest(const WindowJob& job) {
   window_job_t manifest;
   std::set<int64_t> with_image;
   for (const image_t& image : job.images) with_image.insert(image.utime);
-  for_each_sample(job.window, [&](const Sample& sample) {
+  for (const Sample& sample : job.window.samples()) {
     manifest.samples.push_back({sample.utime_us, sample.is_keyframe ? int8_t{1} : int8_t{0},
                                 with_image.contains(sample.utime_us) ? int8_t{1} : int8_t{0}, sample.submap_id,
                                 to_wire(sample.cam_from_submap)});
-  });
+  }
   manifest.nsamples = static_cast<int32_t>(manifest.samples.size());
   manifest.utime = manifest.samples.empty() ? 0 : manifest.samples.back().utime;
   manifest.window = to_message(job.window, manifest.utime, window_t::QUEUED);

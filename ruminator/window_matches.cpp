@@ -6,6 +6,8 @@
 #include <numeric>
 #include <set>
 
+#include "slam/geometry/median.h"
+
 namespace rumi {
 
 namespace {
@@ -58,13 +60,10 @@ std::vector<ColmapPair> match_window(const Camera& camera, const std::vector<Sif
 }
 
 double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ColmapPair& pair) {
-  const auto direction = [&camera](const Eigen::Vector2f& p) {
-    return Eigen::Vector3d((p.x() - camera.cx) / camera.fx, (p.y() - camera.cy) / camera.fy, 1).normalized();
-  };
   std::vector<Eigen::Vector3d> first, second;
   for (const auto& [i, j] : pair.matches) {
-    first.push_back(direction(images[pair.first].undistorted[i]));
-    second.push_back(direction(images[pair.second].undistorted[j]));
+    first.push_back(camera.ray(images[pair.first].undistorted[i]).normalized());
+    second.push_back(camera.ray(images[pair.second].undistorted[j]).normalized());
   }
   // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
   // near, have less to say.
@@ -82,9 +81,7 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
     }
   }
   if (angle.empty()) return 0;
-  const auto middle = angle.begin() + static_cast<long>(angle.size() / 2);
-  std::nth_element(angle.begin(), middle, angle.end());
-  return *middle * 0.5 * (camera.fx + camera.fy);
+  return median(&angle) * 0.5 * (camera.fx + camera.fy);
 }
 
 std::vector<int> connected_images(int images, const std::vector<ColmapPair>& pairs, int min_matches) {

@@ -34,6 +34,11 @@ class Camera {
   Eigen::Vector2d project_undistorted(const Eigen::Vector3d& point_cam) const {
     return {fx * point_cam.x() / point_cam.z() + cx, fy * point_cam.y() / point_cam.z() + cy};
   }
+  // The inverse: ray (x/z, y/z, 1) of an undistorted pixel, which may be of floats or doubles.
+  template <class T>
+  Eigen::Vector3d ray(const Eigen::Matrix<T, 2, 1>& undistorted) const {
+    return {(undistorted.x() - cx) / fx, (undistorted.y() - cy) / fy, 1};
+  }
   bool has_distortion() const;
   bool contains(const Eigen::Vector2d& pixel, double border_px = 0) const {
     return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&

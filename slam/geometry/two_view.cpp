@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
+#include "slam/geometry/median.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/optimization/bundle_adjustment.h"
 
@@ -70,8 +71,7 @@ TwoViewHypothesis judge(const Camera& camera, const SE3& second_from_first, cons
   }
   result.inliers = static_cast<int>(parallaxes.size());
   if (parallaxes.empty()) return result;
-  std::nth_element(parallaxes.begin(), parallaxes.begin() + parallaxes.size() / 2, parallaxes.end());
-  result.median_parallax_deg = parallaxes[parallaxes.size() / 2] * 180 / M_PI;
+  result.median_parallax_deg = median(&parallaxes) * 180 / M_PI;
   return result;
 }
 

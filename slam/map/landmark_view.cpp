@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/geometry/median.h"
+
 namespace rumi {
 namespace {
 
@@ -15,9 +17,8 @@ Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
   std::vector<int> distances(seen.size());
   for (size_t i = 0; i < seen.size(); ++i) {
     for (size_t j = 0; j < seen.size(); ++j) distances[j] = hamming_distance(*seen[i], *seen[j]);
-    std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-    if (distances[distances.size() / 2] < best_median) {
-      best_median = distances[distances.size() / 2];
+    if (const int middle = median(&distances); middle < best_median) {
+      best_median = middle;
       best = i;
     }
   }

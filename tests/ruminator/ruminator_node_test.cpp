@@ -72,8 +72,7 @@ class RuminatorNodeTest : public ::testing::Test {
   void expect_images_of(const WindowJob& job) {
     std::set<int64_t> utimes;
     for (const image_t& image : job.images) utimes.insert(image.utime);
-    for (const auto* part : {&job.window.approach, &job.window.gap, &job.window.departure})
-      for (const Sample& s : *part) EXPECT_TRUE(utimes.contains(s.utime_us)) << "window " << job.window.id;
+    for (const Sample& s : job.window.samples()) EXPECT_TRUE(utimes.contains(s.utime_us)) << "window " << job.window.id;
   }
 
   MemoryBus bus_;

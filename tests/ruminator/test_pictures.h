@@ -54,8 +54,8 @@ inline cv::Mat see_plane(const cv::Mat& picture, const Camera& camera, const SE3
 inline Eigen::Vector2d over_the_plane(const Camera& camera, const SE3& first, const SE3& second,
                                       const Eigen::Vector2d& pixel) {
   const SE3 world_from_first = first.inverse();
-  const Eigen::Vector3d ray((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy, 1);
-  const Eigen::Vector3d direction = world_from_first.rotation * ray, origin = world_from_first.translation;
+  const Eigen::Vector3d direction = world_from_first.rotation * camera.ray(pixel),
+                        origin = world_from_first.translation;
   return camera.project_undistorted(second * (origin + (2 - origin.z()) / direction.z() * direction));
 }
 

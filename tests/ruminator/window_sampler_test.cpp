@@ -315,8 +315,7 @@ TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
   feed.span(25, 2, 6);
   const std::set<int64_t> retained = feed.sampler.retained();
   ASSERT_TRUE(feed.sampler.open());
-  for (const auto* part : {&feed.sampler.open()->approach, &feed.sampler.open()->gap, &feed.sampler.open()->departure})
-    for (const Sample& s : *part) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
+  for (const Sample& s : feed.sampler.open()->samples()) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
   for (int64_t utime = 94; utime <= 118; ++utime) EXPECT_TRUE(retained.contains(utime)) << utime;  // may die young
 }
 

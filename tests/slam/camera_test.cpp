@@ -35,6 +35,13 @@ TEST(Camera, UnprojectInvertsProjectForEveryModel) {
   }
 }
 
+TEST(Camera, RayInvertsProjectUndistorted) {
+  SyntheticScene scene(2);
+  const Camera camera = distorted();  // which is not to play a part
+  for (const Eigen::Vector3d& point : scene.cloud(100))
+    EXPECT_LT((camera.ray(camera.project_undistorted(point)) - point / point.z()).norm(), 1e-12);
+}
+
 TEST(Camera, AgreesWithOpenCv) {
   const Eigen::Vector3d p(0.4, -0.3, 1.2);
   const std::vector<cv::Point3d> points{{p.x(), p.y(), p.z()}};
