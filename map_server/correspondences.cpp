@@ -80,20 +80,22 @@ Correspondences find_correspondences(const Submap& a, const Submap& b, double ma
 ScaleRatio scale_ratio(const Submap& a, const Submap& b, const Correspondences& common, int shared, int min_landmarks) {
   const SE3& cam_from_a = a.keyframe(common.keyframes[shared].a)->cam_from_submap;
   const SE3& cam_from_b = b.keyframe(common.keyframes[shared].b)->cam_from_submap;
-  std::vector<double> logs;
+  std::vector<double> logs, depths;
   for (const LandmarkMatch& match : common.landmarks) {
     if (match.shared != shared) continue;
     const double depth_a = (cam_from_a * a.landmark(match.a)->position).z();
     const double depth_b = (cam_from_b * b.landmark(match.b)->position).z();
-    if (depth_a > 0 && depth_b > 0) logs.push_back(std::log(depth_b / depth_a));
+    if (!(depth_a > 0 && depth_b > 0)) continue;
+    logs.push_back(std::log(depth_b / depth_a));
+    depths.push_back(depth_b);
   }
   if (static_cast<int>(logs.size()) < std::max(1, min_landmarks))
-    return {0, std::numeric_limits<double>::infinity()};
-  const double middle = median(logs);
+    return {0, std::numeric_limits<double>::infinity(), 0};
+  const double middle = median(&logs);
   const double count = static_cast<double>(logs.size());
   for (double& value : logs) value = std::abs(value - middle);
   // 1.4826: from the median deviation to the standard one; 1.2533: the median's standard error over the mean's.
-  return {middle, 1.2533 * 1.4826 * median(logs) / std::sqrt(count)};
+  return {middle, 1.2533 * 1.4826 * median(&logs) / std::sqrt(count), median(&depths)};
 }
 
 }  // namespace rumi

@@ -37,6 +37,7 @@ Correspondences find_correspondences(const Submap& a, const Submap& b, double ma
 // error from the spread. Infinite error where there are fewer than `min_landmarks`.
 struct ScaleRatio {
   double log_b_over_a = 0, sigma = 0;
+  double depth_b = 0;  // median
 };
 ScaleRatio scale_ratio(const Submap& a, const Submap& b, const Correspondences& common, int shared, int min_landmarks);
 

@@ -62,7 +62,19 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
                    .landmark_inliers = alignment.landmark_inliers,
                    .rmse_px = alignment.rmse_px,
                    .doubt = alignment.doubt};
-  for (const SharedKeyframe& shared : common.keyframes) pair.images.push_back(shared.utime_us);
+  for (size_t k = 0; k < common.keyframes.size(); ++k) {
+    const SharedKeyframe& shared = common.keyframes[k];
+    const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options_.alignment.min_landmarks / 4);
+    if (!std::isfinite(ratio.sigma)) continue;
+    pair.images.push_back(shared.utime_us);
+    // One camera, in the units of two submaps.
+    pair.joints.push_back({{a.key, shared.a},
+                           {b.key, shared.b},
+                           Sim3(std::exp(ratio.log_b_over_a), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()),
+                           options_.joint_sigma_rotation_deg * M_PI / 180,
+                           options_.joint_sigma_translation * ratio.depth_b,
+                           std::max(ratio.sigma, options_.joint_sigma_log_scale)});
+  }
   return pair;
 }
 
@@ -149,7 +161,12 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const std::map<SubmapKey, Pla
   BuiltMap built;
   if (members.size() < 2) return built;
   const SubmapKey anchor = choose_anchor(submaps, members, placed);
-  const Placed before = place_members(submaps, members, anchor, placed);
+  Placed before = place_members(submaps, members, anchor, placed);
+  std::vector<KeyframeJoint> joints;
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted() && members.contains(keys.first))
+      joints.insert(joints.end(), pair.joints.begin(), pair.joints.end());
+  bend(joints, anchor, options_.graph, &before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
   MapBundleReport bundle = adjust_map({}, options_.bundle, &model);
   AssociationOptions association = options_.association;

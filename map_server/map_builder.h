@@ -13,6 +13,7 @@
 #include "map_server/link.h"
 #include "map_server/map_association.h"
 #include "map_server/map_bundle.h"
+#include "map_server/map_graph.h"
 #include "map_server/map_model.h"
 #include "map_server/submap_alignment.h"
 
@@ -20,6 +21,10 @@ namespace rumi {
 
 struct MapBuilderOptions {
   AlignmentOptions alignment;
+  MapGraphOptions graph;
+  double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
+  double joint_sigma_translation = 0.01;  // the same, of the median depth
+  double joint_sigma_log_scale = 0.02;    // at least
   MapBundleOptions bundle;
   AssociationOptions association;
   int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
@@ -54,8 +59,9 @@ class MapBuilder {
  private:
   struct Pair {
     int64_t revision_a = 0, revision_b = 0;
-    std::optional<Link> link;     // nothing: they have no image in common
-    std::vector<int64_t> images;  // in common, utime_us; ascending
+    std::optional<Link> link;           // nothing: they have no image in common
+    std::vector<int64_t> images;        // in common, utime_us; ascending
+    std::vector<KeyframeJoint> joints;  // of these images
   };
   using Placed = std::map<SubmapKey, PlacedSubmap>;
   using Placements = std::map<SubmapKey, Placement>;

@@ -68,7 +68,7 @@ class Bender {
     std::vector<double> depths;
     for (int id : keyframe.landmark_ids)
       if (id != kNone) depths.push_back((keyframe.cam_from_submap * submap.landmark(id)->position).z());
-    return depths.empty() ? 1 : std::max(median(depths), 1e-6);
+    return depths.empty() ? 1 : std::max(median(&depths), 1e-6);
   }
 
   void apply() {

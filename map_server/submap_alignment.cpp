@@ -117,7 +117,7 @@ class Aligner {
         if (common_.landmarks[i].shared == static_cast<int>(k)) depths.push_back(pairs_[i].depth_b);
       if (depths.empty()) continue;
       const double angle = moved.rotation.angularDistance(cam_from_b.rotation) * 180 / M_PI;
-      const double distance = (moved.center() - cam_from_b.center()).norm() / median(depths);
+      const double distance = (moved.center() - cam_from_b.center()).norm() / median(&depths);
       if (angle > o_.max_rotation_deg || distance > o_.max_center_depth_ratio) continue;
       alignment->keyframe_inlier[k] = 1;
       ++alignment->keyframe_inliers;
