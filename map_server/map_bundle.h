@@ -12,7 +12,8 @@ struct MapBundleOptions {
   // Each round solves with the observations whose squared error over sigma^2 is below its gate: the first rounds bring
   // together what a rigid alignment left apart, the last one (95 % of a 2-D normal distribution) keeps what fits.
   std::vector<double> gates_chi2 = {400, 36, 5.991};
-  int iterations = 30;  // of each round, at most
+  int iterations = 50;                // of each round, at most
+  double function_tolerance = 1e-5;  // looser ones leave the slow bends of a long path where they are
 };
 
 struct MapBundleReport {

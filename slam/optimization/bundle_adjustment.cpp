@@ -87,7 +87,7 @@ ceres::Solver::Options solver_options(const BundleOptions& options, size_t views
   o.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD brings threads of its own
   o.max_num_iterations = options.iterations;
   o.num_threads = 1;  // repeatable to the bit
-  o.function_tolerance = 1e-4;
+  o.function_tolerance = options.function_tolerance;
   o.logging_type = ceres::SILENT;
   return o;
 }
