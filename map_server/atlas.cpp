@@ -2,14 +2,39 @@
 #include "map_server/atlas.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <set>
+#include <stdexcept>
 #include <tuple>
+
+#include <fmt/format.h>
 
 namespace rumi {
 namespace {
 
 int64_t first_utime_us(const Submap& submap) {
   return submap.frames.empty() ? std::numeric_limits<int64_t>::max() : submap.frames.begin()->first;
+}
+
+// The pose does not merely follow a neighbour of its keyframe that was placed. Always so where the submap lies in the
+// map as it is.
+bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) {
+  const Keyframe* keyframe = owner.submap.keyframe(frame.reference_keyframe);
+  const auto& places = owner.placement.map_from_submap;
+  return keyframe && (places.empty() || places.contains(keyframe->utime_us));
+}
+
+bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
+
+void check_placement(SubmapKey key, const std::map<SubmapKey, Placement>& all) {
+  const Placement& placement = all.at(key);
+  bool ok = true;
+  for (const auto& [utime_us, similarity] : placement.map_from_submap) ok = ok && is_similarity(similarity);
+  for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
+  for (const auto& [id, into] : placement.fused) ok = ok && all.contains(into.submap);
+  if (!ok)
+    throw std::invalid_argument(fmt::format("the placement of submap {} of session {} is none", key.id, key.session));
 }
 
 }  // namespace
@@ -63,7 +88,45 @@ void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
     if (frame.revision > after_revision) frames_.try_emplace(utime_us, FrameRecord{.session = submap.key.session});
 }
 
+void Atlas::place_map(std::map<SubmapKey, Placement> placements) {
+  for (const auto& [key, placement] : placements) {
+    if (!submaps_.contains(key))
+      throw std::invalid_argument(fmt::format("submap {} of session {} is not here to be placed", key.id, key.session));
+    check_placement(key, placements);
+  }
+  ++revision_;
+  for (auto& [key, owner] : submaps_) {
+    const auto placed = placements.find(key);
+    owner.in_map = placed != placements.end();
+    if (!owner.in_map) {
+      owner.placement = {};
+      continue;
+    }
+    const bool is_new = owner.placement.revision == 0 || !same_place(owner.placement, placed->second);
+    placed->second.revision = is_new ? revision_ : owner.placement.revision;
+    owner.placement = std::move(placed->second);
+  }
+  choose_map();
+}
+
+void Atlas::set_links(std::vector<Link> links) {
+  std::set<std::tuple<SubmapKey, SubmapKey, Link::Kind>> pairs;
+  for (const Link& link : links)
+    if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
+        !std::isfinite(link.rmse_px) || !pairs.emplace(link.a, link.b, link.kind).second)
+      throw std::invalid_argument(fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id));
+  std::sort(links.begin(), links.end(),
+            [](const Link& x, const Link& y) { return std::tie(x.a, x.b, x.kind) < std::tie(y.a, y.b, y.kind); });
+  links_ = std::move(links);
+}
+
+bool Atlas::is_placed() const {
+  return std::any_of(submaps_.begin(), submaps_.end(),
+                     [](const auto& entry) { return entry.second.in_map && entry.second.placement.revision > 0; });
+}
+
 bool Atlas::choose_map() {
+  if (is_placed()) return false;
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_) {
     const auto rank = [](const Submap& s) {
@@ -86,6 +149,13 @@ const AtlasSubmap* Atlas::find(SubmapKey key) const {
   return it == submaps_.end() ? nullptr : &it->second;
 }
 
+bool Atlas::stands_for_itself(const AtlasSubmap& owner, int landmark_id) const {
+  const auto fused = owner.placement.fused.find(landmark_id);
+  if (fused == owner.placement.fused.end()) return true;
+  const AtlasSubmap* other = find(fused->second.submap);
+  return !other || !other->in_map || !other->submap.landmark(fused->second.id);
+}
+
 int64_t Atlas::frames_in_map() const {
   std::vector<const Submap*> counted;
   int64_t frames = 0;
@@ -104,7 +174,8 @@ std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
   const auto order = [&](const AtlasSubmap& s) {
     const bool tracked_in =
         record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
-    return std::make_tuple(!s.in_map, !tracked_in, s.submap.kind != SubmapKind::kFront);
+    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, *s.submap.frame(utime_us));
+    return std::make_tuple(!s.in_map, follows, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "map_server/map_model.h"
 #include "map_server/output_file.h"
 #include "map_server/writers.h"
 
@@ -16,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPixelShift = 0.5;  // COLMAP's pixel coordinates minus ours
+constexpr double kPixelShift = 0.5;    // COLMAP's pixel coordinates minus ours
+constexpr double kSamePixel_px = 1.0;  // keypoints of one image, of two submaps, that are one
 constexpr int64_t kNoPoint = -1;
 
 struct ColmapCamera {
@@ -80,55 +82,49 @@ uint32_t camera_id(const Camera& camera, ColmapModel* model) {
   return model->cameras.back().id;
 }
 
-double mean_error_px(const Submap& submap, const Landmark& landmark) {
+// How far the observations of a point are from where it projects to, in the map.
+double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   double sum = 0;
   int count = 0;
-  for (const Observation& o : landmark.observations) {
-    const Keyframe& keyframe = *submap.keyframe(o.keyframe_id);
-    const auto pixel = submap.camera.project(keyframe.cam_from_submap * landmark.position);
+  for (const MapModel::Observation& o : point.observations) {
+    const MapModel::View& view = map.views[o.view];
+    const auto pixel = view.camera.project(view.cam_from_map * point.position);
     if (!pixel) continue;
-    sum += (*pixel - keyframe.features->keypoints[o.keypoint_index].pixel.cast<double>()).norm();
+    sum += (*pixel - view.features->keypoints[o.keypoint].pixel.cast<double>()).norm();
     ++count;
   }
   return count > 0 ? sum / count : 0;
 }
 
-void add_submap(const AtlasSubmap& owner, ColmapModel* model) {
-  const Submap& submap = owner.submap;
-  const uint32_t camera = camera_id(submap.camera, model);
-  std::map<int, int64_t> point_ids;
-  for (const auto& [id, landmark] : submap.landmarks)
-    if (landmark.observations.size() >= 2)
-      point_ids[id] = static_cast<int64_t>(model->points.size() + point_ids.size() + 1);
-  std::map<int, uint32_t> image_ids;
-  for (const auto& [id, keyframe] : submap.keyframes) {
-    ColmapImage& image = model->images.emplace_back();
-    image.id = image_ids[id] = static_cast<uint32_t>(model->images.size());
-    image.camera = camera;
-    image.cam_from_map = owner.placement.cam_from_map(keyframe);
-    image.name = seconds_text(keyframe.utime_us) + ".jpg";
-    for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
-      const auto point = point_ids.find(keyframe.landmark_ids[i]);
-      const Eigen::Vector2d pixel = keyframe.features->keypoints[i].pixel.cast<double>();
-      image.points.emplace_back(pixel.array() + kPixelShift, point == point_ids.end() ? kNoPoint : point->second);
-    }
-  }
-  for (const auto& [id, point_id] : point_ids) {
-    const Landmark& landmark = *submap.landmark(id);
-    ColmapPoint& point = model->points.emplace_back();
-    point.id = point_id;
-    point.position = owner.placement.position_in_map(owner.submap, landmark);
-    point.colour = submap_colour(submap.key);
-    point.error_px = mean_error_px(submap, landmark);
-    for (const Observation& o : landmark.observations)
-      point.track.emplace_back(image_ids.at(o.keyframe_id), static_cast<uint32_t>(o.keypoint_index));
+void add_point(const MapModel& map, const MapModel::Point& point, ColmapModel* model) {
+  if (point.observations.size() < 2) return;
+  ColmapPoint& out = model->points.emplace_back();
+  out.id = static_cast<int64_t>(model->points.size());
+  out.position = point.position;
+  out.colour = submap_colour(point.landmarks.front().submap);
+  out.error_px = mean_error_px(map, point);
+  for (const MapModel::Observation& o : point.observations) {
+    out.track.emplace_back(static_cast<uint32_t>(o.view + 1), static_cast<uint32_t>(o.keypoint));
+    model->images[o.view].points[o.keypoint].second = out.id;
   }
 }
 
 ColmapModel make_model(const Atlas& atlas) {
-  ColmapModel model;
+  std::map<SubmapKey, PlacedSubmap> placed;
   for (const auto& [key, owner] : atlas.submaps())
-    if (owner.in_map) add_submap(owner, &model);
+    if (owner.in_map) placed[key] = {&owner.submap, owner.placement};
+  const MapModel map = join(placed, kSamePixel_px);
+  ColmapModel model;
+  for (const MapModel::View& view : map.views) {
+    ColmapImage& image = model.images.emplace_back();
+    image.id = static_cast<uint32_t>(model.images.size());
+    image.camera = camera_id(view.camera, &model);
+    image.cam_from_map = view.cam_from_map;
+    image.name = seconds_text(view.utime_us) + ".jpg";
+    for (const Keypoint& keypoint : view.features->keypoints)
+      image.points.emplace_back(keypoint.pixel.cast<double>().array() + kPixelShift, kNoPoint);
+  }
+  for (const MapModel::Point& point : map.points) add_point(map, point, &model);
   return model;
 }
 

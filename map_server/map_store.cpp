@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -100,13 +101,18 @@ void MapStore::open() {
   if (const std::string wrong = is_new ? "ok" : db_.text("PRAGMA quick_check(1)"); wrong != "ok")
     throw SqliteError(SQLITE_CORRUPT, wrong);
   db_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
-  if (!is_new) {
-    // A readable but not writable file must be refused now, not when the first update comes.
-    db_.execute("BEGIN IMMEDIATE; ROLLBACK");
-    return;
-  }
+  // A readable but not writable file must be refused now, not when the first update comes: hence the transaction, also
+  // where there is nothing to do.
   Transaction transaction(db_);
-  db_.execute(kMapSchema);
+  if (version == kMapSchemaVersion) return;
+  if (is_new) {
+    db_.execute(kMapSchema);
+    db_.execute(kMapSchemaPlacements);
+  } else {
+    db_.execute(kMapSchemaPlacements);
+    db_.execute(kMapSchemaFrom1To2);
+    spdlog::info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
+  }
   db_.execute(
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kMapApplicationId, kMapSchemaVersion));
   transaction.commit();

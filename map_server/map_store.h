@@ -30,7 +30,8 @@ class FileLock {
 
 class MapStore {
  public:
-  // Opens or creates FILE and takes FILE.lock; ":memory:" keeps everything in memory. Throws std::runtime_error with a
+  // Opens or creates FILE and takes FILE.lock; ":memory:" keeps everything in memory. A file of an older schema version
+  // is brought to ours in one transaction. Throws std::runtime_error with a
   // message for the user if the file is locked, damaged, no map, of a newer version or not writable.
   explicit MapStore(const std::string& file);
 
@@ -58,24 +59,31 @@ class MapStore {
   struct Stored {
     int64_t row = 0;  // submaps.submap
     int64_t revision = 0;
+    bool in_map = false;
+    int64_t placement_revision = 0;
   };
   void open();
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
   void save_keyframes(const Submap& submap, const Stored& row);
   void save_landmarks(const Submap& submap, const Stored& row);
   void save_poses(const Submap& submap, const Stored& row);
-  void save_place(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows);
+  void save_map(const Atlas& atlas, std::map<SubmapKey, Stored>* rows);
+  void save_placement(const Placement& placement, int64_t row, const std::map<SubmapKey, Stored>& rows);
+  void save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows);
   void save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
   int64_t camera_row(const Camera& camera);
   Camera load_camera(int64_t row);
+  void load_submaps(Atlas* atlas);
   void load_elements(int64_t row, Submap* submap);
+  void load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
+  void load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
   std::string explain(const SqliteError& error) const;
 
   std::string file_;
   FileLock lock_;
   Database db_;
   std::map<SubmapKey, Stored> stored_;
-  std::map<SubmapKey, AtlasSubmap> placed_;  // in_map and map_from_submap as they are in the file; submaps empty
+  std::vector<Link> stored_links_;
 };
 
 }  // namespace rumi

@@ -43,37 +43,41 @@ Atlas MapStore::load() {
   Atlas atlas;
   try {
     stored_.clear();
-    placed_.clear();
     Statement frames(db_, "SELECT utime, session, state, submap FROM frames");
     while (frames.step())
       atlas.record_frame(frames.integer(0), {.session = frames.integer(1),
                                              .state = static_cast<FrameState>(frames.integer(2)),
                                              .submap_id = static_cast<int32_t>(frames.integer(3))});
-    Statement rows(db_,
-                   "SELECT submap, session, id, kind, closed, revision, camera, in_map, map_from_submap FROM submaps");
-    while (rows.step()) {
-      AtlasSubmap owner;
-      Submap& s = owner.submap;
-      s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
-      s.kind = static_cast<SubmapKind>(rows.integer(3));
-      s.closed = rows.integer(4) != 0;
-      s.revision = rows.integer(5);
-      s.camera = load_camera(rows.integer(6));
-      owner.in_map = rows.integer(7) != 0;
-      if (!rows.blob(8).empty())
-        owner.map_from_submap = similarity_from_numbers(array_from_blob<SimilarityNumbers>(rows.blob(8)));
-      load_elements(rows.integer(0), &s);
-      stored_[s.key] = {rows.integer(0), s.revision};
-      placed_[s.key] = {.submap = {}, .in_map = owner.in_map, .map_from_submap = owner.map_from_submap};
-      atlas.restore_submap(std::move(owner));
-    }
+    load_submaps(&atlas);
     atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
   } catch (const SqliteError& error) {
     throw std::runtime_error(explain(error));
-  } catch (const std::runtime_error& error) {
+  } catch (const std::exception& error) {
     throw std::runtime_error(fmt::format("{} is damaged: {}; move it away", file_, error.what()));
   }
   return atlas;
+}
+
+void MapStore::load_submaps(Atlas* atlas) {
+  std::map<int64_t, SubmapKey> keys;
+  Statement rows(db_,
+                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision FROM submaps");
+  while (rows.step()) {
+    AtlasSubmap owner;
+    Submap& s = owner.submap;
+    s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
+    s.kind = static_cast<SubmapKind>(rows.integer(3));
+    s.closed = rows.integer(4) != 0;
+    s.revision = rows.integer(5);
+    s.camera = load_camera(rows.integer(6));
+    owner.in_map = rows.integer(7) != 0;
+    load_elements(rows.integer(0), &s);
+    stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8)};
+    keys[rows.integer(0)] = s.key;
+    atlas->restore_submap(std::move(owner));
+  }
+  load_placements(atlas, keys);
+  load_links(atlas, keys);
 }
 
 Camera MapStore::load_camera(int64_t row) {

@@ -8,10 +8,6 @@
 namespace rumi {
 namespace {
 
-bool same_place(const AtlasSubmap& a, const AtlasSubmap& b) {
-  return a.in_map == b.in_map && similarity_numbers(a.map_from_submap) == similarity_numbers(b.map_from_submap);
-}
-
 std::vector<int32_t> observation_pairs(const Keyframe& keyframe) {
   std::vector<int32_t> pairs;
   for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
@@ -40,12 +36,12 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame
     std::map<SubmapKey, Stored> rows = stored_;
     for (const auto& [key, owner] : atlas.submaps())
       if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
-    save_place(atlas, rows);
+    save_map(atlas, &rows);
+    save_links(atlas, rows);
     save_frames(atlas, frame_utimes_us);
     transaction.commit();
     stored_ = std::move(rows);
-    for (const auto& [key, owner] : atlas.submaps())
-      placed_[key] = {.submap = {}, .in_map = owner.in_map, .map_from_submap = owner.map_from_submap};
+    stored_links_ = atlas.links();
     return {};
   } catch (const SqliteError& error) {
     return explain(error);
@@ -60,13 +56,15 @@ MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& b
                    "revision = excluded.revision, camera = excluded.camera RETURNING submap");
   upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera));
   upsert.step();
-  const Stored since{upsert.integer(0), before.revision};
+  Stored since = before;
+  since.row = upsert.integer(0);
   while (upsert.step()) {
   }
   save_keyframes(s, since);
   save_landmarks(s, since);
   save_poses(s, since);
-  return {since.row, s.revision};
+  since.revision = s.revision;
+  return since;
 }
 
 void MapStore::save_keyframes(const Submap& s, const Stored& since) {
@@ -119,17 +117,6 @@ void MapStore::save_poses(const Submap& s, const Stored& since) {
     if (frame.revision <= since.revision) continue;
     const PoseNumbers pose = pose_numbers(frame.cam_from_keyframe);
     insert.bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision).run();
-  }
-}
-
-void MapStore::save_place(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows) {
-  Statement(db_, "UPDATE atlas SET map_revision = ?1 WHERE map_revision <> ?1").bind(atlas.revision()).run();
-  Statement update(db_, "UPDATE submaps SET in_map = ?, map_from_submap = ? WHERE submap = ?");
-  for (const auto& [key, owner] : atlas.submaps()) {
-    const auto before = placed_.find(key);
-    if (before != placed_.end() && same_place(before->second, owner)) continue;
-    const SimilarityNumbers numbers = similarity_numbers(owner.map_from_submap);
-    update.bind(owner.in_map, as_blob(numbers), rows.at(key).row).run();
   }
 }
 

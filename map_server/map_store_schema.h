@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 1. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 2. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,8 +8,48 @@
 namespace rumi {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 1;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 2;           // PRAGMA user_version; raise it with every change of the schema
 
+// What version 2 added to version 1: where the submaps of the map lie in it.
+inline constexpr const char* kMapSchemaPlacements = R"sql(
+CREATE TABLE placed_keyframes (           -- a submap of the map bends with its keyframes
+  submap INTEGER NOT NULL REFERENCES submaps,
+  utime INTEGER NOT NULL,                 -- of the keyframe
+  map_from_submap BLOB NOT NULL,          -- similarity
+  PRIMARY KEY (submap, utime)
+) WITHOUT ROWID;
+
+CREATE TABLE placed_landmarks (           -- those that do not just follow their keyframe
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  position BLOB NOT NULL,                 -- 3 float64, in the map
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE fused_landmarks (            -- these are the same point as another landmark
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  into_submap INTEGER NOT NULL REFERENCES submaps (submap),
+  into_id INTEGER NOT NULL,
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE links (                      -- attempts to align two submaps
+  a INTEGER NOT NULL REFERENCES submaps (submap),
+  b INTEGER NOT NULL REFERENCES submaps (submap),
+  kind INTEGER NOT NULL,                  -- compared by: 0 images that both were made of, 1 appearance
+  b_from_a BLOB NOT NULL,                 -- similarity
+  keyframes INTEGER NOT NULL, keyframe_inliers INTEGER NOT NULL,    -- in common, and those that agree
+  landmarks INTEGER NOT NULL, landmark_inliers INTEGER NOT NULL,
+  rmse_px REAL NOT NULL,                  -- of the inliers
+  accepted INTEGER NOT NULL,
+  doubt TEXT NOT NULL,                    -- why it is not accepted
+  revision INTEGER NOT NULL,              -- of the map when this was written
+  PRIMARY KEY (a, b, kind)
+) WITHOUT ROWID;
+)sql";
+
+// All else.
 inline constexpr const char* kMapSchema = R"sql(
 CREATE TABLE atlas (                      -- one row
   map_revision INTEGER NOT NULL           -- rises whenever anything of the served map changed
@@ -34,7 +74,7 @@ CREATE TABLE submaps (
   revision INTEGER NOT NULL,
   camera INTEGER NOT NULL REFERENCES cameras,
   in_map INTEGER NOT NULL DEFAULT 0,      -- 1: part of the served map
-  map_from_submap BLOB,                   -- similarity, where in_map
+  placement_revision INTEGER NOT NULL DEFAULT 0,  -- of the map when its place there last changed; 0: never placed
   UNIQUE (session, id)
 );
 
@@ -96,6 +136,20 @@ CREATE TABLE frames (                     -- what front_tracker said when it saw
   state INTEGER NOT NULL,                 -- 0 NOT_INITIALIZED, 1 TRACKING, 2 RECENTLY_LOST, 3 LOST
   submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, -1: in none
 );
+)sql";
+
+// Version 1 had one similarity for a whole submap, of which only the identity (the blob below) was ever written; any
+// other becomes that of its first keyframe, which all others then follow.
+inline constexpr const char* kMapSchemaFrom1To2 = R"sql(
+ALTER TABLE submaps ADD COLUMN placement_revision INTEGER NOT NULL DEFAULT 0;
+INSERT INTO placed_keyframes
+  SELECT s.submap, min(k.utime), s.map_from_submap FROM submaps s JOIN keyframes k ON k.submap = s.submap
+  WHERE s.in_map AND s.map_from_submap <>
+    x'000000000000F03F000000000000F03F000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000'
+  GROUP BY s.submap;
+UPDATE submaps SET placement_revision = (SELECT max(map_revision, 1) FROM atlas)
+  WHERE submap IN (SELECT submap FROM placed_keyframes);
+ALTER TABLE submaps DROP COLUMN map_from_submap;
 )sql";
 
 }  // namespace rumi

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/placement.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace rumi {
 
 Sim3 Placement::at(int64_t utime_us) const {
@@ -29,8 +32,19 @@ Eigen::Vector3d Placement::position_in_map(const Submap& submap, const Landmark&
   return (anchor ? at(anchor->utime_us) : latest()) * landmark.position;
 }
 
+bool same_place(const Placement& a, const Placement& b) {
+  const auto same_similarity = [](const auto& x, const auto& y) {
+    return x.first == y.first && x.second.scale == y.second.scale &&
+           x.second.rotation.coeffs() == y.second.rotation.coeffs() && x.second.translation == y.second.translation;
+  };
+  return std::equal(a.map_from_submap.begin(), a.map_from_submap.end(), b.map_from_submap.begin(),
+                    b.map_from_submap.end(), same_similarity) &&
+         a.landmarks == b.landmarks && a.fused == b.fused;
+}
+
 Submap place(const Submap& submap, const Placement& placement) {
   Submap placed = submap;
+  if (placement.map_from_submap.empty() && placement.landmarks.empty()) return placed;  // to the last bit
   for (auto& [id, keyframe] : placed.keyframes)
     keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
   for (auto& [id, landmark] : placed.landmarks)

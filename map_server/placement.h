@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <map>
 
 #include "slam/map/submap.h"
@@ -20,7 +21,10 @@ struct LandmarkRef {
 struct Placement {
   std::map<int64_t, Sim3> map_from_submap;   // at the keyframe of that utime_us; empty: identity everywhere
   std::map<int, Eigen::Vector3d> landmarks;  // position in the map of those that a bundle adjustment of the map moved
-  std::map<int, LandmarkRef> fused;          // these landmarks are the same point as another one's
+  // These landmarks are the same point as another submap's, or another one of this submap, which itself is fused into
+  // none. Where the other one has been removed since, they stand for themselves again.
+  std::map<int, LandmarkRef> fused;
+  int64_t revision = 0;  // of the served map when this last changed; 0: nobody has placed the submap
 
   // At the keyframe nearest in time.
   Sim3 at(int64_t utime_us) const;
@@ -32,6 +36,9 @@ struct Placement {
   SE3 cam_from_map(const Submap& submap, const FramePose& frame) const;
   Eigen::Vector3d position_in_map(const Submap& submap, const Landmark& landmark) const;
 };
+
+// The same place to the last bit, whatever the revisions say.
+bool same_place(const Placement& a, const Placement& b);
 
 // The submap as it is in the map: same ids and observations, poses and positions in the map's unit and frame of
 // reference.

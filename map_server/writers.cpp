@@ -116,7 +116,8 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
   for (const auto& [key, owner] : atlas.submaps()) {
     if (!owner.in_map) continue;
     for (const auto& [id, landmark] : owner.submap.landmarks)
-      add(owner.placement.position_in_map(owner.submap, landmark), submap_colour(key));
+      if (atlas.stands_for_itself(owner, id))
+        add(owner.placement.position_in_map(owner.submap, landmark), submap_colour(key));
   }
   const size_t landmarks = vertices;
   for (const auto& [utime_us, map_from_cam] : trajectory) add(map_from_cam.translation, {255, 255, 255});

@@ -72,19 +72,21 @@ Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to)
   return store.load();
 }
 
-MapPicture make_picture(const Atlas& atlas, const std::string& title) {
-  MapPicture picture;
-  picture.title = title;
+AtlasPicture make_picture(const Atlas& atlas, const std::string& title) {
+  AtlasPicture result;
+  result.picture.title = title;
   for (const auto& [key, owner] : atlas.submaps()) {
-    picture.submaps.push_back({&owner.submap, owner.in_map ? std::optional(owner.map_from_submap) : std::nullopt});
+    const Submap* shown = &owner.submap;
+    if (owner.in_map) shown = &(result.placed[key] = place(owner.submap, owner.placement));
+    result.picture.submaps.push_back({shown, owner.in_map});
   }
-  for (const auto& [utime_us, frame] : atlas.frames()) picture.frame_utimes_us.push_back(utime_us);
-  return picture;
+  for (const auto& [utime_us, frame] : atlas.frames()) result.picture.frame_utimes_us.push_back(utime_us);
+  return result;
 }
 
 std::string write_run_outputs(const Atlas& atlas, const std::string& folder) {
   if (std::string error = write_outputs(atlas, folder); !error.empty()) return error;
-  return write_png(draw_map(make_picture(atlas, "Rumi")), (fs::path(folder) / "trajectory.png").string());
+  return write_png(draw_map(make_picture(atlas, "Rumi").picture), (fs::path(folder) / "trajectory.png").string());
 }
 
 AtlasCounts count(const Atlas& atlas) {

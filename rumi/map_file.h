@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
 
@@ -19,8 +20,14 @@ Atlas load_map(const std::string& file);
 // A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
 Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);
 
-// What a picture of the atlas shows; it points into the atlas.
-MapPicture make_picture(const Atlas& atlas, const std::string& title);
+// What a picture of the atlas shows. It points into the atlas and into `placed`.
+struct AtlasPicture {
+  AtlasPicture() = default;
+  AtlasPicture(AtlasPicture&&) = default;  // a copy would point into the original
+  std::map<SubmapKey, Submap> placed;      // those of the map, as they lie in it
+  MapPicture picture;
+};
+AtlasPicture make_picture(const Atlas& atlas, const std::string& title);
 
 // trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
 std::string write_run_outputs(const Atlas& atlas, const std::string& folder);

@@ -19,7 +19,8 @@ struct Arguments {
 
 std::string view(const Arguments& arguments) {
   const Atlas atlas = load_map(arguments.map);
-  MapPicture picture = make_picture(atlas, arguments.map);
+  AtlasPicture shown = make_picture(atlas, arguments.map);
+  MapPicture& picture = shown.picture;
   if (!arguments.groundtruth.empty()) {
     const TrajectoryFile truth = read_groundtruth(arguments.groundtruth);
     if (!truth.ok()) return truth.error;

@@ -17,26 +17,24 @@ constexpr double kLargest = 1e12;  // beyond it a number is no coordinate
 
 bool usable(const Vector3d& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < kLargest; }
 
-SubmapView view_submap(const Submap& submap, const std::optional<Sim3>& map_from_submap) {
+SubmapView view_submap(const Submap& submap, bool placed) {
   SubmapView view;
   view.id = submap.key.id;
-  view.placed = map_from_submap.has_value();
+  view.placed = placed;
   view.frames = static_cast<int64_t>(submap.frames.size());
   view.keyframes = static_cast<int64_t>(submap.keyframes.size());
   view.landmark_count = static_cast<int64_t>(submap.landmarks.size());
-  const Sim3 transform = map_from_submap.value_or(Sim3());
   for (const auto& [utime_us, frame] : submap.frames) {
     if (!submap.keyframe(frame.reference_keyframe)) continue;
-    const Vector3d p = transform * submap.cam_from_submap(frame).center();
+    const Vector3d p = submap.cam_from_submap(frame).center();
     if (usable(p)) view.trajectory.push_back({utime_us, p, false});
   }
   for (const auto& [id, keyframe] : submap.keyframes) {
-    const SE3 map_from_cam = transform.transform_camera(keyframe.cam_from_submap).inverse();
+    const SE3 map_from_cam = keyframe.cam_from_submap.inverse();
     if (map_from_cam.is_finite() && usable(map_from_cam.translation)) view.keyframe_poses.push_back(map_from_cam);
   }
   for (const auto& [id, landmark] : submap.landmarks) {
-    const Vector3d p = transform * landmark.position;
-    if (usable(p)) view.landmarks.push_back(p);
+    if (usable(landmark.position)) view.landmarks.push_back(landmark.position);
   }
   return view;
 }
@@ -98,18 +96,15 @@ void set_camera_shape(const Camera& camera, Scene* scene) {
 Scene make_scene(const MapPicture& picture) {
   Scene scene;
   scene.title = picture.title;
-  const bool any_placed = std::any_of(picture.submaps.begin(), picture.submaps.end(),
-                                      [](const auto& item) { return item.map_from_submap.has_value(); });
+  const bool any_placed =
+      std::any_of(picture.submaps.begin(), picture.submaps.end(), [](const auto& item) { return item.in_map; });
   const Submap* stand_in = nullptr;
   for (const MapPicture::Item& item : picture.submaps)
     if (!any_placed && (!stand_in || item.submap->frames.size() > stand_in->frames.size())) stand_in = item.submap;
 
   std::set<int64_t> posed, in_map;
   for (const MapPicture::Item& item : picture.submaps) {
-    const bool usable_transform = item.map_from_submap && item.map_from_submap->is_finite();
-    scene.submaps.push_back(view_submap(*item.submap, usable_transform          ? item.map_from_submap
-                                                      : item.submap == stand_in ? std::optional<Sim3>(Sim3())
-                                                                                : std::nullopt));
+    scene.submaps.push_back(view_submap(*item.submap, item.in_map || item.submap == stand_in));
     set_camera_shape(item.submap->camera, &scene);
     for (const TrajectoryPoint& p : scene.submaps.back().trajectory) {
       posed.insert(p.utime_us);

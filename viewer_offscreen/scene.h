@@ -51,8 +51,8 @@ struct Scene {
 // What draw_map() makes a scene of.
 struct MapPicture {
   struct Item {
-    const Submap* submap = nullptr;
-    std::optional<Sim3> map_from_submap;  // nothing: it is not part of the map
+    const Submap* submap = nullptr;  // as it lies in the map, if it is part of it; else in its own gauge
+    bool in_map = false;
   };
   std::string title = "Rumi";
   std::vector<Item> submaps = {};

@@ -135,7 +135,7 @@ void ViewerNode::draw() {
   MapPicture picture;
   for (const auto& [key, copy] : copies_) {
     const std::optional<Sim3> place = copy.summary.in_map ? from_wire(copy.summary.map_from_submap) : std::nullopt;
-    picture.submaps.push_back({&copy.submap, place});
+    picture.submaps.push_back({&copy.submap, copy.summary.in_map != 0});
     if (live_ && key == SubmapKey{live_->session, live_->submap_id} && place)
       picture.camera = place->transform_camera(*from_wire(live_->cam_from_submap)).inverse();
   }

@@ -16,6 +16,7 @@ namespace {
 using ::testing::AllOf;
 using testing::expect_same;
 using ::testing::HasSubstr;
+using testing::make_placement;
 using testing::make_submap;
 using testing::SubmapMaker;
 using testing::TemporaryFolder;
@@ -41,6 +42,29 @@ Atlas full_atlas() {
   return atlas;
 }
 
+// Submaps 1 and -1 are the map, in pieces; what is known of all pairs.
+Atlas merged_atlas() {
+  Atlas atlas = full_atlas();
+  std::map<SubmapKey, Placement> placements;
+  for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{8, -1}})
+    placements[key] = make_placement(atlas.find(key)->submap, 4);
+  for (int id = 0; id < 5; ++id) placements[{7, 1}].fused[100 + id] = {{8, -1}, 7 * id};
+  atlas.place_map(placements);
+  atlas.set_links({{.a = {7, 1},
+                    .b = {8, -1},
+                    .kind = Link::Kind::kSameImages,
+                    .b_from_a = Sim3(0.3, so3_exp({1, 2, 3}), {4, -0.0, 6}),
+                    .keyframes = 12,
+                    .keyframe_inliers = 11,
+                    .landmarks = 300,
+                    .landmark_inliers = 290,
+                    .rmse_px = 0.7,
+                    .doubt = ""},
+                   {.a = {7, 1}, .b = {8, -1}, .kind = Link::Kind::kAppearance, .doubt = "3 of 50 landmarks agree"},
+                   {.a = {7, 2}, .b = {8, -1}, .doubt = "no 'image' in common"}});
+  return atlas;
+}
+
 std::vector<int64_t> all_frames(const Atlas& atlas) {
   std::vector<int64_t> utimes;
   for (const auto& [utime, record] : atlas.frames()) utimes.push_back(utime);
@@ -60,6 +84,51 @@ TEST(MapStore, LoadsWhatWasSavedBitForBit) {
   MapStore store(folder / "map.db");
   expect_same(atlas, store.load());
   EXPECT_EQ(store.stored_revision({7, 1}), 12);
+}
+
+TEST(MapStore, PlacementsAndLinksComeBackBitForBit) {
+  const TemporaryFolder folder;
+  Atlas atlas = merged_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+  }
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+    // And go on from there: one submap moves, one leaves the map, a link is gone, one is another now.
+    atlas.place_map({{{7, 1}, make_placement(atlas.find({7, 1})->submap, 5)}, {{7, 2}, {}}});
+    std::vector<Link> links = atlas.links();
+    links.pop_back();
+    links[0].doubt = "not any more";
+    atlas.set_links(links);
+    ASSERT_EQ(store.save(atlas, {}), "");
+  }
+  MapStore store(folder / "map.db");
+  expect_same(atlas, store.load());
+}
+
+TEST(MapStore, APlacementIsWrittenOnlyWhenItChanged) {
+  const TemporaryFolder folder;
+  Atlas atlas = merged_atlas();
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, {}), "");
+  // Somebody else's mark on every row tells which were written again.
+  Database other(folder / "map.db");
+  other.execute("UPDATE placed_landmarks SET position = x'00'; UPDATE links SET accepted = 7");
+  std::map<SubmapKey, Placement> placements{{{7, 1}, atlas.find({7, 1})->placement},
+                                            {{8, -1}, atlas.find({8, -1})->placement}};
+  placements[{8, -1}].map_from_submap.begin()->second.scale += 1;
+  atlas.place_map(placements);
+  update_atlas(&atlas, make_submap({7, 1}, 1, 13));
+  std::vector<Link> links = atlas.links();
+  links[1].rmse_px = 2;
+  atlas.set_links(links);
+  ASSERT_EQ(store.save(atlas, {}), "");
+  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position = x'00'"), 1);
+  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position <> x'00'"), 1);
+  EXPECT_EQ(other.integer("SELECT count(*) FROM links WHERE accepted = 7"), 2);
+  EXPECT_EQ(other.integer("SELECT revision FROM links WHERE accepted <> 7"), atlas.revision());
 }
 
 // Many small saves with additions, corrections and removals leave the same as one of the whole.
@@ -212,11 +281,16 @@ TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
   for (const char* sql :
        {"UPDATE observations SET pairs = x'FFFFFF7F00000000'", "UPDATE observations SET pairs = x'00'",
         "UPDATE frame_poses SET reference_keyframe = 4711", "UPDATE features SET octaves = x''",
-        "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras"}) {
+        "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras",
+        "UPDATE placed_keyframes SET map_from_submap = x'00'",
+        "UPDATE placed_keyframes SET map_from_submap = zeroblob(64)",
+        "UPDATE placed_landmarks SET position = x'000000000000F87F000000000000F87F000000000000F87F'",
+        "UPDATE OR REPLACE placed_landmarks SET submap = 4711", "UPDATE fused_landmarks SET into_submap = 4711",
+        "UPDATE links SET b = 4711 WHERE doubt = ''", "UPDATE links SET b_from_a = x'00'"}) {
     const TemporaryFolder folder;
     {
       MapStore store(folder / "map.db");
-      ASSERT_EQ(store.save(full_atlas(), {}), "");
+      ASSERT_EQ(store.save(merged_atlas(), {}), "");
     }
     Database(folder / "map.db").execute(sql);
     EXPECT_THAT(open_error(folder / "map.db"), AllOf(HasSubstr("map.db"), HasSubstr("damaged"))) << sql;
@@ -284,14 +358,26 @@ TEST(MapStore, ReadOnlyFolderIsNamed) {
   EXPECT_EQ(result, 0);
 }
 
+// The next update, and with every second one the map is placed anew and linked.
+void grow_and_place(SubmapMaker* maker, Atlas* atlas) {
+  maker->step();
+  update_atlas(atlas, maker->submap());
+  const Submap& submap = maker->submap();
+  if (submap.revision % 2 != 0) return;
+  Placement placement = make_placement(submap, static_cast<uint32_t>(submap.revision));
+  placement.fused[submap.landmarks.begin()->first] = {submap.key, submap.landmarks.rbegin()->first};
+  atlas->place_map({{submap.key, placement}});
+  atlas->set_links(
+      {{.a = submap.key, .b = submap.key, .keyframes = static_cast<int>(submap.revision), .doubt = "self"}});
+}
+
 // A child saves one update after the other and says so through a pipe; it is killed in the middle.
 void save_until_killed(const std::string& file, int pipe_end) {
   MapStore store(file);
   Atlas atlas = store.load();
   SubmapMaker maker({7, 1}, 1);
   for (int64_t revision = 1;; ++revision) {
-    maker.step();
-    update_atlas(&atlas, maker.submap());
+    grow_and_place(&maker, &atlas);
     if (!store.save(atlas, {}).empty()) _exit(1);
     if (write(pipe_end, &revision, sizeof(revision)) != sizeof(revision)) _exit(2);
   }
@@ -328,10 +414,7 @@ TEST(MapStore, KillLosesNothingThatWasAccepted) {
     // Replay what the child did up to there.
     Atlas expected;
     SubmapMaker maker({7, 1}, 1);
-    for (int64_t i = 0; i < stored; ++i) {
-      maker.step();
-      update_atlas(&expected, maker.submap());
-    }
+    for (int64_t i = 0; i < stored; ++i) grow_and_place(&maker, &expected);
     expect_same(expected, loaded);
   }
 }

@@ -119,6 +119,19 @@ void update_atlas(Atlas* atlas, const Submap& submap) {
   ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }), "");
 }
 
+Placement make_placement(const Submap& submap, uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto number = [&random] { return std::uniform_real_distribution<double>(-1, 1)(random); };
+  const auto vector = [&number] { return Eigen::Vector3d(number(), -0.0, number()); };
+  Placement placement;
+  for (const auto& [id, keyframe] : submap.keyframes)
+    placement.map_from_submap[keyframe.utime_us] = Sim3(std::exp(number()), so3_exp(vector()), vector());
+  if (placement.map_from_submap.size() > 1) placement.map_from_submap.erase(placement.map_from_submap.rbegin()->first);
+  for (const auto& [id, landmark] : submap.landmarks)
+    if (id % 3 == 0) placement.landmarks[id] = vector();
+  return placement;
+}
+
 track_t make_track(int64_t utime_us, int64_t session, int8_t state, int32_t submap_id, bool is_keyframe) {
   track_t track{};
   track.utime = utime_us;
@@ -168,15 +181,26 @@ void expect_same(const Submap& a, const Submap& b) {
   }
 }
 
+void expect_same(const Placement& a, const Placement& b) {
+  EXPECT_EQ(a.revision, b.revision);
+  EXPECT_TRUE(same_place(a, b));
+  ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
+  for (const auto& [id, position] : a.landmarks) {
+    ASSERT_TRUE(b.landmarks.contains(id)) << id;
+    EXPECT_TRUE(same_bits(position, b.landmarks.at(id))) << id;  // == takes -0 for 0
+  }
+}
+
 void expect_same(const Atlas& a, const Atlas& b) {
   EXPECT_EQ(a.revision(), b.revision());
+  EXPECT_EQ(a.links(), b.links());
   EXPECT_EQ(a.frames(), b.frames());
   ASSERT_EQ(a.submaps().size(), b.submaps().size());
   for (const auto& [key, x] : a.submaps()) {
     const AtlasSubmap* y = b.find(key);
     ASSERT_NE(y, nullptr);
     EXPECT_EQ(x.in_map, y->in_map);
-    EXPECT_EQ(x.map_from_submap.scale, y->map_from_submap.scale);
+    expect_same(x.placement, y->placement);
     expect_same(x.submap, y->submap);
   }
 }

@@ -42,10 +42,15 @@ Submap make_submap(SubmapKey key, uint32_t seed, int steps, int64_t first_utime_
 // Brings the atlas up to date with the submap, through the wire type.
 void update_atlas(Atlas* atlas, const Submap& submap);
 
+// Similarities at every keyframe but the last, and a place of their own for every third landmark; all differ with the
+// seed.
+Placement make_placement(const Submap& submap, uint32_t seed);
+
 track_t make_track(int64_t utime_us, int64_t session, int8_t state, int32_t submap_id, bool is_keyframe = false);
 
 // Everything that is kept, bit for bit.
 void expect_same(const Submap& a, const Submap& b);
+void expect_same(const Placement& a, const Placement& b);
 void expect_same(const Atlas& a, const Atlas& b);
 
 }  // namespace rumi::testing

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <iterator>
 #include <sstream>
 
 #include "map_server/colmap_model.h"
@@ -55,19 +56,16 @@ TEST(Writers, TrajectoryIsMapFromCam) {
               ElementsAre("1700000000.000042" + pose, "1700000000.033375" + pose, "1700000000.066708" + pose));
 }
 
-// With scale, rotation and translation between submap and map, a point seen at a pixel stays at that pixel.
-TEST(Writers, PlaceInTheMapIsApplied) {
-  AtlasSubmap owner{.submap = small_submap(1),
-                    .in_map = true,
-                    .map_from_submap = Sim3(2.5, so3_exp({0.1, -0.7, 0.3}), Eigen::Vector3d(4, 5, 6))};
-  const SE3 cam_from_submap = owner.submap.keyframes.begin()->second.cam_from_submap;
-  const Eigen::Vector3d point_submap(0.3, -0.4, -2);
-  const Eigen::Vector3d in_cam = cam_from_submap * point_submap;
-  const SE3 map_from_cam = map_from_camera(owner, cam_from_submap);
-  const Eigen::Vector3d in_cam_again = map_from_cam.inverse() * (owner.map_from_submap * point_submap);
-  EXPECT_LT((in_cam_again - 2.5 * in_cam).norm(), 1e-12);
-  const Eigen::Vector3d centre = owner.map_from_submap * Eigen::Vector3d(1, 2, 3);
-  EXPECT_LT((map_from_cam.translation - centre).norm(), 1e-12);
+TEST(Writers, TrajectoryIsInTheMapsGauge) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, small_submap(1));
+  Placement placement;
+  placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), Eigen::Vector3d(10, 0, 0));
+  atlas.place_map({{{7, 1}, placement}});
+  ASSERT_EQ(write_trajectory_tum(atlas, folder / "t.txt"), "");
+  EXPECT_EQ(lines(read_file(folder / "t.txt"))[0],
+            "1700000000.000042 12.000000000 4.000000000 6.000000000 0.000000000 1.000000000 0.000000000 0.000000000");
 }
 
 TEST(Writers, FramesTableTellsStateSubmapAndMap) {
@@ -110,6 +108,22 @@ TEST(Writers, PlyHoldsLandmarksAndCamerasOfTheServedMap) {
   float x = 0;
   std::memcpy(&x, text.data() + body, 4);
   EXPECT_EQ(x, static_cast<float>(served.landmarks.begin()->second.position.x()));
+}
+
+TEST(Writers, PlyHoldsAFusedLandmarkOnce) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 3, 2));
+  update_atlas(&atlas, make_submap({7, -1}, 4, 2));
+  std::map<SubmapKey, Placement> placements{{{7, 1}, {}}, {{7, -1}, {}}};
+  const auto& front = atlas.find({7, 1})->submap.landmarks;
+  const auto& back = atlas.find({7, -1})->submap.landmarks;
+  for (int id = 20; id < 23; ++id) placements[{7, 1}].fused[id] = {{7, -1}, id};
+  ASSERT_TRUE(front.contains(20) && front.contains(22) && back.contains(20) && back.contains(22));
+  atlas.place_map(placements);
+  ASSERT_EQ(write_ply(atlas, folder / "map.ply"), "");
+  EXPECT_THAT(read_file(folder / "map.ply"),
+              HasSubstr("comment " + std::to_string(front.size() + back.size() - 3) + " landmarks, then 8 camera"));
 }
 
 TEST(Writers, OutputFolderHasTheAgreedNamesAndNoLeftovers) {
@@ -241,6 +255,41 @@ TEST(ColmapModel, LensDecidesTheModel) {
     update_atlas(&atlas, wall_submap(camera));
     ASSERT_EQ(write_colmap_text(atlas, folder / "model"), "");
     EXPECT_THAT(lines(read_file(folder / "model/cameras.txt"))[1], ::testing::StartsWith(start));
+  }
+}
+
+// Two submaps of the same images, in gauges of their own: every image and every point is there once.
+TEST(ColmapModel, WhatSubmapsHaveInCommonIsThereOnce) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  const Submap front = wall_submap(testing::test_camera());
+  const Sim3 back_from_front(3, so3_exp({0.1, 0.2, 0.3}), {1, 2, 3});
+  Placement placement;
+  placement.map_from_submap[0] = back_from_front;
+  Submap back = place(front, placement);
+  back.key.id = -1;
+  back.kind = SubmapKind::kBack;
+  back.remove_keyframe(0, 1);  // one image that only the front submap has
+  for (int id = 0; id < 10; ++id) back.remove_landmark(id);
+  for (const Submap* submap : {&front, static_cast<const Submap*>(&back)})
+    atlas.change_submap(submap->key, [&](Submap* s) {
+      *s = *submap;
+      return std::string();
+    });
+  placement.map_from_submap[0] = back_from_front.inverse();
+  atlas.place_map({{{7, 1}, {}}, {{7, -1}, placement}});
+  ASSERT_EQ(write_colmap_text(atlas, folder / "model"), "");
+  const auto images = lines(read_file(folder / "model/images.txt"));
+  ASSERT_EQ(images.size(), 1 + 2 * 4);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_THAT(images[1 + 2 * i], ::testing::EndsWith(" 1 " + std::to_string(i + 1) + ".000000.jpg"));
+  const auto cloud = lines(read_file(folder / "model/points3D.txt"));
+  ASSERT_EQ(cloud.size(), 1 + 40);
+  for (size_t i = 1; i < cloud.size(); ++i) {
+    std::istringstream in(cloud[i]);
+    std::vector<double> numbers{std::istream_iterator<double>(in), {}};
+    EXPECT_EQ(numbers.size(), 8 + 2 * 4) << cloud[i];  // all four images see it
+    EXPECT_LT(numbers[7], 1e-3);                       // px
   }
 }
 
