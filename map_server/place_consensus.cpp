@@ -27,7 +27,9 @@ class Ransac {
     for (int i = 0; i < iterations; ++i) {
       const auto b_from_a = propose(&rng);
       if (!b_from_a) continue;
-      Consensus found = improve(score(*b_from_a));
+      Consensus found = score(*b_from_a);
+      if (2 * found.members.size() < best.members.size()) continue;  // no improvement makes up for that
+      found = improve(std::move(found));
       if (found.members.size() <= best.members.size()) continue;
       best = std::move(found);
       iterations = std::min(iterations, needed(best.members.size()));
