@@ -62,11 +62,11 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
                    .landmark_inliers = alignment.landmark_inliers,
                    .rmse_px = alignment.rmse_px,
                    .doubt = alignment.doubt};
+  pair.utime_us = common.keyframes[common.keyframes.size() / 2].utime_us;
   for (size_t k = 0; k < common.keyframes.size(); ++k) {
     const SharedKeyframe& shared = common.keyframes[k];
     const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options_.alignment.min_landmarks / 4);
     if (!std::isfinite(ratio.sigma)) continue;
-    pair.images.push_back(shared.utime_us);
     // One camera, in the units of two submaps.
     pair.joints.push_back({{a.key, shared.a},
                            {b.key, shared.b},
@@ -85,20 +85,46 @@ void MapBuilder::find_links(const Submaps& submaps) {
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare(*a->second, *b->second);
     }
+  places_.search(submaps, [this](const Place& a, const Place& b) { return is_joined(a, b); });
+}
+
+bool MapBuilder::is_joined(const Place& a, const Place& b) const {
+  if (joined_.contains(std::minmax(a.utime_us, b.utime_us))) return true;
+  if (a.submap == b.submap ||
+      static_cast<double>(std::abs(a.utime_us - b.utime_us)) > options_.places.min_apart_s * 1e6)
+    return false;
+  const auto pair = pairs_.find(std::minmax(a.submap, b.submap));
+  return pair != pairs_.end() && pair->second.link && pair->second.link->accepted();
 }
 
 std::vector<Link> MapBuilder::links() const {
   std::vector<Link> links;
   for (const auto& [keys, pair] : pairs_)
     if (pair.link) links.push_back(*pair.link);
+  std::map<std::pair<SubmapKey, SubmapKey>, Link> places = places_.refused();
+  for (const PlaceLink& place : places_.found()) {
+    Link& best = places[std::minmax(place.link.a, place.link.b)];
+    if (!best.accepted() || best.landmark_inliers < place.link.landmark_inliers) best = place.link;
+  }
+  for (const auto& [keys, link] : places) links.push_back(link);
   return links;
+}
+
+std::vector<MapBuilder::Tie> MapBuilder::ties(const Submaps& submaps) const {
+  std::vector<Tie> ties;
+  const auto exists = [&](const Link& link) { return submaps.contains(link.a) && submaps.contains(link.b); };
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted() && exists(*pair.link))
+      ties.push_back({&*pair.link, pair.utime_us, pair.utime_us});
+  for (const PlaceLink& place : places_.found())
+    if (exists(place.link)) ties.push_back({&place.link, place.utime_a_us, place.utime_b_us});
+  return ties;
 }
 
 std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
                                                const std::map<SubmapKey, Placement>& placed) const {
   Groups groups;
-  for (const auto& [keys, pair] : pairs_)
-    if (pair.link && pair.link->accepted()) groups.unite(keys.first, keys.second);
+  for (const Tie& tie : ties(submaps)) groups.unite(tie.link->a, tie.link->b);
   for (const auto& [key, placement] : placed) groups.unite(key, placed.begin()->first);
   std::map<SubmapKey, std::set<int64_t>> frames;  // by group, of those with a front submap
   for (const auto& [key, submap] : submaps)
@@ -139,51 +165,95 @@ MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const std::
   for (const auto& [key, placement] : placed)
     if (members.contains(key)) result[key] = {submaps.at(key), placement};
   if (!result.contains(anchor)) result[anchor] = {submaps.at(anchor), rigid(*submaps.at(anchor), {})};
+  const std::vector<Tie> all = ties(submaps);
   for (;;) {
-    const Pair* best = nullptr;
-    for (const auto& [keys, pair] : pairs_) {
-      if (!pair.link || !pair.link->accepted() || !members.contains(keys.first)) continue;
-      if (result.contains(keys.first) == result.contains(keys.second)) continue;
-      if (!best || pair.link->landmark_inliers > best->link->landmark_inliers) best = &pair;
-    }
+    const Tie* best = nullptr;
+    for (const Tie& tie : all)
+      if (members.contains(tie.link->a) && result.contains(tie.link->a) != result.contains(tie.link->b) &&
+          (!best || tie.link->landmark_inliers > best->link->landmark_inliers))
+        best = &tie;
     if (!best) return result;
-    const bool a_is_placed = result.contains(best->link->a);
-    const SubmapKey from = a_is_placed ? best->link->a : best->link->b;
-    const SubmapKey to = a_is_placed ? best->link->b : best->link->a;
-    const Sim3 from_from_to = a_is_placed ? best->link->b_from_a.inverse() : best->link->b_from_a;
-    const Sim3 map_from_neighbour = result.at(from).placement.at(best->images[best->images.size() / 2]);
-    result[to] = {submaps.at(to), rigid(*submaps.at(to), map_from_neighbour * from_from_to)};
+    const Link& link = *best->link;
+    if (result.contains(link.a)) {
+      const Sim3 map_from_b = result.at(link.a).placement.at(best->utime_a_us) * link.b_from_a.inverse();
+      result[link.b] = {submaps.at(link.b), rigid(*submaps.at(link.b), map_from_b)};
+    } else {
+      const Sim3 map_from_a = result.at(link.b).placement.at(best->utime_b_us) * link.b_from_a;
+      result[link.a] = {submaps.at(link.a), rigid(*submaps.at(link.a), map_from_a)};
+    }
   }
 }
 
-BuiltMap MapBuilder::build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed) const {
+// Those whose keyframes are still there.
+std::vector<KeyframeJoint> MapBuilder::joints(const Placed& submaps) const {
+  std::vector<KeyframeJoint> joints;
+  const auto add = [&](const KeyframeJoint& joint) {
+    const auto a = submaps.find(joint.a.submap), b = submaps.find(joint.b.submap);
+    if (a != submaps.end() && b != submaps.end() && a->second.submap->keyframe(joint.a.id) &&
+        b->second.submap->keyframe(joint.b.id))
+      joints.push_back(joint);
+  };
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted()) std::for_each(pair.joints.begin(), pair.joints.end(), add);
+  for (const PlaceLink& place : places_.found()) add(place.joint);
+  return joints;
+}
+
+void MapBuilder::fuse_places(Placed* submaps) const {
+  for (const PlaceLink& place : places_.found()) {
+    const auto a = submaps->find(place.link.a);
+    if (a == submaps->end() || !submaps->contains(place.link.b)) continue;
+    for (const LandmarkPair& pair : place.landmarks)
+      a->second.placement.fused.try_emplace(pair.a, LandmarkRef{place.link.b, pair.b});
+  }
+}
+
+BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed) {
   const std::set<SubmapKey> members = choose_members(submaps, placed);
   BuiltMap built;
-  if (members.size() < 2) return built;
+  if (members.empty()) return built;
   const SubmapKey anchor = choose_anchor(submaps, members, placed);
   Placed before = place_members(submaps, members, anchor, placed);
-  std::vector<KeyframeJoint> joints;
-  for (const auto& [keys, pair] : pairs_)
-    if (pair.link && pair.link->accepted() && members.contains(keys.first))
-      joints.insert(joints.end(), pair.joints.begin(), pair.joints.end());
-  bend(joints, anchor, options_.graph, &before);
+  const std::vector<KeyframeJoint> known = joints(before);
+  if (known.empty()) return built;
+  bend(known, anchor, options_.graph, &before);
+  fuse_places(&before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
-  MapBundleReport bundle = adjust_map({}, options_.bundle, &model);
-  AssociationOptions association = options_.association;
-  for (int round = 0; round < options_.association_rounds; ++round, association.radius_px /= 2) {
-    const AssociationReport found = associate(association, &model);
-    built.report.observed += found.observed;
-    built.report.fused += found.fused;
-    bundle = adjust_map({}, options_.bundle, &model);
-  }
-  built.report.views = bundle.views;
-  built.report.points = bundle.points;
-  built.report.observations = bundle.observations;
-  built.report.outliers = bundle.outliers;
-  built.report.rmse = bundle.rmse;
+  built.report = adjust(&model);
+  note_joined(model);
   built.placements = split(model, before);
   keep_gauge(before.at(anchor), anchor, &built.placements);
   return built;
+}
+
+MapBuildReport MapBuilder::adjust(MapModel* model) const {
+  MapBuildReport report;
+  MapBundleReport bundle = adjust_map({}, options_.bundle, model);
+  AssociationOptions association = options_.association;
+  for (int round = 0; round < options_.association_rounds; ++round, association.radius_px /= 2) {
+    const AssociationReport found = associate(association, model);
+    report.observed += found.observed;
+    report.fused += found.fused;
+    bundle = adjust_map({}, options_.bundle, model);
+  }
+  report.views = bundle.views;
+  report.points = bundle.points;
+  report.observations = bundle.observations;
+  report.outliers = bundle.outliers;
+  report.rmse = bundle.rmse;
+  return report;
+}
+
+void MapBuilder::note_joined(const MapModel& model) {
+  std::map<std::pair<int64_t, int64_t>, int> shared;
+  for (const MapModel::Point& point : model.points)
+    for (size_t i = 0; i < point.observations.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        ++shared[std::minmax(model.views[point.observations[i].view].utime_us,
+                             model.views[point.observations[j].view].utime_us)];
+  joined_.clear();
+  for (const auto& [views, points] : shared)
+    if (points >= options_.joined_points) joined_.insert(joined_.end(), views);
 }
 
 }  // namespace rumi

@@ -15,6 +15,7 @@
 #include "map_server/map_bundle.h"
 #include "map_server/map_graph.h"
 #include "map_server/map_model.h"
+#include "map_server/place_search.h"
 #include "map_server/submap_alignment.h"
 
 namespace rumi {
@@ -27,6 +28,8 @@ struct MapBuilderOptions {
   double joint_sigma_log_scale = 0.02;    // at least
   MapBundleOptions bundle;
   AssociationOptions association;
+  PlaceSearchOptions places;
+  int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
   int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
 };
 
@@ -43,39 +46,54 @@ struct BuiltMap {
 
 class MapBuilder {
  public:
-  explicit MapBuilder(const MapBuilderOptions& options) : options_(options) {}
+  explicit MapBuilder(const MapBuilderOptions& options) : options_(options), places_(options.places) {}
 
   using Submaps = std::map<SubmapKey, const Submap*>;
 
-  // Looks at every pair of submaps of which one has changed since it was looked at.
+  // Looks at every pair of submaps of which one has changed since it was looked at, and for the place of every keyframe
+  // that is new.
   void find_links(const Submaps& submaps);
-  // In order of the submaps' keys: accepted and refused ones.
+  // One for every two submaps that have something in common, of each kind: accepted and refused ones.
   std::vector<Link> links() const;
 
   // The submaps that hang together with the largest front submap by accepted links. `placed`: where submaps are in the
   // map as it is; they stay there until the adjustment.
-  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed) const;
+  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed);
 
  private:
+  // Two submaps made of some of the same images.
   struct Pair {
     int64_t revision_a = 0, revision_b = 0;
-    std::optional<Link> link;           // nothing: they have no image in common
-    std::vector<int64_t> images;        // in common, utime_us; ascending
-    std::vector<KeyframeJoint> joints;  // of these images
+    std::optional<Link> link;  // nothing: they have no image in common
+    int64_t utime_us = 0;      // of an image in the middle of those in common
+    std::vector<KeyframeJoint> joints;
+  };
+  // What hangs one submap on another.
+  struct Tie {
+    const Link* link = nullptr;
+    int64_t utime_a_us = 0, utime_b_us = 0;  // where
   };
   using Placed = std::map<SubmapKey, PlacedSubmap>;
   using Placements = std::map<SubmapKey, Placement>;
 
   Pair compare(const Submap& a, const Submap& b) const;
+  std::vector<Tie> ties(const Submaps& submaps) const;
+  bool is_joined(const Place& a, const Place& b) const;
   // The largest group, in frames, of submaps that hang together and with what is placed already.
   std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;
   // The front submap whose beginning stays where it is.
   SubmapKey choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members, const Placements& placed) const;
   Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,
                        const Placements& placed) const;
+  std::vector<KeyframeJoint> joints(const Placed& submaps) const;
+  void fuse_places(Placed* submaps) const;
+  MapBuildReport adjust(MapModel* model) const;
+  void note_joined(const MapModel& model);
 
   MapBuilderOptions options_;
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
+  PlaceSearch places_;
+  std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
 };
 
 }  // namespace rumi

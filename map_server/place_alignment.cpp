@@ -146,7 +146,7 @@ class PlaceAligner {
       const Eigen::Vector3d d = equations_[i].point_b - mean;
       scatter += d * d.transpose() / static_cast<double>(inliers_.size());
     }
-    const double depth = median(depths);
+    const double depth = result_.median_depth = median(depths);
     const Eigen::Vector3d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
     result_.extent_ratio = std::sqrt(std::max(0.0, variances[1])) / depth;
     result_.sigma_translation = sigma_translation_ / depth;

@@ -61,6 +61,7 @@ struct PlaceAlignment {
   int cells = 0;                        // of 8 x 6 with an inlier, the fewer of the two keyframes
   double rmse_px = 0;                   // of the inliers, both directions, in units of their octave
   double extent_ratio = 0;
+  double median_depth = 0;  // of the inliers from keyframe b, in the unit of b
   double sigma_rotation_rad = 0, sigma_log_scale = 0;
   double sigma_translation = 0;          // over the median depth
   int witnesses_a = 0, witnesses_b = 0;  // keyframes kept out of it that bear it out

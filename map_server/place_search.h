@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Looks through the submaps for places seen twice, each keyframe once.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "map_server/link.h"
+#include "map_server/map_graph.h"
+#include "map_server/place_alignment.h"
+#include "map_server/place_index.h"
+
+namespace rumi {
+
+struct PlaceSearchOptions {
+  PlaceAlignmentOptions alignment;
+  int candidates = 3;        // of a keyframe, that are aligned
+  double min_apart_s = 5;    // in time, within a submap
+  double separation_s = 1;   // between candidates of one submap
+  double once_within_s = 2;  // of a place that was found, at either end: no need to find it again
+};
+
+// A place seen twice.
+struct PlaceLink {
+  Link link;  // a: the submap of the keyframe searched for, b: of the one found
+  int64_t utime_a_us = 0, utime_b_us = 0;
+  KeyframeJoint joint;
+  std::vector<LandmarkPair> landmarks;
+};
+
+class PlaceSearch {
+ public:
+  explicit PlaceSearch(const PlaceSearchOptions& options) : o_(options) {}
+
+  // Searches for the keyframes that are new. `joined`: the map knows already how these two lie to each other.
+  void search(const std::map<SubmapKey, const Submap*>& submaps,
+              const std::function<bool(const Place&, const Place&)>& joined);
+
+  const std::vector<PlaceLink>& found() const { return found_; }
+  // The last refusal between two submaps that nothing joins, for whoever wonders.
+  const std::map<std::pair<SubmapKey, SubmapKey>, Link>& refused() const { return refused_; }
+
+ private:
+  void search(const Place& place, const std::map<SubmapKey, const Submap*>& submaps,
+              const std::function<bool(const Place&, const Place&)>& joined);
+  bool is_known(const Place& a, const Place& b) const;
+
+  PlaceSearchOptions o_;
+  PlaceIndex index_;
+  std::set<std::pair<SubmapKey, int>> searched_;
+  std::vector<PlaceLink> found_;
+  std::map<std::pair<SubmapKey, SubmapKey>, Link> refused_;
+};
+
+}  // namespace rumi
