@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -110,13 +109,10 @@ void Atlas::place_map(std::map<SubmapKey, Placement> placements) {
 }
 
 void Atlas::set_links(std::vector<Link> links) {
-  std::set<std::tuple<SubmapKey, SubmapKey, Link::Kind>> pairs;
   for (const Link& link : links)
     if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
-        !std::isfinite(link.rmse_px) || !pairs.emplace(link.a, link.b, link.kind).second)
+        !std::isfinite(link.rmse_px))
       throw std::invalid_argument(fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id));
-  std::sort(links.begin(), links.end(),
-            [](const Link& x, const Link& y) { return std::tie(x.a, x.b, x.kind) < std::tie(y.a, y.b, y.kind); });
   links_ = std::move(links);
 }
 

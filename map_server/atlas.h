@@ -59,7 +59,7 @@ class Atlas {
   // landmark fused into one of a submap that is not among these, or a number that is not finite.
   void place_map(std::map<SubmapKey, Placement> placements);
   // All there are, instead of those before. Throws std::invalid_argument, and changes nothing, for a submap that is not
-  // here, two links of the same submaps and kind, or a number that is not finite.
+  // here or a number that is not finite.
   void set_links(std::vector<Link> links);
   // Takes what a RUMI_TRACK message says. True if that is news.
   bool record_frame(int64_t utime_us, const FrameRecord& record);
@@ -69,7 +69,7 @@ class Atlas {
   void restore_revision(int64_t revision) { revision_ = revision; }
 
   const std::map<SubmapKey, AtlasSubmap>& submaps() const { return submaps_; }
-  const std::vector<Link>& links() const { return links_; }  // in order of their submaps
+  const std::vector<Link>& links() const { return links_; }
   const AtlasSubmap* find(SubmapKey key) const;
   const std::map<int64_t, FrameRecord>& frames() const { return frames_; }  // all ever heard of, by utime_us
   int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed

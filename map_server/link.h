@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is known of how two submaps hang together: the outcome of an attempt to align them, also where it failed.
+// What is known of how two submaps lie to each other; an accepted one holds the served map together.
 #pragma once
 
 #include <array>
@@ -12,16 +12,17 @@
 namespace rumi {
 
 struct Link {
-  enum class Kind : int8_t { kSameImages = 0, kAppearance = 1 };  // what the two were compared by
-
+  enum class Kind : int8_t {
+    kSameImages = 0,  // made of some of the same images
+    kAppearance = 1,  // saw the same place; a == b: a loop
+  };
   SubmapKey a, b;
   Kind kind = Kind::kSameImages;
   Sim3 b_from_a = {};
-  int keyframes = 0, keyframe_inliers = 0;  // in common, and those that agree with b_from_a
-  int landmarks = 0, landmark_inliers = 0;
-  double rmse_px = 0;      // of the inliers
-  std::string doubt = {};  // why it is not believed; empty: accepted
-
+  int keyframes = 0, keyframe_inliers = 0;  // compared, and that agree
+  int landmarks = 0, landmark_inliers = 0;  // M_com, and those that agree
+  double rmse_px = 0;                       // of the latter
+  std::string doubt = {};                   // empty: accepted; else why not
   bool accepted() const { return doubt.empty(); }
 };
 

@@ -4,10 +4,13 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <ctime>
+#include <filesystem>
+#include <stdexcept>
 
 #include "bus/submap_update.h"
-#include "lcmtypes/rumi/map_status_t.hpp"
+#include "map_server/map_messages.h"
 
 namespace rumi {
 namespace {
@@ -26,22 +29,17 @@ bool is_due(int64_t now_us, int64_t last_us, int64_t period_us) {
   return now_us - last_us >= period_us || now_us < last_us;
 }
 
-submap_summary_t summarize(const AtlasSubmap& owner) {
-  const Submap& s = owner.submap;
-  submap_summary_t summary;
-  summary.session = s.key.session;
-  summary.submap_id = s.key.id;
-  summary.kind = static_cast<int8_t>(s.kind);
-  summary.closed = s.closed;
-  summary.in_map = owner.in_map;
-  summary.revision = s.revision;
-  summary.keyframes = static_cast<int32_t>(s.keyframes.size());
-  summary.landmarks = static_cast<int32_t>(s.landmarks.size());
-  summary.frames = static_cast<int32_t>(s.frames.size());
-  summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
-  summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
-  summary.map_from_submap = to_wire(owner.placement.latest());
-  return summary;
+bool is_same_file(const std::string& a, const std::string& b) {
+  return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+}
+
+// What is wrong now is said once when it begins and once when it is over.
+void report(const std::string& trouble, const std::string& before, const std::string& file) {
+  if (trouble == before) return;
+  if (trouble.empty())
+    spdlog::info("{} can be written again, nothing is missing in it", file);
+  else
+    spdlog::error("{}", trouble);
 }
 
 }  // namespace
@@ -57,6 +55,9 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
   if (!atlas_.submaps().empty())
     spdlog::info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
                  atlas_.frames().size());
+  if (options.snapshot_s > 0 && is_same_file(options.snapshot_file, options.database))
+    throw std::runtime_error(
+        fmt::format("map_server.snapshot_file is {}, the database itself; give another file", options.snapshot_file));
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
   bus.subscribe<map_request_t>(channels::kMapRequest, {.capacity = 64, .drop = DropPolicy::kDropNewest},
@@ -100,14 +101,20 @@ std::string MapServerNode::save() {
   last_save_us_ = bus_.now_us();
   std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()});
   if (reason.empty()) unsaved_frames_.clear();
-  if (reason != trouble_) {
-    if (reason.empty())
-      spdlog::info("{} can be written again, nothing is missing in it", store_.file());
-    else
-      spdlog::error("{}", reason);
-  }
+  report(reason, trouble_, store_.file());
   trouble_ = reason;
   return reason;
+}
+
+void MapServerNode::write_snapshot() {
+  last_snapshot_us_ = bus_.now_us();
+  if (!unsaved_frames_.empty()) save();
+  const int64_t changes = store_.changes();
+  if (changes == changes_in_snapshot_) return;
+  const std::string reason = store_.write_copy(options_.snapshot_file);
+  if (reason.empty()) changes_in_snapshot_ = changes;
+  report(reason, snapshot_trouble_, options_.snapshot_file);
+  snapshot_trouble_ = reason;
 }
 
 void MapServerNode::tick(int64_t now_us) {
@@ -117,17 +124,22 @@ void MapServerNode::tick(int64_t now_us) {
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
   if (must_save && is_due(now_us, last_save_us_, commit_period_us)) save();
   if (is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
+  if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
+  const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
+  if (snapshot_period_us > 0 && is_due(now_us, last_snapshot_us_, snapshot_period_us)) write_snapshot();
 }
 
 void MapServerNode::finish() {
   save();
   publish_map_status();
+  if (options_.snapshot_s > 0) write_snapshot();
 }
 
 NodeStatus MapServerNode::status() {
   NodeStatus status;
-  status.degraded = !trouble_.empty();
-  status.detail = status.degraded ? trouble_
+  const std::string& trouble = trouble_.empty() ? snapshot_trouble_ : trouble_;
+  status.degraded = !trouble.empty();
+  status.detail = status.degraded ? trouble
                                   : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
                                                 atlas_.submaps().size(), atlas_.frames_in_map(), atlas_.frames().size(),
                                                 rejected_, refused_);
@@ -140,14 +152,8 @@ NodeStatus MapServerNode::status() {
 
 void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
-  map_status_t message;
-  message.utime = bus_.now_us();
-  message.map_revision = atlas_.revision();
-  message.frames = static_cast<int64_t>(atlas_.frames().size());
-  message.frames_in_map = atlas_.frames_in_map();
+  map_status_t message = make_map_status(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
-  for (const auto& [key, owner] : atlas_.submaps()) message.submaps.push_back(summarize(owner));
-  message.nsubmaps = static_cast<int32_t>(message.submaps.size());
   bus_.publish(channels::kMapStatus, message);
 }
 
@@ -158,33 +164,62 @@ void MapServerNode::on_request(const map_request_t& request) {
   }
   // Who hears nothing asks again; the answer is on its way already.
   if (answering_.contains({request.requester, request.request_id})) return;
+  if (request.what == map_request_t::STATUS) return publish_map_status();
+  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
   switch (request.what) {
     case map_request_t::SUBMAP:
       return answer_submap(request);
     case map_request_t::SNAPSHOT:
       return answer_snapshot(request);
-    case map_request_t::STATUS:
-      return publish_map_status();
+    case map_request_t::PLACED_SUBMAP:
+      return answer_placed_submap(request);
+    case map_request_t::TRAJECTORY:
+      return answer(request, chunk_t::TRAJECTORY, encode_message(make_trajectory(atlas_, bus_.now_us())));
+    case map_request_t::REGION:
+      return answer_region(request);
     default:
-      return refuse(request, fmt::format("what = {}: this map_server knows 0 (submap), 1 (snapshot), 2 (status)",
+      return refuse(request, fmt::format("what = {}: this map_server knows 0 (submap), 1 (snapshot), 2 (status), 3 "
+                                         "(placed submap), 4 (trajectory), 5 (region)",
                                          static_cast<int>(request.what)));
   }
 }
 
-void MapServerNode::answer_submap(const map_request_t& request) {
+const AtlasSubmap* MapServerNode::asked_for(const map_request_t& request) {
   const AtlasSubmap* owner = atlas_.find({request.session, request.submap_id});
   if (!owner)
-    return refuse(request, fmt::format("no submap {} of session {} here; RUMI_MAP_STATUS lists the {} there are",
-                                       request.submap_id, request.session, atlas_.submaps().size()));
+    refuse(request, fmt::format("no submap {} of session {} here; RUMI_MAP_STATUS lists the {} there are",
+                                request.submap_id, request.session, atlas_.submaps().size()));
+  return owner;
+}
+
+void MapServerNode::answer_submap(const map_request_t& request) {
+  const AtlasSubmap* owner = asked_for(request);
+  if (!owner) return;
   if (request.base_revision < 0 || request.base_revision > owner->submap.revision)
     return refuse(request, fmt::format("base_revision {} of submap {}: it is at revision {}", request.base_revision,
                                        request.submap_id, owner->submap.revision));
-  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
   answer(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
 }
 
+void MapServerNode::answer_placed_submap(const map_request_t& request) {
+  const AtlasSubmap* owner = asked_for(request);
+  if (!owner) return;
+  if (!owner->in_map)
+    return refuse(request,
+                  fmt::format("submap {} of session {} is not part of the map", request.submap_id, request.session));
+  answer(request, chunk_t::SUBMAP_UPDATE,
+         encode_message(make_submap_update(place(owner->submap, owner->placement), 0)));
+}
+
+void MapServerNode::answer_region(const map_request_t& request) {
+  const Eigen::Vector3d center(request.center);
+  if (!center.allFinite() || !std::isfinite(request.radius) || request.radius <= 0)
+    return refuse(request, fmt::format("a region of radius {} about {}, {}, {} is none", request.radius, center.x(),
+                                       center.y(), center.z()));
+  answer(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
+}
+
 void MapServerNode::answer_snapshot(const map_request_t& request) {
-  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
   std::string problem = save();  // a snapshot of everything heard so far, frame states included
   std::vector<uint8_t> bytes;
   if (problem.empty()) bytes = store_.copy_bytes(&problem);

@@ -19,7 +19,8 @@ namespace rumi {
 
 class MapServerNode : public Node {
  public:
-  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore).
+  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore) or the
+  // snapshots would take its place.
   MapServerNode(Bus& bus, const MapServerOptions& options);
 
   void tick(int64_t now_us) override;
@@ -28,18 +29,23 @@ class MapServerNode : public Node {
   bool finished() const override { return sender_.pending() == 0; }
 
   const Atlas& atlas() const { return atlas_; }
+  Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
   MapStore& store() { return store_; }
 
  private:
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   void on_track(const track_t& track);
   void on_request(const map_request_t& request);
+  const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
   void answer_submap(const map_request_t& request);
+  void answer_placed_submap(const map_request_t& request);
+  void answer_region(const map_request_t& request);
   void answer_snapshot(const map_request_t& request);
   void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload);
   void refuse(const map_request_t& request, const std::string& why);
   std::string
   save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
+  void write_snapshot();  // if there is anything new; what went wrong is shown by status() until it works again
   void publish_map_status();
 
   Bus& bus_;
@@ -51,8 +57,9 @@ class MapServerNode : public Node {
   std::set<int64_t> unsaved_frames_;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
-  std::string trouble_;                                  // why the last save failed
-  int64_t last_save_us_ = 0, last_status_us_ = 0;
+  std::string trouble_, snapshot_trouble_;               // why the last save, or snapshot, failed
+  int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
+  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was written
   int64_t last_utime_us_ = 0;
   int64_t rejected_ = 0;  // updates and messages that made no sense
   int64_t refused_ = 0;   // requests

@@ -154,6 +154,8 @@ void MapStore::limit_bytes(int64_t bytes) {
   db_.execute(fmt::format("PRAGMA max_page_count = {}", pages));
 }
 
+int64_t MapStore::changes() const { return sqlite3_total_changes(db_.handle()); }
+
 std::string MapStore::write_copy(const std::string& file) {
   const std::string temporary = file + ".tmp";
   std::error_code ignored;

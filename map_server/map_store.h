@@ -50,7 +50,8 @@ class MapStore {
   // The same as bytes. On failure empty, with the reason in *error.
   std::vector<uint8_t> copy_bytes(std::string* error);
 
-  int64_t bytes();  // of the database
+  int64_t bytes();          // of the database
+  int64_t changes() const;  // rows written since it was opened: whether there is anything new to copy
   const std::string& file() const { return file_; }
   // No more than this many bytes (rounded to pages): a save() beyond it fails like one on a full disk.
   void limit_bytes(int64_t bytes);

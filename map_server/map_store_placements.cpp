@@ -2,7 +2,6 @@
 // Which submaps form the map, where they lie in it, and how they hang together: writing and reading.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 
 #include "map_server/blob.h"
@@ -58,16 +57,9 @@ void MapStore::save_placement(const Placement& placement, int64_t row, const std
 
 void MapStore::save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows) {
   if (atlas.links() == stored_links_) return;
-  const auto is_in = [](const Link& link, const std::vector<Link>& links) {
-    return std::find(links.begin(), links.end(), link) != links.end();
-  };
-  Statement erase(db_, "DELETE FROM links WHERE a = ? AND b = ? AND kind = ?");
-  for (const Link& link : stored_links_)
-    if (!is_in(link, atlas.links()))
-      erase.bind(rows.at(link.a).row, rows.at(link.b).row, static_cast<int>(link.kind)).run();
-  Statement insert(db_, "INSERT INTO links VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  db_.execute("DELETE FROM links");
+  Statement insert(db_, "INSERT INTO links VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const Link& link : atlas.links()) {
-    if (is_in(link, stored_links_)) continue;
     const SimilarityNumbers b_from_a = similarity_numbers(link.b_from_a);
     insert
         .bind(rows.at(link.a).row, rows.at(link.b).row, static_cast<int>(link.kind), as_blob(b_from_a), link.keyframes,
@@ -104,7 +96,7 @@ void MapStore::load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys
   Statement rows(
       db_,
       "SELECT a, b, kind, b_from_a, keyframes, keyframe_inliers, landmarks, landmark_inliers, rmse_px, doubt "
-      "FROM links");
+      "FROM links ORDER BY link");
   std::vector<Link> links;
   while (rows.step()) {
     Link& link = links.emplace_back();

@@ -35,6 +35,7 @@ CREATE TABLE fused_landmarks (            -- these are the same point as another
 ) WITHOUT ROWID;
 
 CREATE TABLE links (                      -- attempts to align two submaps
+  link INTEGER PRIMARY KEY,
   a INTEGER NOT NULL REFERENCES submaps (submap),
   b INTEGER NOT NULL REFERENCES submaps (submap),
   kind INTEGER NOT NULL,                  -- compared by: 0 images that both were made of, 1 appearance
@@ -44,9 +45,8 @@ CREATE TABLE links (                      -- attempts to align two submaps
   rmse_px REAL NOT NULL,                  -- of the inliers
   accepted INTEGER NOT NULL,
   doubt TEXT NOT NULL,                    -- why it is not accepted
-  revision INTEGER NOT NULL,              -- of the map when this was written
-  PRIMARY KEY (a, b, kind)
-) WITHOUT ROWID;
+  revision INTEGER NOT NULL               -- of the map when the links last changed
+);
 )sql";
 
 // All else.

@@ -11,6 +11,8 @@ struct MapServerOptions {
   std::string database = "map.db";  // file, or ":memory:"
   double frame_commit_s = 1.0;      // frame states (unacknowledged) are written this often at the latest
   int max_answers = 4;              // large answers under way at the same time; more are refused
+  double snapshot_s = 0;            // 0: never
+  std::string snapshot_file = "map-snapshot.db";
 };
 
 inline void describe(OptionTable& table, MapServerOptions& o) {
@@ -20,6 +22,9 @@ inline void describe(OptionTable& table, MapServerOptions& o) {
             60);
   table.add("map_server.max_answers", &o.max_answers, "", "map requests answered at the same time, more are refused", 1,
             64);
+  table.add("map_server.snapshot_s", &o.snapshot_s, "s",
+            "write a copy of the map this often, if it changed, and at the end; 0: never", 0, 1e6);
+  table.add("map_server.snapshot_file", &o.snapshot_file, "the copy, replaced whole each time");
 }
 
 }  // namespace rumi

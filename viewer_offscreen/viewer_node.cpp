@@ -64,7 +64,11 @@ ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payl
   submap_update_t update;
   if (payload.kind != chunk_t::SUBMAP_UPDATE) return {};  // refused: asked again in time
   std::string reason = "not a submap update";
-  if (Bus::decode(payload.bytes, &update)) reason = apply_submap_update(update, &copy->submap);
+  if (Bus::decode(payload.bytes, &update)) {
+    if (update.base_revision == 0) copy->submap = Submap();
+    reason = apply_submap_update(update, &copy->submap);
+    copy->placement_revision = copy->asked_placement_revision;
+  }
   if (!reason.empty()) {
     ++rejected_;
     copy->submap = Submap();  // whatever is wrong with it, start afresh
@@ -74,21 +78,29 @@ ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payl
   return {.ok = reason.empty(), .reason = reason, .revision = copy->submap.revision};
 }
 
+bool ViewerNode::is_time_to_ask(const Copy& copy, int64_t now_us) const {
+  if (copy.asked_us == 0) return true;
+  if (copy.request_id != 0)
+    return !receiver_.progress(copy.request_id).has_value() && now_us - copy.asked_us >= kAskAgainUs;
+  // A placed submap travels whole: no oftener than it is drawn.
+  const bool travels_whole = copy.wanted_placement_revision() != 0 && phase_ == Phase::kRunning;
+  const int64_t pause_us = travels_whole ? static_cast<int64_t>(options_.interval_s * 1e6) : 0;
+  return now_us - copy.asked_us >= std::max(pause_us, kAskAgainUs / 4);
+}
+
 void ViewerNode::request_missing(int64_t now_us) {
   for (auto& [key, copy] : copies_) {
-    if (copy.up_to_date()) continue;
-    const bool waiting = copy.request_id != 0 && receiver_.progress(copy.request_id).has_value();
-    if (waiting ||
-        (copy.asked_us != 0 && now_us - copy.asked_us < (copy.request_id != 0 ? kAskAgainUs : kAskAgainUs / 4)))
-      continue;
+    if (copy.up_to_date() || !is_time_to_ask(copy, now_us)) continue;
+    copy.asked_placement_revision = copy.wanted_placement_revision();
+    const bool is_placed = copy.asked_placement_revision != 0;
     map_request_t request{};
     request.utime = now_us;
     request.requester = name_;
     request.request_id = ++last_request_;
-    request.what = map_request_t::SUBMAP;
+    request.what = is_placed ? map_request_t::PLACED_SUBMAP : map_request_t::SUBMAP;
     request.session = key.session;
     request.submap_id = key.id;
-    request.base_revision = copy.submap.revision;
+    request.base_revision = is_placed || copy.placement_revision != 0 ? 0 : copy.submap.revision;
     copy.request_id = request.request_id;
     copy.asked_us = now_us;
     bus_.publish(channels::kMapRequest, request);
@@ -135,7 +147,7 @@ void ViewerNode::draw() {
   MapPicture picture;
   for (const auto& [key, copy] : copies_) {
     const std::optional<Sim3> place = copy.summary.in_map ? from_wire(copy.summary.map_from_submap) : std::nullopt;
-    picture.submaps.push_back({&copy.submap, copy.summary.in_map != 0});
+    picture.submaps.push_back({&copy.submap, copy.can_be_shown_in_map()});
     if (live_ && key == SubmapKey{live_->session, live_->submap_id} && place)
       picture.camera = place->transform_camera(*from_wire(live_->cam_from_submap)).inverse();
   }

@@ -33,15 +33,25 @@ class ViewerNode : public Node {
   enum class Phase { kRunning, kFinishing, kFinished };
   struct Copy {
     Submap submap;
-    submap_summary_t summary;  // what map_server said of it last
-    int32_t request_id = 0;    // under way, 0: none
-    int64_t asked_us = 0;
-    bool up_to_date() const { return submap.revision >= summary.revision; }
+    int64_t placement_revision = 0;  // of the submap as we have it; 0: in its own gauge
+    submap_summary_t summary;        // what map_server said of it last
+    int32_t request_id = 0;          // under way, 0: none
+    int64_t asked_us = 0, asked_placement_revision = 0;
+    // Where nobody has placed it, what is in its own gauge is in the map's, and only what is new has to travel.
+    int64_t wanted_placement_revision() const { return summary.in_map ? summary.placement_revision : 0; }
+    bool up_to_date() const {
+      return submap.revision >= summary.revision && placement_revision == wanted_placement_revision();
+    }
+    // In the map, and we have it in the map's gauge, if perhaps not where it lies now.
+    bool can_be_shown_in_map() const {
+      return summary.in_map && (placement_revision == 0) == (summary.placement_revision == 0);
+    }
   };
 
   void on_track(const track_t& track);
   void on_map_status(const map_status_t& status);
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  bool is_time_to_ask(const Copy& copy, int64_t now_us) const;
   void request_missing(int64_t now_us);
   bool complete() const;
   void draw();

@@ -8,12 +8,14 @@
 #include "lcmtypes/rumi/chunk_ack_t.hpp"
 #include "lcmtypes/rumi/chunk_t.hpp"
 #include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
+#include "lcmtypes/rumi/trajectory_t.hpp"
 #include "lcmtypes/rumi/window_job_t.hpp"
 #include "lcmtypes/rumi/window_t.hpp"
 
@@ -42,9 +44,14 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(window_t, 0x4056712316a0c018u);
   PIN(window_sample_t, 0x2023c02d415c880fu);
   PIN(window_job_t, 0x12d7b730ba16808au);
-  PIN(submap_summary_t, 0xc1ffbb2e88ca8756u);
-  PIN(map_status_t, 0x9cf677aff4572924u);
-  PIN(map_request_t, 0xdb0064066755b684u);
+  PIN(submap_summary_t, 0x33fe93d6848496e5u);
+  PIN(link_t, 0x38f23425dfb0bba0u);
+  PIN(trajectory_t, 0xe507742227778ecfu);
+  PIN(region_landmark_t, 0x7727a9f260872891u);
+  PIN(region_keyframe_t, 0x54927c4600a883b2u);
+  PIN(map_region_t, 0xa84f598e98ae44ecu);
+  PIN(map_status_t, 0xd692c0733dfc1d7cu);
+  PIN(map_request_t, 0x5ec708767f84a2acu);
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);
   PIN(channel_count_t, 0xc064025a9c303bc9u);
@@ -116,6 +123,25 @@ map_status_t sample() {
   map_status_t m = small<map_status_t>();
   m.submaps.resize(2, small<submap_summary_t>());
   m.nsubmaps = 2;
+  m.links.resize(2, small<link_t>());
+  m.links[0].doubt = "why";
+  m.nlinks = 2;
+  return m;
+}
+template <>
+trajectory_t sample() {
+  trajectory_t m = small<trajectory_t>();
+  m.frame_utime = {1, 2, 3};
+  m.map_from_cam.resize(3, small<rigid_t>());
+  m.n = 3;
+  return m;
+}
+template <>
+map_region_t sample() {
+  map_region_t m = small<map_region_t>();
+  m.landmarks.resize(3, small<region_landmark_t>());
+  m.keyframes.resize(2, small<region_keyframe_t>());
+  m.nlandmarks = 3, m.nkeyframes = 2;
   return m;
 }
 template <>
@@ -172,8 +198,9 @@ std::vector<uint8_t> broken(const std::vector<uint8_t>& good, std::mt19937* rand
 
 template <class T>
 class BrokenMessages : public testing::Test {};
-using AllTypes = testing::Types<image_t, rigid_transform_t, track_t, submap_update_t, window_t, window_job_t,
-                                map_status_t, map_request_t, chunk_t, chunk_ack_t, process_status_t>;
+using AllTypes =
+    testing::Types<image_t, rigid_transform_t, track_t, submap_update_t, window_t, window_job_t, map_status_t,
+                   map_request_t, trajectory_t, map_region_t, chunk_t, chunk_ack_t, process_status_t>;
 TYPED_TEST_SUITE(BrokenMessages, AllTypes);
 
 TYPED_TEST(BrokenMessages, AreCountedAndHarmNothing) {

@@ -3,11 +3,17 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 #include <random>
 
 #include "bus/memory_bus.h"
 #include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/trajectory_t.hpp"
 #include "test_atlas.h"
 
 namespace rumi {
@@ -60,6 +66,25 @@ class MapServerNodeTest : public ::testing::Test {
     request.base_revision = base;
     bus_.publish(channels::kMapRequest, request);
     pass(5);
+  }
+  void ask_region(int32_t id, const Eigen::Vector3d& center, double radius) {
+    map_request_t request{};
+    request.requester = "asker";
+    request.request_id = id;
+    request.what = map_request_t::REGION;
+    std::copy_n(center.data(), 3, request.center);
+    request.radius = radius;
+    bus_.publish(channels::kMapRequest, request);
+    pass(5);
+  }
+  void place(const std::vector<SubmapKey>& keys) {
+    std::map<SubmapKey, Placement> placements;
+    for (const SubmapKey key : keys) {
+      const Submap& submap = node_->atlas().find(key)->submap;
+      placements[key] = testing::make_placement(submap, 3);
+      placements[key].fused[submap.landmarks.rbegin()->first] = {key, submap.landmarks.begin()->first};
+    }
+    node_->atlas().place_map(placements);
   }
   void lose(double share) {
     bus_.set_tap([this, share](const std::string&, std::span<const uint8_t>) {
@@ -274,6 +299,118 @@ TEST_F(MapServerNodeTest, RefusesWithAReason) {
   EXPECT_THAT(text(2), HasSubstr("what = 77"));
 }
 
+TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap({7, 2}, 2, 2, 50'000'000), 0)).ok);
+  place({kKey});
+  const AtlasSubmap& owner = *node_->atlas().find(kKey);
+  ask(map_request_t::PLACED_SUBMAP, 1, kKey, 3);  // base_revision makes no difference
+  ask(map_request_t::TRAJECTORY, 2);
+  ask_region(3, {0, 0, 0}, 1e300);
+  ask_region(4, {0.1, 0.2, 0.3}, 3);
+  ASSERT_EQ(answers_.size(), 4);
+  submap_update_t update;
+  ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
+  Submap placed;
+  ASSERT_EQ(apply_submap_update(update, &placed), "");
+  for (const auto& [id, keyframe] : owner.submap.keyframes)
+    EXPECT_LT((placed.keyframe(id)->cam_from_submap.center() - owner.placement.cam_from_map(keyframe).center()).norm(),
+              1e-12);
+  EXPECT_EQ(placed.revision, owner.submap.revision);
+
+  trajectory_t trajectory;
+  EXPECT_EQ(answers_[1].kind, chunk_t::TRAJECTORY);
+  ASSERT_TRUE(Bus::decode(answers_[1].bytes, &trajectory));
+  const std::map<int64_t, SE3> expected = node_->atlas().map_trajectory();
+  EXPECT_EQ(trajectory.map_revision, node_->atlas().revision());
+  ASSERT_EQ(trajectory.n, 16);
+  for (int i = 0; i < trajectory.n; ++i)
+    EXPECT_EQ(from_wire(trajectory.map_from_cam[i])->translation, expected.at(trajectory.frame_utime[i]).translation);
+
+  map_region_t all, near;
+  EXPECT_EQ(answers_[2].kind, chunk_t::REGION);
+  ASSERT_TRUE(Bus::decode(answers_[2].bytes, &all));
+  ASSERT_TRUE(Bus::decode(answers_[3].bytes, &near));
+  EXPECT_EQ(all.nlandmarks, static_cast<int>(owner.submap.landmarks.size()) - 1);  // one is fused
+  EXPECT_EQ(all.nkeyframes, static_cast<int>(owner.submap.keyframes.size()));
+  EXPECT_EQ(all.map_revision, node_->atlas().revision());
+  const auto is_near = [](const Eigen::Vector3d& p) { return (p - Eigen::Vector3d(0.1, 0.2, 0.3)).norm() <= 3; };
+  const auto expected_near = std::count_if(all.landmarks.begin(), all.landmarks.end(), [&](const region_landmark_t& l) {
+    return is_near(Eigen::Vector3d(l.position));
+  });
+  EXPECT_EQ(near.nlandmarks, expected_near);
+  EXPECT_GT(near.nlandmarks, 0);
+  EXPECT_LT(near.nlandmarks, all.nlandmarks);
+  for (const region_landmark_t& l : near.landmarks) {
+    const Landmark& landmark = *owner.submap.landmark(l.id);
+    EXPECT_EQ(Eigen::Vector3d(l.position), owner.placement.position_in_map(owner.submap, landmark));
+    EXPECT_EQ(std::memcmp(l.descriptor, landmark.descriptor.data(), sizeof(Descriptor)), 0);
+    EXPECT_EQ(l.submap_id, kKey.id);
+  }
+  for (const region_keyframe_t& k : near.keyframes) EXPECT_TRUE(is_near(from_wire(k.map_from_cam)->translation));
+}
+
+TEST_F(MapServerNodeTest, StatusTellsOfLinksAndPlacements) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
+  place({kKey});
+  node_->atlas().set_links({{.a = kKey,
+                             .b = {7, 1},
+                             .kind = Link::Kind::kAppearance,
+                             .keyframes = 5,
+                             .keyframe_inliers = 4,
+                             .landmarks = 90,
+                             .landmark_inliers = 80,
+                             .rmse_px = 0.5,
+                             .doubt = "too good to be true"}});
+  statuses_.clear();
+  pass(1.1);
+  ASSERT_FALSE(statuses_.empty());
+  const map_status_t& s = statuses_.back();
+  EXPECT_EQ(s.submaps[0].placement_revision, node_->atlas().revision());
+  EXPECT_EQ(from_wire(s.submaps[0].map_from_submap)->translation,
+            node_->atlas().find(kKey)->placement.latest().translation);
+  ASSERT_EQ(s.nlinks, 1);
+  EXPECT_EQ(s.links[0].kind, link_t::APPEARANCE);
+  EXPECT_EQ(s.links[0].submap_b, 1);
+  EXPECT_EQ(s.links[0].landmark_inliers, 80);
+  EXPECT_EQ(s.links[0].rmse_px, 0.5);
+  EXPECT_FALSE(s.links[0].accepted);
+  EXPECT_EQ(s.links[0].doubt, "too good to be true");
+}
+
+TEST_F(MapServerNodeTest, QuestionsAboutTheMapThatMakeNoSenseAreRefused) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap({7, 2}, 2, 2, 50'000'000), 0)).ok);
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  int id = 0;
+  for (const double radius : {nan, inf, 0.0, -1.0}) ask_region(++id, {0, 0, 0}, radius);
+  for (const double x : {nan, inf, -inf}) ask_region(++id, {0, x, 0}, 1);
+  ask(map_request_t::PLACED_SUBMAP, ++id, {7, 99});
+  ask(map_request_t::PLACED_SUBMAP, ++id, {7, 2});
+  ASSERT_EQ(answers_.size(), 9);
+  for (const auto& answer : answers_) EXPECT_EQ(answer.kind, chunk_t::REFUSED) << answer.request_id;
+  const auto text = [this](size_t i) { return std::string(answers_[i].bytes.begin(), answers_[i].bytes.end()); };
+  EXPECT_THAT(text(0), HasSubstr("radius nan"));
+  EXPECT_THAT(text(7), HasSubstr("no submap 99"));
+  EXPECT_THAT(text(8), HasSubstr("not part of the map"));
+  ask_region(++id, {1e300, -1e300, 1e300}, 1);  // far from everything
+  ASSERT_EQ(answers_.size(), 10);
+  map_region_t region;
+  ASSERT_TRUE(Bus::decode(answers_[9].bytes, &region));
+  EXPECT_EQ(region.nlandmarks + region.nkeyframes, 0);
+}
+
+TEST_F(MapServerNodeTest, AnEmptyMapHasAnEmptyTrajectoryAndRegion) {
+  ask(map_request_t::TRAJECTORY, 1);
+  ask_region(2, {0, 0, 0}, 1);
+  ASSERT_EQ(answers_.size(), 2);
+  trajectory_t trajectory;
+  map_region_t region;
+  EXPECT_TRUE(Bus::decode(answers_[0].bytes, &trajectory));
+  EXPECT_TRUE(Bus::decode(answers_[1].bytes, &region));
+  EXPECT_EQ(trajectory.n + region.nlandmarks + region.nkeyframes, 0);
+}
+
 TEST_F(MapServerNodeTest, AFloodOfRequestsIsBounded) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
   for (int i = 0; i < 1000; ++i) {
@@ -393,6 +530,77 @@ TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
   bus_.dispatch();
   node_->finish();
   EXPECT_EQ(node_->store().load().frames().size(), 1);
+}
+
+class MapServerNodeSnapshots : public MapServerNodeTest {
+ protected:
+  MapServerNodeSnapshots() {
+    node_.reset();
+    options_.snapshot_s = 10;
+    options_.snapshot_file = folder_ / "copy.db";
+    node_ = std::make_unique<MapServerNode>(bus_, options_);
+  }
+  bool exists() const { return std::filesystem::exists(options_.snapshot_file); }
+  TemporaryFolder folder_;
+};
+
+TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
+  EXPECT_FALSE(exists());
+  pass(6);
+  ASSERT_TRUE(exists());
+  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  std::filesystem::remove(options_.snapshot_file);
+  pass(30);
+  EXPECT_FALSE(exists());  // there is nothing new
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  pass(11);
+  EXPECT_TRUE(exists());
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 5), 0)).ok);
+  node_->finish();
+  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(MapServerNodeSnapshots, AFullDiskIsSaidAndNothingElseSuffers) {
+  const int result = testing::run_on_small_disk(folder_.path().string(), 60'000, [&] {
+    SubmapMaker maker(kKey, 1);
+    for (int i = 0; i < 30; ++i) maker.step();
+    if (!send_and_wait(make_submap_update(maker.submap(), 0)).ok) return 1;
+    pass(12);
+    const NodeStatus status = node_->status();
+    if (!status.degraded || status.detail.find("copy.db") == std::string::npos) return 2;
+    if (!std::filesystem::is_empty(folder_.path())) return 3;
+    maker.step();
+    if (!send_and_wait(make_submap_update(maker.submap(), 30)).ok) return 4;
+    return node_->store().stored_revision(kKey) == 31 ? 0 : 5;
+  });
+  if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";
+  EXPECT_EQ(result, 0);
+}
+
+TEST_F(MapServerNodeSnapshots, TroubleIsOverWhenItIsOver) {
+  options_.snapshot_file = folder_ / "absent/copy.db";
+  node_.reset();
+  node_ = std::make_unique<MapServerNode>(bus_, options_);
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
+  pass(11);
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_THAT(node_->status().detail, HasSubstr("absent/copy.db"));
+  std::filesystem::create_directory(folder_ / "absent");
+  pass(11);
+  EXPECT_FALSE(node_->status().degraded);
+  EXPECT_TRUE(exists());
+}
+
+TEST(MapServerNodeStart, ASnapshotMustNotTakeThePlaceOfTheDatabase) {
+  const TemporaryFolder folder;
+  MemoryBus bus;
+  MapServerOptions options;
+  options.database = folder / "map.db";
+  options.snapshot_s = 1;
+  options.snapshot_file = folder / "./map.db";
+  EXPECT_THROW(MapServerNode(bus, options), std::runtime_error);
 }
 
 TEST(MapServerNodeStart, AnUnusableDatabaseIsAReasonToEnd) {

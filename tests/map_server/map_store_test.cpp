@@ -121,14 +121,16 @@ TEST(MapStore, APlacementIsWrittenOnlyWhenItChanged) {
   placements[{8, -1}].map_from_submap.begin()->second.scale += 1;
   atlas.place_map(placements);
   update_atlas(&atlas, make_submap({7, 1}, 1, 13));
+  ASSERT_EQ(store.save(atlas, {}), "");
+  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position = x'00'"), 1);
+  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position <> x'00'"), 1);
+  EXPECT_EQ(other.integer("SELECT count(*) FROM links WHERE accepted = 7"), 3);
   std::vector<Link> links = atlas.links();
   links[1].rmse_px = 2;
   atlas.set_links(links);
   ASSERT_EQ(store.save(atlas, {}), "");
-  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position = x'00'"), 1);
-  EXPECT_EQ(other.integer("SELECT count(DISTINCT submap) FROM placed_landmarks WHERE position <> x'00'"), 1);
-  EXPECT_EQ(other.integer("SELECT count(*) FROM links WHERE accepted = 7"), 2);
-  EXPECT_EQ(other.integer("SELECT revision FROM links WHERE accepted <> 7"), atlas.revision());
+  EXPECT_EQ(other.integer("SELECT count(*) FROM links WHERE revision = " + std::to_string(atlas.revision())), 3);
+  EXPECT_EQ(other.integer("SELECT sum(accepted) FROM links"), 1);
 }
 
 // Many small saves with additions, corrections and removals leave the same as one of the whole.

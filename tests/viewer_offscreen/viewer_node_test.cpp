@@ -18,7 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Plays map_server with one submap.
+Eigen::Vector3d test_line(double t) { return {0.3, 0.2 * t, 0}; }
+
+// Plays map_server with one submap, which lies as a line in the map once it is placed.
 class ViewerNodeTest : public testing::Test {
  protected:
   ViewerNodeTest() : sender_(bus_, channels::kMapChunk, channels::kMapAck, "server") {
@@ -35,7 +37,9 @@ class ViewerNodeTest : public testing::Test {
   void on_request(const map_request_t& request) {
     requests_.push_back(request);
     if (request.what == map_request_t::STATUS) return publish_status();
-    std::vector<uint8_t> payload = encode_message(make_submap_update(submap_, request.base_revision));
+    const bool placed = request.what == map_request_t::PLACED_SUBMAP;
+    std::vector<uint8_t> payload =
+        encode_message(make_submap_update(placed ? placed_ : submap_, placed ? 0 : request.base_revision));
     if (garbage_-- > 0) payload.assign(100, 0xab);
     sender_.send(request.requester, chunk_t::SUBMAP_UPDATE, request.request_id, payload, [](const TransferResult&) {});
   }
@@ -45,6 +49,7 @@ class ViewerNodeTest : public testing::Test {
     summary.submap_id = 1;
     summary.in_map = true;
     summary.revision = submap_.revision;
+    summary.placement_revision = placement_revision_;
     summary.map_from_submap = to_wire(Sim3());
     map_status_t status{};
     status.utime = bus_.now_us();
@@ -76,6 +81,8 @@ class ViewerNodeTest : public testing::Test {
   MemoryBus bus_;
   ChunkSender sender_;
   Submap submap_ = make_test_submap(1, 0, 4, test_circle, 800);
+  Submap placed_ = make_test_submap(1, 0, 4, test_line, 800);
+  int64_t placement_revision_ = 0;
   std::vector<map_request_t> requests_;
   std::vector<image_t> images_;
   int garbage_ = 0;
@@ -114,6 +121,40 @@ TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
   run(node, 3);
   ASSERT_EQ(requests_.size(), asked + 1);
   EXPECT_EQ(requests_.back().base_revision, 1);
+}
+
+TEST_F(ViewerNodeTest, APlacedSubmapIsFetchedWholeWhenItMovesOrGrows) {
+  ViewerNode node(bus_, options_);
+  publish_status();
+  run(node, 3);
+  ASSERT_EQ(requests_.size(), 1u);
+  EXPECT_EQ(requests_.back().what, map_request_t::SUBMAP);
+  const image_t before = images_.back();
+  placement_revision_ = 7;
+  publish_status();
+  run(node, 3);
+  ASSERT_EQ(requests_.size(), 2u);
+  EXPECT_EQ(requests_.back().what, map_request_t::PLACED_SUBMAP);
+  const image_t placed = images_.back();
+  EXPECT_NE(before.data, placed.data);
+  publish_status();
+  run(node, 3);
+  EXPECT_EQ(requests_.size(), 2u);
+  // It grows with every status, ten in three seconds: fetched at the pace of the pictures, one a second.
+  for (int i = 0; i < 10; ++i) {
+    ++submap_.revision, ++placed_.revision;
+    publish_status();
+    run(node, 0.3);
+  }
+  EXPECT_GE(requests_.size(), 4u);
+  EXPECT_LE(requests_.size(), 6u);
+  // No more part of a placed map: in its own gauge again, from the start.
+  placement_revision_ = 0;
+  publish_status();
+  run(node, 3);
+  EXPECT_EQ(requests_.back().what, map_request_t::SUBMAP);
+  EXPECT_EQ(requests_.back().base_revision, 0);
+  EXPECT_NE(images_.back().data, placed.data);
 }
 
 TEST_F(ViewerNodeTest, DrawsALastPictureOfTheNewestMap) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_messages.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "bus/submap_update.h"
+
+namespace rumi {
+namespace {
+
+submap_summary_t summarize(const AtlasSubmap& owner) {
+  const Submap& s = owner.submap;
+  submap_summary_t summary;
+  summary.session = s.key.session;
+  summary.submap_id = s.key.id;
+  summary.kind = static_cast<int8_t>(s.kind);
+  summary.closed = s.closed;
+  summary.in_map = owner.in_map;
+  summary.revision = s.revision;
+  summary.keyframes = static_cast<int32_t>(s.keyframes.size());
+  summary.landmarks = static_cast<int32_t>(s.landmarks.size());
+  summary.frames = static_cast<int32_t>(s.frames.size());
+  summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
+  summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
+  summary.placement_revision = owner.placement.revision;
+  summary.map_from_submap = to_wire(owner.placement.latest());
+  return summary;
+}
+
+link_t to_wire(const Link& link) {
+  link_t wire;
+  wire.session_a = link.a.session, wire.submap_a = link.a.id;
+  wire.session_b = link.b.session, wire.submap_b = link.b.id;
+  wire.kind = static_cast<int8_t>(link.kind);
+  wire.accepted = link.accepted();
+  wire.keyframes = link.keyframes, wire.keyframe_inliers = link.keyframe_inliers;
+  wire.landmarks = link.landmarks, wire.landmark_inliers = link.landmark_inliers;
+  wire.rmse_px = link.rmse_px;
+  wire.doubt = link.doubt;
+  return wire;
+}
+
+// stableNorm: who asks may name any numbers.
+bool is_within(const Eigen::Vector3d& position, const map_region_t& region) {
+  return (position - Eigen::Vector3d(region.center)).stableNorm() <= region.radius;
+}
+
+void add_submap(const Atlas& atlas, const AtlasSubmap& owner, map_region_t* region) {
+  const SubmapKey key = owner.submap.key;
+  for (const auto& [id, landmark] : owner.submap.landmarks) {
+    const Eigen::Vector3d position = owner.placement.position_in_map(owner.submap, landmark);
+    if (!is_within(position, *region) || !atlas.stands_for_itself(owner, id)) continue;
+    region_landmark_t& wire = region->landmarks.emplace_back();
+    wire.session = key.session, wire.submap_id = key.id, wire.id = id;
+    std::copy_n(position.data(), 3, wire.position);
+    std::memcpy(wire.descriptor, landmark.descriptor.data(), sizeof(Descriptor));
+  }
+  for (const auto& [id, keyframe] : owner.submap.keyframes) {
+    const SE3 map_from_cam = owner.placement.cam_from_map(keyframe).inverse();
+    if (!is_within(map_from_cam.translation, *region)) continue;
+    region_keyframe_t& wire = region->keyframes.emplace_back();
+    wire.session = key.session, wire.submap_id = key.id, wire.id = id;
+    wire.utime = keyframe.utime_us;
+    wire.map_from_cam = to_wire(map_from_cam);
+  }
+}
+
+}  // namespace
+
+map_status_t make_map_status(const Atlas& atlas, int64_t utime_us) {
+  map_status_t message{};
+  message.utime = utime_us;
+  message.map_revision = atlas.revision();
+  message.frames = static_cast<int64_t>(atlas.frames().size());
+  message.frames_in_map = atlas.frames_in_map();
+  for (const auto& [key, owner] : atlas.submaps()) message.submaps.push_back(summarize(owner));
+  message.nsubmaps = static_cast<int32_t>(message.submaps.size());
+  for (const Link& link : atlas.links()) message.links.push_back(to_wire(link));
+  message.nlinks = static_cast<int32_t>(message.links.size());
+  return message;
+}
+
+trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us) {
+  trajectory_t message{};
+  message.utime = utime_us;
+  message.map_revision = atlas.revision();
+  for (const auto& [frame_utime_us, map_from_cam] : atlas.map_trajectory()) {
+    message.frame_utime.push_back(frame_utime_us);
+    message.map_from_cam.push_back(to_wire(map_from_cam));
+  }
+  message.n = static_cast<int32_t>(message.frame_utime.size());
+  return message;
+}
+
+map_region_t make_map_region(const Atlas& atlas, const Eigen::Vector3d& center, double radius, int64_t utime_us) {
+  map_region_t region{};
+  region.utime = utime_us;
+  region.map_revision = atlas.revision();
+  std::copy_n(center.data(), 3, region.center);
+  region.radius = radius;
+  for (const auto& [key, owner] : atlas.submaps())
+    if (owner.in_map) add_submap(atlas, owner, &region);
+  region.nlandmarks = static_cast<int32_t>(region.landmarks.size());
+  region.nkeyframes = static_cast<int32_t>(region.keyframes.size());
+  return region;
+}
+
+}  // namespace rumi

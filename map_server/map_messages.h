@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The served map as messages.
+#pragma once
+
+#include "lcmtypes/rumi/map_region_t.hpp"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/trajectory_t.hpp"
+#include "map_server/atlas.h"
+
+namespace rumi {
+
+// All but database_bytes, which the atlas does not know.
+map_status_t make_map_status(const Atlas& atlas, int64_t utime_us);
+
+trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us);
+
+// What lies within `radius` (above 0) of `center`, in the map's unit and frame of reference.
+map_region_t make_map_region(const Atlas& atlas, const Eigen::Vector3d& center, double radius, int64_t utime_us);
+
+}  // namespace rumi
