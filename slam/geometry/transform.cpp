@@ -30,10 +30,7 @@ Eigen::Vector3d so3_log(const Eigen::Quaterniond& q) {
 
 double SE3::angle_rad() const { return so3_log(rotation).norm(); }
 
-namespace {
-
-// V(w) with t = V(w) v, and its inverse (Barfoot, State Estimation for Robotics, eq. 7.37).
-Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w) {
   const double a2 = w.squaredNorm();
   const double a = std::sqrt(a2);
   const Eigen::Matrix3d s = skew(w);
@@ -41,18 +38,28 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& w) {
   return Eigen::Matrix3d::Identity() + (1 - std::cos(a)) / a2 * s + (a - std::sin(a)) / (a2 * a) * s * s;
 }
 
-}  // namespace
-
 SE3 SE3::exp(const Vector6d& twist) {
   const Eigen::Vector3d w = twist.tail<3>();
-  return {so3_exp(w), left_jacobian(w) * twist.head<3>()};
+  return {so3_exp(w), so3_left_jacobian(w) * twist.head<3>()};
 }
 
 Vector6d SE3::log() const {
   const Eigen::Vector3d w = so3_log(rotation);
   Vector6d twist;
-  twist << left_jacobian(w).inverse() * translation, w;
+  twist << so3_left_jacobian(w).inverse() * translation, w;
   return twist;
+}
+
+Sim3 Sim3::plus(const Vector7d& step, const Eigen::Vector3d& pivot) const {
+  const double s = scale * std::exp(step[6]);
+  const Eigen::Quaterniond q = so3_exp(step.head<3>()) * rotation;
+  return {s, q, *this * pivot + step.segment<3>(3) - s * (q * pivot)};
+}
+
+Vector7d Sim3::minus(const Sim3& from, const Eigen::Vector3d& pivot) const {
+  Vector7d step;
+  step << so3_log(rotation * from.rotation.conjugate()), *this * pivot - from * pivot, std::log(scale / from.scale);
+  return step;
 }
 
 SE3 interpolate(const SE3& a, const SE3& b, double fraction) {

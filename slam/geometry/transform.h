@@ -9,6 +9,7 @@
 namespace rumi {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 // x_target = rotation * x_source + translation.
 struct SE3 {
@@ -61,12 +62,20 @@ struct Sim3 {
     const Eigen::Quaterniond q = cam_from_source.rotation * rotation.conjugate();
     return {q, scale * cam_from_source.translation - q * translation};
   }
+
+  // A step to a neighbour as seven numbers that do not mix: rotation vector (rad, in the target's axes), how far the
+  // image of `pivot` (a point of the source) moves, in the target's unit, and the logarithm of the ratio of the scales.
+  // a.plus(b.minus(a, p), p) == b.
+  Sim3 plus(const Vector7d& step, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
+  Vector7d minus(const Sim3& from, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
 };
 
 // Rotation vector (angle * axis, radians) <-> quaternion.
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
+// J with so3_exp(w + d) = so3_exp(J d) * so3_exp(w) for small d (Barfoot, State Estimation for Robotics, eq. 7.37).
+Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w);
 
 // From a between 0 (a) and 1 (b): rotation by slerp, camera-centre-like translation linearly.
 SE3 interpolate(const SE3& a, const SE3& b, double fraction);

@@ -48,5 +48,28 @@ TEST(Transform, SimilarityMovesCamerasAndPointsAlike) {
   EXPECT_LT((map_from_submap.inverse() * (map_from_submap * p_submap) - p_submap).norm(), 1e-12);
 }
 
+TEST(Transform, SimilarityStepsDoNotMix) {
+  std::mt19937 rng(4);
+  const Eigen::Vector3d pivot(4, -5, 6);
+  const SE3 rigid = random_pose(rng), other = random_pose(rng);
+  const Sim3 from(2.5, rigid.rotation, rigid.translation), to(0.4, other.rotation, other.translation);
+  const Sim3 there = from.plus(to.minus(from, pivot), pivot);
+  EXPECT_NEAR(there.scale, to.scale, 1e-12);
+  EXPECT_LT(there.rotation.angularDistance(to.rotation), 1e-7);
+  EXPECT_LT((there.translation - to.translation).norm(), 1e-12);
+  // Turning and scaling about the pivot leave its image where it was.
+  Vector7d turn_and_scale;
+  turn_and_scale << 0.1, 0.2, -0.3, 0, 0, 0, 0.5;
+  const Sim3 turned = from.plus(turn_and_scale, pivot);
+  EXPECT_LT((turned * pivot - from * pivot).norm(), 1e-12);
+  EXPECT_LT((turned.minus(from, pivot) - turn_and_scale).norm(), 1e-12);
+}
+
+TEST(Transform, LeftJacobianIsTheDerivative) {
+  const Eigen::Vector3d w(0.4, -0.9, 0.7), d(1e-6, -2e-6, 3e-6);
+  const Eigen::Vector3d moved = so3_log(so3_exp(w + d) * so3_exp(w).conjugate());
+  EXPECT_LT((moved - so3_left_jacobian(w) * d).norm(), 1e-11);
+}
+
 }  // namespace
 }  // namespace rumi

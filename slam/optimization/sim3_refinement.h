@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The similarity that joins two submaps, from landmarks of one seen in frames of the other: minimizes the reprojection
+// error in both directions (Chen et al., "Rumination Meets VSLAM", 2023, eq. 8, which has one). Robust; says how
+// well the similarity is known. Written out rather than given to Ceres: seven unknowns, and the covariance needs the
+// normal equations anyway.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "slam/geometry/camera.h"
+#include "slam/geometry/transform.h"
+
+namespace rumi {
+
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
+struct Sim3RefinementProblem {
+  // A landmark of one submap seen in a frame whose pose is known in the other. The landmark is taken as exact: what its
+  // own error does to all its observations alike is not averaged out, and not in the covariance.
+  struct Observation {
+    Eigen::Vector3d point;  // in its own submap
+    SE3 cam_from_other;     // the frame, in the other submap
+    Eigen::Vector2d pixel;  // undistorted
+    double sigma_px = 1.0;
+  };
+  // One image that both submaps have a pose of.
+  struct FramePair {
+    SE3 cam_from_a, cam_from_b;
+    double sigma_rotation_rad = 0.01;  // of each component of the rotation vector between the two
+    double sigma_center = 0.1;         // of each coordinate of the distance of the two centres, in the unit of B
+  };
+  std::vector<Observation> a_into_b;  // points of A, frames of B: cam_from_other * (b_from_a * point)
+  std::vector<Observation> b_into_a;  // points of B, frames of A: cam_from_other * (b_from_a^-1 * point)
+  std::vector<FramePair> frame_pairs;
+};
+
+struct Sim3RefinementOptions {
+  int rounds = 3;              // outliers are sorted out after each; all but the last use the Huber loss
+  int iterations = 30;         // at most, per round
+  double first_gate_px = 200;  // observations that the initial similarity puts farther off stay out of the first round
+  double inlier_chi2 = 5.991;  // squared error over sigma^2, 95 % of a 2-D normal distribution
+  double pair_inlier_chi2 = 12.592;  // the same of a frame pair, 6-D
+  int min_equations = 14;            // of the inliers: an observation gives 2, a frame pair 6; there are 7 unknowns
+  // Standard deviation of rotation (rad) or log scale above which it counts as undetermined. Where there is no parallax
+  // at all the best scale is the one that explains the noise, and its sigma is about 1, seldom below 0.3.
+  double max_sigma = 0.2;
+};
+
+struct Sim3RefinementReport {
+  bool usable = false;  // false: *b_from_a is unchanged, `reason` says why
+  std::string reason;
+  int iterations = 0;
+  std::vector<bool> a_into_b_inlier, b_into_a_inlier, frame_pair_inlier;
+  int inliers = 0;          // observations of both directions, without frame pairs
+  double inlier_ratio = 0;  // of all observations; 0 if there are none
+  double rmse_px = 0;       // of the inliers, per observation (both coordinates)
+
+  // Of the step b_from_a.plus(step, pivot_a) to the truth: rotation vector (rad), displacement of the pivot (unit of
+  // B), log scale. From the information of the inliers, widened by their residual variance where that is above what
+  // the sigmas promise. The pivot, a point of A, is where the displacement is known best, which decouples it from
+  // rotation and scale as far as possible; the origin of A may be far from the overlap. Directions that the problem
+  // says nothing about have huge, finite entries.
+  Eigen::Vector3d pivot_a = Eigen::Vector3d::Zero();
+  Matrix7d covariance = Matrix7d::Zero();
+  // Roots of the largest eigenvalues of the blocks: the standard deviation in the worst direction. Infinite where
+  // rotation or scale is undetermined.
+  double sigma_rotation_rad = 0, sigma_translation = 0, sigma_log_scale = 0;
+};
+
+Sim3RefinementReport refine_sim3(const Camera& camera, const Sim3RefinementOptions& options,
+                                 const Sim3RefinementProblem& problem, Sim3* b_from_a);
+
+}  // namespace rumi
