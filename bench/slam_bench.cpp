@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pieces that cost: keypoints (beside OpenCV's own ORB on the same image), matching, pose, bundle adjustment.
+// The pieces that cost: keypoints (beside OpenCV's own ORB on the same image), matching, pose, bundle
+// adjustment, joining submaps.
 #include <benchmark/benchmark.h>
 
 #include <opencv2/core/utility.hpp>
@@ -10,6 +11,8 @@
 #include "slam/features/orb_extractor.h"
 #include "slam/optimization/bundle_adjustment.h"
 #include "slam/optimization/pose_optimizer.h"
+#include "slam/optimization/sim3_graph.h"
+#include "slam/optimization/sim3_refinement.h"
 #include "tests/slam/synthetic_scene.h"
 
 namespace rumi {
@@ -75,6 +78,78 @@ void BM_LocalBundle(benchmark::State& state) {
   }
 }
 BENCHMARK(BM_LocalBundle)->Arg(10)->Arg(20)->Unit(benchmark::kMillisecond);
+
+// Observations of either direction, 30 % of them false.
+void BM_RefineSim3(benchmark::State& state) {
+  SyntheticScene scene(3);
+  const Sim3 truth(2.5, so3_exp({0.4, -1.0, 0.3}), Eigen::Vector3d(2, -1, 3));
+  Sim3RefinementProblem problem;
+  const auto see = [&](const SE3& cam_from_a, const Eigen::Vector3d& p) {
+    if (scene.uniform(0, 1) < 0.3) return Eigen::Vector2d(scene.uniform(0, 640), scene.uniform(0, 480));
+    return Eigen::Vector2d(test_camera().project_undistorted(cam_from_a * p) + scene.noise(1));
+  };
+  for (const Eigen::Vector3d& p : scene.cloud(static_cast<int>(state.range(0)))) {
+    const SE3 cam_from_a = SyntheticScene::pose(scene.uniform(0, 1), scene.uniform(0, 0.2), 0);
+    problem.a_into_b.push_back({p, truth.transform_camera(cam_from_a), see(cam_from_a, p), 1.0});
+    problem.b_into_a.push_back({truth * p, cam_from_a, see(cam_from_a, p), 1.0});
+  }
+  Vector7d off;
+  off << 0.03, -0.03, 0.02, 0.3, -0.2, 0.3, 0.06;
+  for (auto _ : state) {
+    Sim3 b_from_a = truth.plus(off);
+    if (!refine_sim3(test_camera(), {}, problem, &b_from_a).usable) state.SkipWithError("not usable");
+  }
+}
+BENCHMARK(BM_RefineSim3)->Arg(100)->Arg(1000)->Unit(benchmark::kMillisecond);
+
+Sim3Graph::Edge measured_edge(SyntheticScene& scene, const std::vector<Sim3>& truth, int first, int second) {
+  Vector7d error;
+  for (int k = 0; k < 7; ++k) error[k] = scene.uniform(-0.01, 0.01);
+  Sim3Graph::Edge e;
+  e.first = first;
+  e.second = second;
+  e.second_from_first = (truth[second].inverse() * truth[first]).plus(error);
+  e.sigma_rotation_rad = e.sigma_translation = e.sigma_log_scale = 0.006;
+  return e;
+}
+
+// Ten laps of a round course. Each node is measured against its three predecessors and the node beside it in the lap
+// before; the start is a lap that drifts and others beside it.
+void BM_Sim3Graph(benchmark::State& state) {
+  SyntheticScene scene(4);
+  const int count = static_cast<int>(state.range(0)), lap = count / 10;
+  std::vector<Sim3> truth;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * M_PI * i / lap, radius = lap / (2 * M_PI) + 0.5 * i / lap;
+    truth.emplace_back(1.0, so3_exp({0, -angle, 0}), radius * Eigen::Vector3d(std::cos(angle), 0, std::sin(angle)));
+  }
+  Sim3Graph start;
+  start.nodes.push_back({truth[0], true});
+  for (int i = 1; i < count; ++i) {
+    start.edges.push_back(measured_edge(scene, truth, i - 1, i));
+    if (i >= lap) start.edges.push_back(measured_edge(scene, truth, i - lap, i));
+    const Sim3Graph::Edge& e = start.edges.back();
+    start.nodes.push_back({start.nodes[e.first].map_from_node * e.second_from_first.inverse(), false});
+  }
+  for (int i = 2; i < count; ++i) {
+    start.edges.push_back(measured_edge(scene, truth, i - 2, i));
+    if (i >= 3) start.edges.push_back(measured_edge(scene, truth, i - 3, i));
+  }
+  Sim3GraphReport report;
+  double worst = 0;
+  for (auto _ : state) {
+    Sim3Graph graph = start;
+    report = solve_sim3_graph({}, &graph);
+    if (!report.usable) state.SkipWithError("not usable");
+    for (int i = 0; i < count; ++i)
+      worst = std::max(worst, (graph.nodes[i].map_from_node.translation - truth[i].translation).norm());
+  }
+  state.counters["edges"] = static_cast<double>(start.edges.size());
+  state.counters["solver_iterations"] = report.iterations;
+  state.counters["converged"] = report.converged;
+  state.counters["worst_error"] = worst;
+}
+BENCHMARK(BM_Sim3Graph)->Arg(100)->Arg(1000)->Arg(10000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace rumi

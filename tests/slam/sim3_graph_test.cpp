@@ -197,6 +197,41 @@ TEST(Sim3Graph, WhatWasNotMeasuredIsFree) {
   EXPECT_LT(worst_distance(graph, truth), 1e-6);
 }
 
+TEST(Sim3Graph, WhatNothingMeasuresStays) {
+  SyntheticScene scene(10);
+  const std::vector<Sim3> truth = circle(2, scene);
+  Sim3Graph graph;
+  graph.nodes = {{truth[0], true}, {truth[1].plus(random_step(scene, 0.05, 0.5, 0)), false}};
+  graph.edges = {edge_between(truth, 1, 0)};
+  graph.edges[0].sigma_log_scale = kInfinity;
+  ASSERT_TRUE(solve_sim3_graph({}, &graph).usable);
+  EXPECT_LT(graph.nodes[1].map_from_node.minus(truth[1]).norm(), 1e-6);
+}
+
+// Large enough for the other factorization.
+TEST(Sim3Graph, LargeGraph) {
+  SyntheticScene scene(11);
+  const int count = 800;
+  const std::vector<Sim3> truth = circle(count, scene);
+  std::vector<Sim3Graph::Edge> edges;
+  for (int step = 1; step <= 3; ++step)
+    for (int i = step; i < count; ++i) {
+      edges.push_back(edge_between(truth, i - step, i));
+      edges.back().sigma_rotation_rad = edges.back().sigma_translation = edges.back().sigma_log_scale = 0.002;
+      disturb(scene, &edges.back());
+    }
+  edges.push_back(edge_between(truth, count - 1, 0));
+  Sim3Graph graph = chained(truth, edges), again = graph;
+  const double before = worst_distance(graph, truth);
+  const Sim3GraphReport report = solve_sim3_graph({}, &graph);
+  ASSERT_TRUE(report.usable && report.converged);
+  EXPECT_LT(worst_distance(graph, truth), 0.5 * before);
+  EXPECT_NEAR(2 * report.final_cost / (7.0 * (static_cast<double>(edges.size()) - (count - 1))), 1.0, 0.06);
+  solve_sim3_graph({}, &again);
+  for (int i = 0; i < count; ++i)
+    EXPECT_EQ(graph.nodes[i].map_from_node.translation, again.nodes[i].map_from_node.translation);
+}
+
 TEST(Sim3Graph, UnconnectedNodesStay) {
   SyntheticScene scene(7);
   const std::vector<Sim3> truth = circle(8, scene);
