@@ -254,6 +254,9 @@ TEST(PlaceAlignment, WhatIsNotFiniteIsLeftOut) {
     if (id % 7 == 0) landmark.position.x() = std::numeric_limits<double>::infinity();
   pair.b.keyframe(2)->cam_from_submap.translation.z() = kNan;
   expect_right(pair, pair.align(), "a fifth not finite");
+  const PlacePair places = gather_places(pair.a, kMiddle, pair.b, kMiddle, 4, 6);
+  for (const PlaceNeighbourhood* place : {&places.a, &places.b})
+    for (const PlaceLandmark& landmark : place->landmarks) EXPECT_TRUE(landmark.position.allFinite());
 
   for (auto& [id, landmark] : pair.a.landmarks) landmark.position.x() = kNan;
   EXPECT_NE(pair.align().doubt, "");
