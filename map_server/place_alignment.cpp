@@ -6,22 +6,18 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <set>
 
 #include "map_server/place_consensus.h"
+#include "slam/geometry/median.h"
 #include "slam/optimization/sim3_refinement.h"
 
 namespace rumi {
 namespace {
 
 constexpr int kCellColumns = 8, kCellRows = 6;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class PlaceAligner {
  public:
@@ -121,7 +117,7 @@ class PlaceAligner {
     const Sim3RefinementReport report = refine_sim3(camera_b_, options, problem, &result_.b_from_a);
     if (!report.usable)
       return refuse(fmt::format("{} landmarks do not determine it: {}", inliers_.size(), report.reason));
-    result_.sigma_rotation_rad = report.sigma_rotation_rad;
+    result_.sigma_rotation_deg = report.sigma_rotation_rad * 180 / M_PI;
     result_.sigma_log_scale = report.sigma_log_scale;
     sigma_translation_ = report.sigma_translation;
     return true;
@@ -146,7 +142,7 @@ class PlaceAligner {
       const Eigen::Vector3d d = equations_[i].point_b - mean;
       scatter += d * d.transpose() / static_cast<double>(inliers_.size());
     }
-    const double depth = result_.median_depth = median(depths);
+    const double depth = result_.median_depth = median(&depths);
     const Eigen::Vector3d variances = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
     result_.extent_ratio = std::sqrt(std::max(0.0, variances[1])) / depth;
     result_.sigma_translation = sigma_translation_ / depth;
@@ -188,11 +184,10 @@ class PlaceAligner {
     if (r.extent_ratio < o_.min_extent_ratio)
       return fmt::format("what agrees extends over {:.3f} of its distance, {} wanted", r.extent_ratio,
                          o_.min_extent_ratio);
-    const double sigma_rotation_deg = r.sigma_rotation_rad * 180 / M_PI;
-    if (!(sigma_rotation_deg <= o_.max_sigma_rotation_deg && r.sigma_log_scale <= o_.max_sigma_scale &&
+    if (!(r.sigma_rotation_deg <= o_.max_sigma_rotation_deg && r.sigma_log_scale <= o_.max_sigma_log_scale &&
           r.sigma_translation <= o_.max_sigma_translation))
-      return fmt::format("known to {:.2f} deg, scale {:.3f}, translation {:.3f} of the depth only", sigma_rotation_deg,
-                         r.sigma_log_scale, r.sigma_translation);
+      return fmt::format("known to {:.2f} deg, scale {:.3f}, translation {:.3f} of the depth only",
+                         r.sigma_rotation_deg, r.sigma_log_scale, r.sigma_translation);
     if (std::min(r.witnesses_a, r.witnesses_b) < o_.min_witnesses)
       return fmt::format("{} of {} and {} of {} further keyframes of the two places bear it out, {} wanted",
                          r.witnesses_a, a_.witnesses.size(), r.witnesses_b, b_.witnesses.size(), o_.min_witnesses);

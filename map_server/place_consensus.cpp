@@ -28,8 +28,6 @@ class Ransac {
       const auto b_from_a = propose(&rng);
       if (!b_from_a) continue;
       Consensus found = score(*b_from_a);
-      if (2 * found.members.size() < best.members.size()) continue;  // no improvement makes up for that
-      found = improve(std::move(found));
       if (found.members.size() <= best.members.size()) continue;
       best = std::move(found);
       iterations = std::min(iterations, needed(best.members.size()));
@@ -74,18 +72,6 @@ class Ransac {
     for (int i : among_)
       if (agrees(i, b_from_a, a_from_b)) result.members.push_back(i);
     return result;
-  }
-
-  // Three noisy points are a poor fit; the members they find are a better one.
-  Consensus improve(Consensus consensus) const {
-    for (int round = 0; round < 4 && consensus.members.size() > 3; ++round) {
-      const auto b_from_a = fit(consensus.members);
-      if (!b_from_a) break;
-      Consensus next = score(*b_from_a);
-      if (next.members.size() <= consensus.members.size()) break;
-      consensus = std::move(next);
-    }
-    return consensus;
   }
 
   int needed(size_t members) const {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 
 namespace rumi {
@@ -23,12 +24,10 @@ PlaceView make_view(const Submap& submap, const Keyframe& keyframe) {
   return view;
 }
 
-std::set<int> landmarks_of(const std::vector<PlaceView>& views) {
-  std::set<int> ids;
+void insert_landmarks(const std::vector<PlaceView>& views, std::set<int>* ids) {
   for (const PlaceView& view : views)
     for (int id : view.keyframe->landmark_ids)
-      if (id != kNone) ids.insert(id);
-  return ids;
+      if (id != kNone) ids->insert(id);
 }
 
 // Strongest first, taken in turns: witnesses look at the same things as the views, or they could not witness.
@@ -102,14 +101,15 @@ PlacePair gather_places(const Submap& a, int keyframe_a, const Submap& b, int ke
   }
   choose_keyframes(keyframe_a, near_b, neighbours, witnesses, &pair.a);
   choose_keyframes(keyframe_b, near_a, neighbours, witnesses, &pair.b);
-  std::set<int> seen_a = landmarks_of(pair.a.views), seen_b = landmarks_of(pair.b.views);
+  std::set<int> seen_a, seen_b;
+  insert_landmarks(pair.a.views, &seen_a);
+  insert_landmarks(pair.b.views, &seen_b);
   if (loop) {
-    std::vector<int> both;
-    std::set_intersection(seen_a.begin(), seen_a.end(), seen_b.begin(), seen_b.end(), std::back_inserter(both));
-    for (int id : both) {
-      seen_a.erase(id);
-      seen_b.erase(id);
-    }
+    std::set<int> known_a = seen_a, known_b = seen_b;
+    insert_landmarks(pair.a.witnesses, &known_a);
+    insert_landmarks(pair.b.witnesses, &known_b);
+    std::erase_if(seen_a, [&](int id) { return known_b.contains(id); });
+    std::erase_if(seen_b, [&](int id) { return known_a.contains(id); });
   }
   take_landmarks(seen_a, &pair.a);
   take_landmarks(seen_b, &pair.b);

@@ -23,17 +23,29 @@ Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) 
           .doubt = alignment.doubt};
 }
 
-PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps, PlaceAlignment alignment) {
-  PlaceLink found{make_link(a, b, alignment), a.utime_us, b.utime_us, {}, std::move(alignment.landmarks)};
+PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps, const PlaceSearchOptions& o,
+                          PlaceAlignment alignment) {
+  const double depth = alignment.median_depth;
   const SE3& cam_from_a = submaps.at(a.submap)->keyframe(a.keyframe)->cam_from_submap;
   const SE3& cam_from_b = submaps.at(b.submap)->keyframe(b.keyframe)->cam_from_submap;
-  found.joint = {{a.submap, a.keyframe},
-                 {b.submap, b.keyframe},
-                 Sim3(cam_from_b) * alignment.b_from_a * Sim3(cam_from_a.inverse()),
-                 alignment.sigma_rotation_rad,
-                 alignment.sigma_translation * alignment.median_depth,
-                 alignment.sigma_log_scale};
-  return found;
+  const KeyframeJoint joint{{a.submap, a.keyframe},
+                            {b.submap, b.keyframe},
+                            Sim3(cam_from_b) * alignment.b_from_a * Sim3(cam_from_a.inverse()),
+                            std::max(alignment.sigma_rotation_deg, o.sigma_rotation_deg) * M_PI / 180,
+                            std::max(alignment.sigma_translation, o.sigma_translation) * depth,
+                            std::max(alignment.sigma_log_scale, o.sigma_log_scale)};
+  return {depth, make_link(a, b, alignment), a.utime_us, b.utime_us, joint, std::move(alignment.landmarks)};
+}
+
+// The same link told from the other side.
+PlaceLink turned(const PlaceLink& x) {
+  PlaceLink y = x;
+  const double scale = x.link.b_from_a.scale;
+  std::swap(y.link.a, y.link.b);
+  y.link.b_from_a = x.link.b_from_a.inverse();
+  std::swap(y.utime_a_us, y.utime_b_us);
+  y.median_depth = x.median_depth / scale;
+  return y;
 }
 
 }  // namespace
@@ -59,6 +71,42 @@ bool PlaceSearch::is_known(const Place& a, const Place& b) const {
   });
 }
 
+// With what it is confirmed by, if it is.
+void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
+  const auto confirms = [&](const PlaceLink& other) { return agree(link, other, submaps); };
+  const auto other = std::find_if(unconfirmed_.begin(), unconfirmed_.end(), confirms);
+  if (other == unconfirmed_.end()) {
+    unconfirmed_.push_back(std::move(link));
+    return;
+  }
+  found_.push_back(std::move(*other));
+  found_.push_back(std::move(link));
+  unconfirmed_.erase(other);
+}
+
+bool PlaceSearch::agree(const PlaceLink& x, const PlaceLink& other, const Submaps& submaps) const {
+  const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
+  if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
+  // Of a loop, the ends that are nearer to each other.
+  const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
+                                                                std::abs(x.utime_a_us - other.utime_b_us));
+  const PlaceLink y = turn ? turned(other) : other;
+  const double within_us = o_.confirm_within_s * 1e6;
+  if (static_cast<double>(std::abs(x.utime_a_us - y.utime_a_us)) > within_us ||
+      static_cast<double>(std::abs(x.utime_b_us - y.utime_b_us)) > within_us ||
+      (x.utime_a_us == y.utime_a_us && x.utime_b_us == y.utime_b_us))
+    return false;
+  if (std::abs(std::log(x.link.b_from_a.scale / y.link.b_from_a.scale)) > o_.confirm_log_scale) return false;
+  const double angle = x.link.b_from_a.rotation.angularDistance(y.link.b_from_a.rotation);
+  if (angle > o_.confirm_rotation_deg * M_PI / 180) return false;
+  // Compared where the camera was, which may be far from the origin of either submap.
+  const Submap& a = *submaps.at(x.link.a);
+  const auto frame = a.frame(x.utime_a_us);
+  if (!frame) return false;
+  const Eigen::Vector3d center = a.cam_from_submap(*frame).center();
+  return (x.link.b_from_a * center - y.link.b_from_a * center).norm() <= o_.confirm_translation * x.median_depth;
+}
+
 void PlaceSearch::search(const Place& place, const Submaps& submaps,
                          const std::function<bool(const Place&, const Place&)>& joined) {
   const Submap& submap = *submaps.at(place.submap);
@@ -76,7 +124,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps,
     PlaceAlignment alignment =
         align_places(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment);
     if (alignment.doubt.empty()) {
-      found_.push_back(make_place_link(place, other, submaps, std::move(alignment)));
+      take(make_place_link(place, other, submaps, o_, std::move(alignment)), submaps);
       return;
     }
     if (place.submap != other.submap)

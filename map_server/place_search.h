@@ -21,11 +21,21 @@ struct PlaceSearchOptions {
   double min_apart_s = 5;    // in time, within a submap
   double separation_s = 1;   // between candidates of one submap
   double once_within_s = 2;  // of a place that was found, at either end: no need to find it again
+  // A poster that hangs in two rooms can deceive one alignment: it counts when another one, of other keyframes, agrees.
+  double confirm_within_s = 5;
+  double confirm_rotation_deg = 5;
+  double confirm_log_scale = 0.15;
+  double confirm_translation = 0.15;  // of the median depth
+  // Of a joint, at least: what submaps are bent by where they were aligned is not in the sigmas of the alignment.
+  double sigma_rotation_deg = 0.5;
+  double sigma_translation = 0.02;  // of the median depth
+  double sigma_log_scale = 0.02;
 };
 
 // A place seen twice.
 struct PlaceLink {
-  Link link;  // a: the submap of the keyframe searched for, b: of the one found
+  double median_depth = 0;  // of its landmarks, in the unit of b
+  Link link;                // a: the submap of the keyframe searched for, b: of the one found
   int64_t utime_a_us = 0, utime_b_us = 0;
   KeyframeJoint joint;
   std::vector<LandmarkPair> landmarks;
@@ -47,11 +57,14 @@ class PlaceSearch {
   void search(const Place& place, const std::map<SubmapKey, const Submap*>& submaps,
               const std::function<bool(const Place&, const Place&)>& joined);
   bool is_known(const Place& a, const Place& b) const;
+  void take(PlaceLink link, const std::map<SubmapKey, const Submap*>& submaps);
+  bool agree(const PlaceLink& x, const PlaceLink& y, const std::map<SubmapKey, const Submap*>& submaps) const;
 
   PlaceSearchOptions o_;
   PlaceIndex index_;
   std::set<std::pair<SubmapKey, int>> searched_;
   std::vector<PlaceLink> found_;
+  std::vector<PlaceLink> unconfirmed_;
   std::map<std::pair<SubmapKey, SubmapKey>, Link> refused_;
 };
 

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <set>
 
 #include "tests/map_server/place_scene.h"
 
@@ -174,7 +176,7 @@ TEST(PlaceAlignment, EveryThresholdRefusesWithItsNumbers) {
   refused([](O* o) { o->min_cells = 49; }, "of 48 cells of an image, 49 wanted");
   refused([](O* o) { o->min_extent_ratio = 5; }, "of its distance, 5 wanted");
   refused([](O* o) { o->max_sigma_rotation_deg = 1e-6; }, "known to");
-  refused([](O* o) { o->max_sigma_scale = 1e-6; }, "known to");
+  refused([](O* o) { o->max_sigma_log_scale = 1e-6; }, "known to");
   refused([](O* o) { o->max_sigma_translation = 1e-6; }, "known to");
   refused([](O* o) { o->min_witness_found = 10'000; }, "further keyframes");
   refused([](O* o) { o->min_witness_ratio = 1.1; }, "further keyframes");
@@ -252,6 +254,9 @@ TEST(PlaceAlignment, WhatIsNotFiniteIsLeftOut) {
     if (id % 7 == 0) landmark.position.x() = std::numeric_limits<double>::infinity();
   pair.b.keyframe(2)->cam_from_submap.translation.z() = kNan;
   expect_right(pair, pair.align(), "a fifth not finite");
+  const PlacePair places = gather_places(pair.a, kMiddle, pair.b, kMiddle, 4, 6);
+  for (const PlaceNeighbourhood* place : {&places.a, &places.b})
+    for (const PlaceLandmark& landmark : place->landmarks) EXPECT_TRUE(landmark.position.allFinite());
 
   for (auto& [id, landmark] : pair.a.landmarks) landmark.position.x() = kNan;
   EXPECT_NE(pair.align().doubt, "");
@@ -311,6 +316,43 @@ TEST(PlaceAlignment, ALoopOfOneSubmap) {
     break;
   }
   EXPECT_NE(align_places(loop, kMiddle, loop, kMiddle + 100).doubt.find("share landmarks already"), std::string::npos);
+}
+
+// A landmark that some keyframe sees, and this one does not.
+int landmark_unseen_by(const Submap& submap, int keyframe, int first_id) {
+  for (auto it = submap.landmarks.lower_bound(first_id); it != submap.landmarks.end(); ++it) {
+    const auto& seen = it->second.observations;
+    if (std::none_of(seen.begin(), seen.end(), [&](const Observation& o) { return o.keyframe_id == keyframe; }))
+      return it->first;
+  }
+  return kNone;
+}
+
+TEST(PlaceAlignment, TheTwoPlacesOfALoopHaveNothingInCommon) {
+  const Pair pair = same_place(14, 1);
+  Submap loop = joined(pair);
+  // Keyframe 9 sees landmarks of both places.
+  Keyframe& bridge = *loop.keyframe(9);
+  for (size_t k = 0; k < bridge.landmark_ids.size(); ++k) {
+    const int beyond = loop.keyframe(kMiddle + 100)->landmark_ids[k];
+    if (bridge.landmark_ids[k] == kNone && beyond != kNone) loop.add_observation(beyond, 9, static_cast<int>(k));
+  }
+  // And one landmark is joined already, though neither keyframe itself sees it.
+  const int in_a = landmark_unseen_by(loop, kMiddle, 0), in_b = landmark_unseen_by(loop, kMiddle + 100, 100'000);
+  loop.fuse_landmarks(in_a, in_b);
+
+  const PlacePair places = gather_places(loop, kMiddle, loop, kMiddle + 100, 4, 100);
+  ASSERT_EQ(places.doubt, "");
+  std::set<int> keyframes, landmarks;
+  for (const PlaceNeighbourhood* place : {&places.a, &places.b}) {
+    for (const PlaceView& view : place->views) EXPECT_TRUE(keyframes.insert(view.keyframe->id).second);
+    for (const PlaceView& view : place->witnesses) EXPECT_TRUE(keyframes.insert(view.keyframe->id).second);
+    for (const PlaceLandmark& landmark : place->landmarks) EXPECT_TRUE(landmarks.insert(landmark.id).second);
+  }
+  EXPECT_EQ(keyframes.size(), 17u);
+  EXPECT_FALSE(keyframes.contains(9));
+  EXPECT_FALSE(landmarks.contains(in_a));
+  EXPECT_EQ(align_places(loop, kMiddle, loop, kMiddle + 100).doubt, "");
 }
 
 TEST(PlaceAlignment, AHundredPlacesSeenTwiceAreAccepted) {
