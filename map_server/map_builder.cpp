@@ -47,7 +47,9 @@ void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<Su
 }  // namespace
 
 MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
-  Pair pair{a.revision, b.revision, {}, {}};
+  Pair pair;
+  pair.revision_a = a.revision;
+  pair.revision_b = b.revision;
   if (!may_share_images(a, b)) return pair;
   const Correspondences common = find_correspondences(a, b, options_.alignment.max_pixel_distance_px);
   if (common.keyframes.empty()) return pair;
@@ -85,7 +87,7 @@ void MapBuilder::find_links(const Submaps& submaps) {
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare(*a->second, *b->second);
     }
-  places_.search(submaps, [this](const Place& a, const Place& b) { return is_joined(a, b); });
+  places_.search(submaps, [this](const Place& a, const Place& b) { return cancelled() || is_joined(a, b); });
 }
 
 bool MapBuilder::is_joined(const Place& a, const Place& b) const {
@@ -208,10 +210,12 @@ void MapBuilder::fuse_places(Placed* submaps) const {
   }
 }
 
-BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed) {
+BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
   const std::set<SubmapKey> members = choose_members(submaps, placed);
   BuiltMap built;
-  if (members.empty()) return built;
+  built.report.members = static_cast<int>(members.size());
+  const bool is_new = members != built_ || places_.found().size() != built_places_;
+  if (members.empty() || cancelled() || (scope == Scope::kWeld && !is_new)) return built;
   const SubmapKey anchor = choose_anchor(submaps, members, placed);
   Placed before = place_members(submaps, members, anchor, placed);
   const std::vector<KeyframeJoint> known = joints(before);
@@ -219,24 +223,53 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed) {
   bend(known, anchor, options_.graph, &before);
   fuse_places(&before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
-  built.report = adjust(&model);
+  const std::vector<int> window = scope == Scope::kWeld ? weld_window(model) : std::vector<int>();
+  built.report = adjust(window, &model);
+  built.report.members = static_cast<int>(members.size());
+  if (cancelled()) return built;
   note_joined(model);
+  built_ = members;
+  built_places_ = places_.found().size();
   built.placements = split(model, before);
   keep_gauge(before.at(anchor), anchor, &built.placements);
   return built;
 }
 
-MapBuildReport MapBuilder::adjust(MapModel* model) const {
+// The views of what is new, and those that share most points with them.
+std::vector<int> MapBuilder::weld_window(const MapModel& model) const {
+  std::vector<int> window;
+  std::map<int, int> shared;
+  for (size_t v = 0; v < model.views.size(); ++v) {
+    const auto is_new = [&](const KeyframeRef& ref) { return !built_.contains(ref.submap); };
+    if (std::none_of(model.views[v].keyframes.begin(), model.views[v].keyframes.end(), is_new)) continue;
+    window.push_back(static_cast<int>(v));
+    for (int point : model.views[v].points)
+      if (point != kNone)
+        for (const MapModel::Observation& o : model.points[point].observations) ++shared[o.view];
+  }
+  for (int view : window) shared.erase(view);
+  std::vector<std::pair<int, int>> neighbours;  // points, view
+  for (const auto& [view, points] : shared) neighbours.emplace_back(-points, view);
+  std::sort(neighbours.begin(), neighbours.end());
+  for (size_t i = 0; i < neighbours.size() && static_cast<int>(i) < options_.weld_neighbours; ++i)
+    window.push_back(neighbours[i].second);
+  std::sort(window.begin(), window.end());
+  return window;
+}
+
+MapBuildReport MapBuilder::adjust(const std::vector<int>& window, MapModel* model) const {
   MapBuildReport report;
-  MapBundleReport bundle = adjust_map({}, options_.bundle, model);
+  MapBundleReport bundle = adjust_map(window, options_.bundle, model);
   AssociationOptions association = options_.association;
-  for (int round = 0; round < options_.association_rounds; ++round, association.radius_px /= 2) {
+  const int rounds = window.empty() ? options_.association_rounds : 0;
+  for (int round = 0; round < rounds && !cancelled(); ++round, association.radius_px /= 2) {
     const AssociationReport found = associate(association, model);
     report.observed += found.observed;
     report.fused += found.fused;
-    bundle = adjust_map({}, options_.bundle, model);
+    bundle = adjust_map(window, options_.bundle, model);
   }
-  report.views = bundle.views;
+  report.views = static_cast<int>(model->views.size());
+  report.adjusted_views = bundle.views;
   report.points = bundle.points;
   report.observations = bundle.observations;
   report.outliers = bundle.outliers;

@@ -4,6 +4,7 @@
 // the same order of calls give the same map.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <optional>
 #include <set>
@@ -30,11 +31,15 @@ struct MapBuilderOptions {
   AssociationOptions association;
   PlaceSearchOptions places;
   int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
+  int weld_neighbours = 30;    // views around what is new that are adjusted with it
   int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
 };
 
 struct MapBuildReport {
-  int views = 0, points = 0, observations = 0, outliers = 0;
+  int members = 0;         // submaps that hang together
+  int views = 0;           // of the map
+  int adjusted_views = 0;  // of those
+  int points = 0, observations = 0, outliers = 0;
   double rmse = 0;              // reprojection, sigma
   int observed = 0, fused = 0;  // by association
 };
@@ -46,7 +51,16 @@ struct BuiltMap {
 
 class MapBuilder {
  public:
-  explicit MapBuilder(const MapBuilderOptions& options) : options_(options), places_(options.places) {}
+  enum class Scope {
+    kWeld,  // what has been joined since the last build and what is around it; nothing to do where that is nothing
+    kAll,   // the whole map
+  };
+
+  // `cancel`, if given and true, makes every call return soon; what it returns is to be thrown away.
+  explicit MapBuilder(const MapBuilderOptions& options, const std::atomic<bool>* cancel = nullptr)
+      : options_(options), cancel_(cancel), places_(options.places) {
+    options_.bundle.cancel = cancel;
+  }
 
   using Submaps = std::map<SubmapKey, const Submap*>;
 
@@ -58,7 +72,7 @@ class MapBuilder {
 
   // The submaps that hang together with the largest front submap by accepted links. `placed`: where submaps are in the
   // map as it is; they stay there until the adjustment.
-  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed);
+  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll);
 
  private:
   // Two submaps made of some of the same images.
@@ -87,12 +101,17 @@ class MapBuilder {
                        const Placements& placed) const;
   std::vector<KeyframeJoint> joints(const Placed& submaps) const;
   void fuse_places(Placed* submaps) const;
-  MapBuildReport adjust(MapModel* model) const;
+  std::vector<int> weld_window(const MapModel& model) const;
+  MapBuildReport adjust(const std::vector<int>& window, MapModel* model) const;
+  bool cancelled() const { return cancel_ && *cancel_; }
   void note_joined(const MapModel& model);
 
   MapBuilderOptions options_;
+  const std::atomic<bool>* cancel_;
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
   PlaceSearch places_;
+  std::set<SubmapKey> built_;                     // the submaps of the last build
+  size_t built_places_ = 0;                       // and how many places were known then
   std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
 };
 

@@ -37,7 +37,7 @@ class Bundle {
     for (double gate : options.gates_chi2) {
       BundleProblem inliers = problem_;
       inliers.observations = within(gate);
-      solve_bundle(camera_, {options.iterations, options.function_tolerance}, &inliers);
+      solve_bundle(camera_, {options.iterations, options.function_tolerance, 5.991, options.cancel}, &inliers);
       problem_.views = std::move(inliers.views);
       problem_.points = std::move(inliers.points);
     }

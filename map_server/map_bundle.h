@@ -2,6 +2,7 @@
 // Bundle adjustment of the served map, or of a window of it (welding, paper section IV.C).
 #pragma once
 
+#include <atomic>
 #include <vector>
 
 #include "map_server/map_model.h"
@@ -12,8 +13,9 @@ struct MapBundleOptions {
   // Each round solves with the observations whose squared error over sigma^2 is below its gate: the first rounds bring
   // together what a rigid alignment left apart, the last one (95 % of a 2-D normal distribution) keeps what fits.
   std::vector<double> gates_chi2 = {400, 36, 5.991};
-  int iterations = 50;                // of each round, at most
-  double function_tolerance = 1e-5;  // looser ones leave the slow bends of a long path where they are
+  int iterations = 50;                        // of each round, at most
+  double function_tolerance = 1e-5;           // looser ones leave the slow bends of a long path where they are
+  const std::atomic<bool>* cancel = nullptr;  // true ends it soon
 };
 
 struct MapBundleReport {

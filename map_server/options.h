@@ -4,16 +4,31 @@
 #include <string>
 
 #include "bus/options.h"
+#include "map_server/map_builder.h"
 
 namespace rumi {
 
+// When the map is built (see map_merger.h).
+struct MergeOptions {
+  MapBuilderOptions builder;
+  bool enabled = true;                 // false: the map is the largest front submap
+  bool thread = true;                  // false: at once, as replay does
+  double interval_s = 2;               // from one look at what is new to the next
+  double adjustment_interval_s = 20;   // from one adjustment of the whole map to the next, and ...
+  double adjustment_s_per_view = 0.1;  // ... the same for each image of it
+  int nice = 10;                       // of the thread
+};
+
 struct MapServerOptions {
+  MergeOptions merge;
   std::string database = "map.db";  // file, or ":memory:"
   double frame_commit_s = 1.0;      // frame states (unacknowledged) are written this often at the latest
   int max_answers = 4;              // large answers under way at the same time; more are refused
   double snapshot_s = 0;            // 0: never
   std::string snapshot_file = "map-snapshot.db";
 };
+
+void describe(OptionTable& table, MergeOptions& o);
 
 inline void describe(OptionTable& table, MapServerOptions& o) {
   table.add("map_server.database", &o.database,
@@ -25,6 +40,7 @@ inline void describe(OptionTable& table, MapServerOptions& o) {
   table.add("map_server.snapshot_s", &o.snapshot_s, "s",
             "write a copy of the map this often, if it changed, and at the end; 0: never", 0, 1e6);
   table.add("map_server.snapshot_file", &o.snapshot_file, "the copy, replaced whole each time");
+  describe(table, o.merge);
 }
 
 }  // namespace rumi

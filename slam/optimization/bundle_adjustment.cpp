@@ -81,6 +81,18 @@ class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
   double fx_, fy_, u_, v_;  // all divided by sigma
 };
 
+// Ends the iterations when somebody else says so.
+class Cancellation final : public ceres::IterationCallback {
+ public:
+  explicit Cancellation(const std::atomic<bool>* cancel) : cancel_(cancel) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return cancel_ && *cancel_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::atomic<bool>* cancel_;
+};
+
 ceres::Solver::Options solver_options(const BundleOptions& options, size_t views) {
   ceres::Solver::Options o;
   o.linear_solver_type = views <= 40 ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
@@ -127,6 +139,8 @@ BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, Bu
 
   ceres::Solver::Options o = solver_options(options, poses.size());
   o.linear_solver_ordering = ordering;
+  Cancellation cancellation(options.cancel);
+  o.callbacks.push_back(&cancellation);
   ceres::Solver::Summary summary;
   ceres::Solve(o, &ceres_problem, &summary);
   report.iterations = static_cast<int>(summary.iterations.size());

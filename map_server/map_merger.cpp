@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_merger.h"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <ctime>
+
+namespace rumi {
+namespace {
+
+double thread_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+bool has_passed(double period_s, int64_t since_us, int64_t now_us) {
+  return since_us == INT64_MIN || now_us < since_us || static_cast<double>(now_us - since_us) >= 1e6 * period_s;
+}
+
+}  // namespace
+
+MapMerger::MapMerger(const MergeOptions& options) : options_(options), builder_(options.builder, &cancel_) {}
+
+MapMerger::~MapMerger() {
+  cancel_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+bool MapMerger::has_news(const Atlas& atlas) const {
+  if (!options_.enabled) return false;
+  return std::any_of(atlas.submaps().begin(), atlas.submaps().end(), [this](const auto& item) {
+    const auto copy = copies_.find(item.first);
+    return copy == copies_.end() || copy->second->revision != item.second.submap.revision;
+  });
+}
+
+std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
+  const bool has = has_news(atlas);
+  if (has || wants_adjustment_) {
+    const double period_s = std::max(options_.adjustment_interval_s, options_.adjustment_s_per_view * views_);
+    if (hurry_ || (wants_adjustment_ && has_passed(period_s, last_adjustment_us_, now_us)))
+      return MapBuilder::Scope::kAll;
+  }
+  if (has && has_passed(options_.interval_s, last_begin_us_, now_us)) return MapBuilder::Scope::kWeld;
+  return std::nullopt;
+}
+
+std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
+  if (running_) return done_ ? end() : std::nullopt;
+  const auto scope = due(now_us, atlas);
+  if (!scope) return std::nullopt;
+  begin(*scope, now_us, atlas);
+  return options_.thread ? std::nullopt : end();
+}
+
+void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
+  std::map<SubmapKey, Placement> placed;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    std::shared_ptr<const Submap>& copy = copies_[key];
+    if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
+    if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
+  }
+  last_begin_us_ = now_us;
+  if (scope == MapBuilder::Scope::kAll) last_adjustment_us_ = now_us;
+  // The first adjustment waits its turn from the first weld on.
+  if (last_adjustment_us_ == INT64_MIN) last_adjustment_us_ = now_us;
+  running_ = true;
+  done_ = false;
+  if (!options_.thread) return run(scope, placed);
+  thread_ = std::thread([this, scope, placed = std::move(placed)] {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), options_.nice);
+    run(scope, placed);
+  });
+}
+
+void MapMerger::run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement>& placed) {
+  const double start_s = thread_cpu_s();
+  MapBuilder::Submaps submaps;
+  for (const auto& [key, copy] : copies_) submaps[key] = copy.get();
+  builder_.find_links(submaps);
+  BuiltMap built = builder_.build(submaps, placed, scope);
+  result_ = {std::move(built.placements), builder_.links(), built.report, scope, thread_cpu_s() - start_s};
+  done_ = true;
+}
+
+std::optional<MergeResult> MapMerger::end() {
+  if (thread_.joinable()) thread_.join();
+  running_ = false;
+  if (cancel_) return std::nullopt;
+  wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
+  views_ = std::max(views_, result_.report.views);
+  return std::move(result_);
+}
+
+}  // namespace rumi

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
+// that the atlas goes on changing meanwhile.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "map_server/atlas.h"
+#include "map_server/map_builder.h"
+#include "map_server/options.h"
+
+namespace rumi {
+
+struct MergeResult {
+  std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
+  std::vector<Link> links;
+  MapBuildReport report;
+  MapBuilder::Scope scope = MapBuilder::Scope::kWeld;
+  double cpu_s = 0;
+};
+
+class MapMerger {
+ public:
+  explicit MapMerger(const MergeOptions& options);
+  ~MapMerger();  // gives up what is under way
+
+  // Begins what is due and returns what is done.
+  std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
+  // From now on, everything that is left to do is due at once.
+  void hurry() { hurry_ = true; }
+  // Nothing is left to do, and nothing under way.
+  bool idle(const Atlas& atlas) const { return !running_ && !wants_adjustment_ && !has_news(atlas); }
+  bool running() const { return running_; }
+
+ private:
+  using Copies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
+  bool has_news(const Atlas& atlas) const;
+  std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
+  void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
+  void run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement>& placed);
+  std::optional<MergeResult> end();
+
+  MergeOptions options_;
+  std::atomic<bool> cancel_ = false;
+  MapBuilder builder_;
+  Copies copies_;  // of the submaps as they were when the last build began
+  bool running_ = false, hurry_ = false;
+  bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
+  int64_t last_begin_us_ = INT64_MIN, last_adjustment_us_ = INT64_MIN;
+  int views_ = 0;  // of the map as it was built last
+  MergeResult result_;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rumi

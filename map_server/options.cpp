@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/options.h"
+
+namespace rumi {
+
+void describe(OptionTable& table, MergeOptions& o) {
+  AlignmentOptions& a = o.builder.alignment;
+  AssociationOptions& s = o.builder.association;
+  PlaceSearchOptions& p = o.builder.places;
+  table.add("map_server.merge", &o.enabled, "join submaps into one map; no: the map is the largest front submap");
+  table.add("map_server.merge_thread", &o.thread, "in a thread of its own; replay does it at once");
+  table.add("map_server.merge_interval_s", &o.interval_s, "s", "from one look at what is new to the next", 0, 1000);
+  table.add("map_server.adjustment_interval_s", &o.adjustment_interval_s, "s",
+            "from one adjustment of the whole map to the next, at least", 0, 1e6);
+  table.add("map_server.adjustment_s_per_view", &o.adjustment_s_per_view, "s", "the same, for each image of the map", 0,
+            100);
+  table.add("map_server.merge_nice", &o.nice, "", "of the thread that merges", 0, 19);
+  table.add("map_server.same_keypoint_px", &a.max_pixel_distance_px, "px",
+            "between keypoints of one image in two submaps that are taken for one (M_com)", 0.01, 20);
+  table.add("map_server.min_shared_keyframes", &a.min_shared_keyframes, "keyframes",
+            "of two submaps, of the same images, for them to be joined", 2, 1000);
+  table.add("map_server.min_landmarks", &a.min_landmarks, "landmarks", "in common, that agree", 3, 100000);
+  table.add("map_server.max_reprojection_px", &a.max_reprojection_px, "px",
+            "of a landmark that agrees, into the other submap, both ways", 0.1, 100);
+  table.add("map_server.min_inlier_ratio", &a.min_inlier_ratio, "", "of the landmarks in common, that agree", 0, 1);
+  table.add("map_server.min_keyframe_ratio", &a.min_frame_ratio, "", "of the shared keyframes, that agree", 0, 1);
+  table.add("map_server.max_rotation_deg", &a.max_rotation_deg, "deg", "of a keyframe that agrees", 0, 180);
+  table.add("map_server.max_center_depth_ratio", &a.max_center_depth_ratio, "",
+            "of a keyframe that agrees: distance of its two places over the median depth", 0, 10);
+  table.add("map_server.max_sigma_rotation_deg", &a.max_sigma_rotation_deg, "deg", "standard deviation of a joint", 0,
+            180);
+  table.add("map_server.max_sigma_log_scale", &a.max_sigma_log_scale, "", "standard deviation of a joint", 0, 10);
+  table.add("map_server.association_rounds", &o.builder.association_rounds, "",
+            "search for the map's points in all its images, and adjustment, so often", 0, 100);
+  table.add("map_server.association_radius_px", &s.radius_px, "px",
+            "around the projection in the first round; halved each time", 0.5, 200);
+  table.add("map_server.place_candidates", &p.candidates, "", "keyframes that look alike, compared with each new one",
+            0, 100);
+  table.add("map_server.place_min_apart_s", &p.min_apart_s, "s", "between two keyframes of a loop", 0, 1e6);
+}
+
+}  // namespace rumi
