@@ -103,5 +103,26 @@ TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
   EXPECT_EQ(counts.landmarks, 20);
 }
 
+TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
+  Atlas atlas = make_test_atlas();
+  Submap other = make_test_submap();
+  other.key = {1, 2};
+  atlas.change_submap(other.key, [&](Submap* submap) {
+    *submap = other;
+    return std::string();
+  });
+  Placement placement;
+  placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), {10, 0, 0});
+  atlas.place_map({{{1, 1}, placement}});
+  const AtlasPicture shown = make_picture(atlas, "title");
+  ASSERT_EQ(shown.picture.submaps.size(), 2u);
+  EXPECT_TRUE(shown.picture.submaps[0].in_map);
+  EXPECT_FALSE(shown.picture.submaps[1].in_map);
+  const Eigen::Vector3d raw = other.landmarks.at(3).position;
+  EXPECT_EQ(shown.picture.submaps[0].submap->landmarks.at(3).position, 2 * raw + Eigen::Vector3d(10, 0, 0));
+  EXPECT_EQ(shown.picture.submaps[1].submap->landmarks.at(3).position, raw);
+  EXPECT_EQ(shown.picture.frame_utimes_us.size(), 5u);
+}
+
 }  // namespace
 }  // namespace rumi
