@@ -238,6 +238,7 @@ void MapServerNode::wait_for_merge(const map_request_t& request) {
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
   waiting_.push_back(request);
+  merge(bus_.now_us());
 }
 
 void MapServerNode::answer_submap(const map_request_t& request) {

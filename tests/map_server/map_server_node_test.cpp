@@ -33,6 +33,7 @@ class MapServerNodeTest : public ::testing::Test {
  protected:
   explicit MapServerNodeTest(const std::string& database = ":memory:") {
     options_.database = database;
+    options_.merge.thread = false;
     node_ = std::make_unique<MapServerNode>(bus_, options_);
     bus_.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { statuses_.push_back(s); });
   }
