@@ -124,15 +124,31 @@ class Aligner {
     }
   }
 
+  // Of the inliers. Where the camera hardly moves in the shared keyframes it is all there is to tell the scale; their
+  // scatter says how much it is worth.
+  Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
+    std::vector<double> logs;
+    for (size_t i : inliers) logs.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
+    const double middle = median(&logs);
+    for (double& value : logs) value = std::abs(value - middle);
+    const double independent = std::min<double>(static_cast<double>(logs.size()), o_.independent_depths);
+    // 1.4826: from the median deviation to the standard one; 1.2533: the median's standard error over the mean's.
+    const double sigma = 1.2533 * 1.4826 * median(&logs) / std::sqrt(independent);
+    return {middle, std::max(sigma, o_.min_sigma_depth_scale)};
+  }
+
   // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
   void refine(const Chosen& chosen, Alignment* best) const {
     Sim3RefinementProblem problem;
+    std::vector<size_t> with_depths;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (!best->inlier[i] || !chosen(common_.landmarks[i].shared)) continue;
       const Pair& pair = pairs_[i];
+      if (pair.depth_a > 0 && pair.depth_b > 0) with_depths.push_back(i);
       problem.a_into_b.push_back({pair.point_a, *pair.cam_from_b, pair.pixel, pair.sigma_px});
       problem.b_into_a.push_back({pair.point_b, *pair.cam_from_a, pair.pixel, pair.sigma_px});
     }
+    if (!with_depths.empty()) problem.scales.push_back(scale_from_depths(with_depths));
     Alignment refined = *best;
     const Sim3RefinementReport report = refine_sim3(b_.camera, {}, problem, &refined.b_from_a);
     if (!report.usable) {

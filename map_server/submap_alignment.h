@@ -25,6 +25,10 @@ struct AlignmentOptions {
   double min_frame_ratio = 0.5;         // of the shared keyframes, that agree
   double max_sigma_rotation_deg = 0.5;  // of the result
   double max_sigma_log_scale = 0.03;
+  // What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
+  // never is it known better than that.
+  int independent_depths = 10;
+  double min_sigma_depth_scale = 0.005;
 };
 
 struct Alignment {
