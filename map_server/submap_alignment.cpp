@@ -114,11 +114,12 @@ class Aligner {
       const SE3 moved = alignment->b_from_a.transform_camera(cam_from_a);
       std::vector<double> depths;
       for (size_t i = 0; i < pairs_.size(); ++i)
-        if (common_.landmarks[i].shared == static_cast<int>(k)) depths.push_back(pairs_[i].depth_b);
+        if (common_.landmarks[i].shared == static_cast<int>(k) && pairs_[i].depth_b > 0)
+          depths.push_back(pairs_[i].depth_b);
       if (depths.empty()) continue;
       const double angle = moved.rotation.angularDistance(cam_from_b.rotation) * 180 / M_PI;
       const double distance = (moved.center() - cam_from_b.center()).norm() / median(&depths);
-      if (angle > o_.max_rotation_deg || distance > o_.max_center_depth_ratio) continue;
+      if (!(angle <= o_.max_rotation_deg && distance <= o_.max_center_depth_ratio)) continue;
       alignment->keyframe_inlier[k] = 1;
       ++alignment->keyframe_inliers;
     }
@@ -175,11 +176,12 @@ class Aligner {
 
   void judge(Alignment* best) const {
     if (!best->doubt.empty()) return;
+    const int wanted = std::max(o_.min_landmarks, static_cast<int>(std::ceil(o_.min_inlier_ratio * best->landmarks)));
     if (best->keyframes < o_.min_shared_keyframes)
       best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, o_.min_shared_keyframes);
-    else if (best->landmark_inliers < o_.min_landmarks ||
-             best->landmark_inliers < o_.min_inlier_ratio * best->landmarks)
-      best->doubt = fmt::format("{} of {} common landmarks agree", best->landmark_inliers, best->landmarks);
+    else if (best->landmark_inliers < wanted)
+      best->doubt =
+          fmt::format("{} of {} common landmarks agree, {} wanted", best->landmark_inliers, best->landmarks, wanted);
     else if (best->keyframe_inliers < o_.min_frame_ratio * best->keyframes)
       best->doubt = fmt::format("{} of {} shared keyframes agree", best->keyframe_inliers, best->keyframes);
     else if (best->sigma_rotation_deg > o_.max_sigma_rotation_deg || best->sigma_log_scale > o_.max_sigma_log_scale)
