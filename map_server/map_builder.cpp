@@ -35,7 +35,9 @@ class Groups {
 
 // An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
 void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<SubmapKey, Placement>* placements) {
-  const int64_t first_us = anchor_before.submap->frames.begin()->first;
+  const std::map<int64_t, Sim3>& after = placements->at(anchor).map_from_submap;
+  if (after.empty()) return;
+  const int64_t first_us = after.begin()->first;
   const Sim3 before_from_after = anchor_before.placement.at(first_us) * placements->at(anchor).at(first_us).inverse();
   for (auto& [key, placement] : *placements) {
     for (auto& [utime_us, map_from_submap] : placement.map_from_submap)
@@ -92,11 +94,15 @@ void MapBuilder::find_links(const Submaps& submaps) {
 
 bool MapBuilder::is_joined(const Place& a, const Place& b) const {
   if (joined_.contains(std::minmax(a.utime_us, b.utime_us))) return true;
-  if (a.submap == b.submap ||
-      static_cast<double>(std::abs(a.utime_us - b.utime_us)) > options_.places.min_apart_s * 1e6)
-    return false;
+  if (a.submap == b.submap) return false;
   const auto pair = pairs_.find(std::minmax(a.submap, b.submap));
-  return pair != pairs_.end() && pair->second.link && pair->second.link->accepted();
+  if (pair == pairs_.end() || !pair->second.link) return false;
+  const Link& link = *pair->second.link;
+  if (link.accepted())
+    return static_cast<double>(std::abs(a.utime_us - b.utime_us)) <= options_.places.min_apart_s * 1e6;
+  // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
+  return link.keyframes >= options_.alignment.min_shared_keyframes &&
+         link.landmarks >= options_.alignment.min_landmarks;
 }
 
 std::vector<Link> MapBuilder::links() const {
@@ -217,6 +223,7 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   const bool is_new = members != built_ || places_.found().size() != built_places_;
   if (members.empty() || cancelled() || (scope == Scope::kWeld && !is_new)) return built;
   const SubmapKey anchor = choose_anchor(submaps, members, placed);
+  if (!members.contains(anchor)) return built;  // none that has a frame
   Placed before = place_members(submaps, members, anchor, placed);
   const std::vector<KeyframeJoint> known = joints(before);
   if (known.empty()) return built;

@@ -92,6 +92,7 @@ class MapBuilder {
 
   Pair compare(const Submap& a, const Submap& b) const;
   std::vector<Tie> ties(const Submaps& submaps) const;
+  // No need, or no use, to compare how the two look.
   bool is_joined(const Place& a, const Place& b) const;
   // The largest group, in frames, of submaps that hang together and with what is placed already.
   std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;

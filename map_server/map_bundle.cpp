@@ -43,7 +43,7 @@ class Bundle {
     }
     report.views = static_cast<int>(free_views_);
     report.points = static_cast<int>(problem_.points.size());
-    apply(options.gates_chi2.empty() ? 0 : options.gates_chi2.back(), &report);
+    if (!options.gates_chi2.empty()) apply(options.gates_chi2.back(), &report);
     return report;
   }
 

@@ -10,11 +10,16 @@ namespace {
 
 constexpr size_t kMinScaleLandmarks = 5;
 
-// Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none.
+// Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none. A detector
+// may find one pixel in two octaves: where both submaps have the same keypoints each is itself.
 std::vector<int> same_keypoints(const Features& from, const Features& to, const Camera& camera, float same_px) {
   const KeypointGrid grid(to.undistorted, camera.width, camera.height);
   std::vector<int> same(from.size(), kNone);
   for (size_t i = 0; i < from.size(); ++i) {
+    if (i < to.size() && to.undistorted[i] == from.undistorted[i]) {
+      same[i] = static_cast<int>(i);
+      continue;
+    }
     float best = same_px;
     grid.for_each_near(from.undistorted[i], same_px, [&](int j) {
       const float distance = (to.undistorted[j] - from.undistorted[i]).norm();
@@ -194,7 +199,8 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
   std::map<SubmapKey, std::map<int, int>> point_of;
   for (const auto& [key, placed] : submaps) placements[key];
   for (size_t p = 0; p < model.points.size(); ++p) {
-    if (model.points[p].observations.size() < 2) continue;  // nothing says where it is: it follows its keyframe
+    // Where nothing says where it is it follows its keyframe.
+    if (model.points[p].observations.size() < 2 || !model.points[p].position.allFinite()) continue;
     const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
     for (const LandmarkRef& ref : landmarks) {
       point_of[ref.submap][ref.id] = static_cast<int>(p);
@@ -208,8 +214,8 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
       const Keyframe& keyframe = *before.submap->keyframe(ref.id);
       const double scale = scale_at(model, view, point_of[ref.submap], *before.submap, keyframe,
                                     before.placement.at(view.utime_us).scale);
-      placements[ref.submap].map_from_submap[view.utime_us] =
-          through(keyframe.cam_from_submap, view.cam_from_map, scale);
+      const Sim3 map_from_submap = through(keyframe.cam_from_submap, view.cam_from_map, scale);
+      if (map_from_submap.is_finite()) placements[ref.submap].map_from_submap[view.utime_us] = map_from_submap;
     }
   return placements;
 }

@@ -114,25 +114,42 @@ class Aligner {
       const SE3 moved = alignment->b_from_a.transform_camera(cam_from_a);
       std::vector<double> depths;
       for (size_t i = 0; i < pairs_.size(); ++i)
-        if (common_.landmarks[i].shared == static_cast<int>(k)) depths.push_back(pairs_[i].depth_b);
+        if (common_.landmarks[i].shared == static_cast<int>(k) && pairs_[i].depth_b > 0)
+          depths.push_back(pairs_[i].depth_b);
       if (depths.empty()) continue;
       const double angle = moved.rotation.angularDistance(cam_from_b.rotation) * 180 / M_PI;
       const double distance = (moved.center() - cam_from_b.center()).norm() / median(&depths);
-      if (angle > o_.max_rotation_deg || distance > o_.max_center_depth_ratio) continue;
+      if (!(angle <= o_.max_rotation_deg && distance <= o_.max_center_depth_ratio)) continue;
       alignment->keyframe_inlier[k] = 1;
       ++alignment->keyframe_inliers;
     }
   }
 
+  // Of the inliers. Where the camera hardly moves in the shared keyframes it is all there is to tell the scale; their
+  // scatter says how much it is worth.
+  Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
+    std::vector<double> logs;
+    for (size_t i : inliers) logs.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
+    const double middle = median(&logs);
+    for (double& value : logs) value = std::abs(value - middle);
+    const double independent = std::min<double>(static_cast<double>(logs.size()), o_.independent_depths);
+    // 1.4826: from the median deviation to the standard one; 1.2533: the median's standard error over the mean's.
+    const double sigma = 1.2533 * 1.4826 * median(&logs) / std::sqrt(independent);
+    return {middle, std::max(sigma, o_.min_sigma_depth_scale)};
+  }
+
   // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
   void refine(const Chosen& chosen, Alignment* best) const {
     Sim3RefinementProblem problem;
+    std::vector<size_t> with_depths;
     for (size_t i = 0; i < pairs_.size(); ++i) {
       if (!best->inlier[i] || !chosen(common_.landmarks[i].shared)) continue;
       const Pair& pair = pairs_[i];
+      if (pair.depth_a > 0 && pair.depth_b > 0) with_depths.push_back(i);
       problem.a_into_b.push_back({pair.point_a, *pair.cam_from_b, pair.pixel, pair.sigma_px});
       problem.b_into_a.push_back({pair.point_b, *pair.cam_from_a, pair.pixel, pair.sigma_px});
     }
+    if (!with_depths.empty()) problem.scales.push_back(scale_from_depths(with_depths));
     Alignment refined = *best;
     const Sim3RefinementReport report = refine_sim3(b_.camera, {}, problem, &refined.b_from_a);
     if (!report.usable) {
@@ -159,11 +176,12 @@ class Aligner {
 
   void judge(Alignment* best) const {
     if (!best->doubt.empty()) return;
+    const int wanted = std::max(o_.min_landmarks, static_cast<int>(std::ceil(o_.min_inlier_ratio * best->landmarks)));
     if (best->keyframes < o_.min_shared_keyframes)
       best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, o_.min_shared_keyframes);
-    else if (best->landmark_inliers < o_.min_landmarks ||
-             best->landmark_inliers < o_.min_inlier_ratio * best->landmarks)
-      best->doubt = fmt::format("{} of {} common landmarks agree", best->landmark_inliers, best->landmarks);
+    else if (best->landmark_inliers < wanted)
+      best->doubt =
+          fmt::format("{} of {} common landmarks agree, {} wanted", best->landmark_inliers, best->landmarks, wanted);
     else if (best->keyframe_inliers < o_.min_frame_ratio * best->keyframes)
       best->doubt = fmt::format("{} of {} shared keyframes agree", best->keyframe_inliers, best->keyframes);
     else if (best->sigma_rotation_deg > o_.max_sigma_rotation_deg || best->sigma_log_scale > o_.max_sigma_log_scale)

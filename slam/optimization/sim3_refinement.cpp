@@ -12,6 +12,7 @@ namespace {
 
 using Observation = Sim3RefinementProblem::Observation;
 using FramePair = Sim3RefinementProblem::FramePair;
+using ScaleMeasurement = Sim3RefinementProblem::ScaleMeasurement;
 using Matrix37d = Eigen::Matrix<double, 3, 7>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -76,6 +77,14 @@ class Linearization {
     term.chi2 = term.residual.squaredNorm();
     return term;
   }
+  Term<1> scale(const ScaleMeasurement& m) const {
+    Term<1> term;
+    term.residual(0) = (std::log(b_from_a_.scale) - m.log_scale) / m.sigma;
+    term.jacobian.setZero();
+    term.jacobian(6) = 1 / m.sigma;
+    term.chi2 = term.residual.squaredNorm();
+    return term;
+  }
 
  private:
   const Camera& camera_;
@@ -87,6 +96,7 @@ class Linearization {
 // Which terms take part.
 struct Selection {
   std::vector<bool> a_into_b, b_into_a, frame_pairs;
+  std::vector<ScaleMeasurement> scales;
 };
 
 struct NormalEquations {
@@ -176,6 +186,7 @@ NormalEquations Refiner::linearize(const Sim3& b_from_a, const Selection& use, b
     if (use.b_into_a[i]) n.add(at.b_into_a(problem_.b_into_a[i]), huber);
   for (size_t i = 0; i < use.frame_pairs.size(); ++i)
     if (use.frame_pairs[i]) n.add(at.frame_pair(problem_.frame_pairs[i]), pair_huber);
+  for (const ScaleMeasurement& m : use.scales) n.add(at.scale(m), kInfinity);
   return n;
 }
 
@@ -215,6 +226,7 @@ Selection Refiner::near_start() const {
   for (const Observation& o : problem_.a_into_b) s.a_into_b.push_back(near(at.a_into_b(o).chi2, o.sigma_px));
   for (const Observation& o : problem_.b_into_a) s.b_into_a.push_back(near(at.b_into_a(o).chi2, o.sigma_px));
   s.frame_pairs.assign(problem_.frame_pairs.size(), true);
+  s.scales = problem_.scales;
   return s;
 }
 
@@ -225,6 +237,7 @@ Selection Refiner::inliers() const {
   for (const Observation& o : problem_.b_into_a) s.b_into_a.push_back(at.b_into_a(o).chi2 <= options_.inlier_chi2);
   for (const FramePair& f : problem_.frame_pairs)
     s.frame_pairs.push_back(at.frame_pair(f).chi2 <= options_.pair_inlier_chi2);
+  s.scales = problem_.scales;
   return s;
 }
 
@@ -282,18 +295,19 @@ double worst_sigma(const Eigen::Matrix3d& block) {
 }
 
 void Refiner::measure_covariance(const Selection& use, double chi2_sum, Sim3RefinementReport* report) const {
-  Selection observations = use, pairs = use;
-  observations.frame_pairs.assign(use.frame_pairs.size(), false);
-  pairs.a_into_b.assign(use.a_into_b.size(), false);
-  pairs.b_into_a.assign(use.b_into_a.size(), false);
+  Selection observations, pairs, scales;
+  observations.a_into_b = use.a_into_b;
+  observations.b_into_a = use.b_into_a;
+  pairs.frame_pairs = use.frame_pairs;
+  scales.scales = use.scales;
   // The inliers are cut off at a threshold, which wastes information: each counts for as much as the variance kept
   // (asymptotic variance of the skipped mean, e.g. Huber, Robust Statistics, 1981, ch. 4.8).
   const double kept = kept_variance(2, options_.inlier_chi2), pair_kept = kept_variance(6, options_.pair_inlier_chi2);
   const double expected_chi2 = kept * equations(observations) + pair_kept * equations(pairs) - 7;
   const double variance = expected_chi2 > 0 ? std::max(1.0, chi2_sum / expected_chi2) : 1.0;
-  const Matrix7d information =
+  const Matrix7d of_inliers =
       kept * linearize(b_from_a_, observations, false).h + pair_kept * linearize(b_from_a_, pairs, false).h;
-  const Matrix7d at_middle = variance * inverse_or_huge(information);
+  const Matrix7d at_middle = inverse_or_huge(of_inliers / variance + linearize(b_from_a_, scales, false).h);
 
   const Eigen::Vector3d v = best_known(at_middle);
   Matrix7d shift = Matrix7d::Identity();
@@ -352,6 +366,10 @@ std::string check(const Sim3RefinementProblem& problem, const Sim3& b_from_a) {
     const std::string name = "frame_pairs[" + std::to_string(i) + "]";
     if (!f.cam_from_a.is_finite() || !f.cam_from_b.is_finite()) return name + " is not finite";
     if (!(f.sigma_rotation_rad > 0 && f.sigma_center > 0)) return name + ": sigma <= 0";
+  }
+  for (size_t i = 0; i < problem.scales.size(); ++i) {
+    const ScaleMeasurement& m = problem.scales[i];
+    if (!std::isfinite(m.log_scale) || !(m.sigma > 0)) return "scales[" + std::to_string(i) + "] is no measurement";
   }
   return {};
 }

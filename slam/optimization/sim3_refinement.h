@@ -31,9 +31,16 @@ struct Sim3RefinementProblem {
     double sigma_rotation_rad = 0.01;  // of each component of the rotation vector between the two
     double sigma_center = 0.1;         // of each coordinate of the distance of the two centres, in the unit of B
   };
+  // The scale of b_from_a as something else tells it, such as the depths of common landmarks: where the cameras of the
+  // observations hardly move, reprojection does not.
+  struct ScaleMeasurement {
+    double log_scale = 0;
+    double sigma = 0.01;
+  };
   std::vector<Observation> a_into_b;  // points of A, frames of B: cam_from_other * (b_from_a * point)
   std::vector<Observation> b_into_a;  // points of B, frames of A: cam_from_other * (b_from_a^-1 * point)
   std::vector<FramePair> frame_pairs;
+  std::vector<ScaleMeasurement> scales;  // none of them is ever an outlier
 };
 
 struct Sim3RefinementOptions {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <limits>
+#include <random>
 
 #include "synthetic_scene.h"
 
@@ -270,6 +271,36 @@ TEST(RefineSim3, OneCameraPositionDoesNotFixTheScale) {
   }
 }
 
+TEST(RefineSim3, AMeasuredScaleDecidesWhereReprojectionCannot) {
+  double mean = 0;
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    Setting setting;
+    setting.spacing = 0;
+    Overlap o = make_overlap(seed, setting);
+    std::mt19937 rng(seed);
+    constexpr double kSigma = 0.02;
+    const double measured = std::log(o.truth.scale) + std::normal_distribution<double>(0, kSigma)(rng);
+    o.problem.scales = {{measured, kSigma}};
+    Sim3 found = o.start;
+    const Sim3RefinementReport report = refine_sim3(test_camera(), {}, o.problem, &found);
+    ASSERT_TRUE(report.usable) << report.reason;
+    EXPECT_NEAR(std::log(found.scale), measured, 0.2 * kSigma);
+    EXPECT_NEAR(report.sigma_log_scale, kSigma, 0.2 * kSigma);
+    mean += normalized_error(report, found, o.truth) / 50;
+  }
+  EXPECT_GT(mean, 5.2);
+  EXPECT_LT(mean, 8.8);
+}
+
+TEST(RefineSim3, AVagueScaleChangesNothing) {
+  Overlap o = make_overlap(5);
+  Sim3 without = o.start, with = o.start;
+  refine_sim3(test_camera(), {}, o.problem, &without);
+  o.problem.scales = {{std::log(o.truth.scale) + 0.5, 100}};
+  refine_sim3(test_camera(), {}, o.problem, &with);
+  EXPECT_NEAR(with.scale / without.scale, 1, 1e-6);
+}
+
 TEST(RefineSim3, PointsAtInfinityFixTheRotationOnly) {
   for (unsigned seed = 0; seed < 40; ++seed) {
     Setting setting;
@@ -340,6 +371,7 @@ TEST(RefineSim3, RefusesNonsenseWithAReason) {
               o->problem.frame_pairs.push_back({SE3(), SE3(), -1, 1});
             }),
             "frame_pairs[0]: sigma <= 0");
+  EXPECT_EQ(reason([](Overlap* o) { o->problem.scales = {{0, 1}, {0, 0}}; }), "scales[1] is no measurement");
   EXPECT_EQ(reason([](Overlap* o) { o->start.scale = 0; }), "the initial similarity is not finite");
   EXPECT_NE(reason([](Overlap* o) { o->problem = {}; }).find("too few"), std::string::npos);
   EXPECT_NE(reason([](Overlap* o) { o->problem.a_into_b.resize(3), o->problem.b_into_a.resize(3); }).find("too few"),
