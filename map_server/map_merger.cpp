@@ -52,7 +52,10 @@ std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atl
 std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
   if (running_) return done_ ? end() : std::nullopt;
   const auto scope = due(now_us, atlas);
-  if (!scope) return std::nullopt;
+  if (!scope) {
+    hurry_ = hurry_ && !idle(atlas);
+    return std::nullopt;
+  }
   begin(*scope, now_us, atlas);
   return options_.thread ? std::nullopt : end();
 }
@@ -93,6 +96,7 @@ std::optional<MergeResult> MapMerger::end() {
   if (cancel_) return std::nullopt;
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
   views_ = std::max(views_, result_.report.views);
+  if (result_.scope == MapBuilder::Scope::kAll) hurry_ = false;
   return std::move(result_);
 }
 

@@ -31,7 +31,7 @@ class MapMerger {
 
   // Begins what is due and returns what is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
-  // From now on, everything that is left to do is due at once.
+  // Everything that is left to do is due at once, until the whole map has been adjusted.
   void hurry() { hurry_ = true; }
   // Nothing is left to do, and nothing under way.
   bool idle(const Atlas& atlas) const { return !running_ && !wants_adjustment_ && !has_news(atlas); }

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include "bus/submap_update.h"
 #include "map_server/map_messages.h"
@@ -49,6 +51,7 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
       options_(options),
       store_(options.database),
       atlas_(store_.load()),
+      merger_(options.merge),
       sender_(bus, channels::kMapChunk, channels::kMapAck, unique_process_name("map_server")),
       receiver_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("map_server"), true,
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
@@ -117,9 +120,33 @@ void MapServerNode::write_snapshot() {
   snapshot_trouble_ = reason;
 }
 
+void MapServerNode::merge(int64_t now_us) {
+  std::optional<MergeResult> result = merger_.tick(now_us, atlas_);
+  const bool all_is_merged = merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll);
+  if (result) absorb(std::move(*result));
+  if (!all_is_merged) return;
+  for (const map_request_t& request : std::exchange(waiting_, {})) answer_snapshot(request);
+}
+
+void MapServerNode::absorb(MergeResult result) {
+  atlas_.set_links(std::move(result.links));
+  if (!result.placements.empty()) {
+    const int64_t frames_before = atlas_.frames_in_map();
+    const size_t submaps = result.placements.size();
+    atlas_.place_map(std::move(result.placements));
+    spdlog::info(
+        "{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
+        submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),
+        atlas_.frames_in_map() - frames_before, result.cpu_s);
+  }
+  save();
+  publish_map_status();
+}
+
 void MapServerNode::tick(int64_t now_us) {
   receiver_.tick(now_us);
   sender_.tick(now_us);
+  merge(now_us);
   const auto commit_period_us = static_cast<int64_t>(options_.frame_commit_s * 1e6);
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
   if (must_save && is_due(now_us, last_save_us_, commit_period_us)) save();
@@ -129,7 +156,15 @@ void MapServerNode::tick(int64_t now_us) {
   if (snapshot_period_us > 0 && is_due(now_us, last_snapshot_us_, snapshot_period_us)) write_snapshot();
 }
 
+// What is left to merge is merged before the end, unless the end is to be soon.
 void MapServerNode::finish() {
+  finishing_ = true;
+  merger_.hurry();
+  merge(bus_.now_us());
+  stop();
+}
+
+void MapServerNode::stop() {
   save();
   publish_map_status();
   if (options_.snapshot_s > 0) write_snapshot();
@@ -154,6 +189,7 @@ void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
   map_status_t message = make_map_status(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
+  message.merging = merger_.running() || !waiting_.empty();
   bus_.publish(channels::kMapStatus, message);
 }
 
@@ -170,7 +206,7 @@ void MapServerNode::on_request(const map_request_t& request) {
     case map_request_t::SUBMAP:
       return answer_submap(request);
     case map_request_t::SNAPSHOT:
-      return answer_snapshot(request);
+      return wait_for_merge(request);
     case map_request_t::PLACED_SUBMAP:
       return answer_placed_submap(request);
     case map_request_t::TRAJECTORY:

@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "bus/bus.h"
 #include "bus/chunked_transfer.h"
@@ -12,6 +13,7 @@
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas.h"
+#include "map_server/map_merger.h"
 #include "map_server/map_store.h"
 #include "map_server/options.h"
 
@@ -26,7 +28,8 @@ class MapServerNode : public Node {
   void tick(int64_t now_us) override;
   NodeStatus status() override;
   void finish() override;
-  bool finished() const override { return sender_.pending() == 0; }
+  void stop() override;
+  bool finished() const override { return sender_.pending() == 0 && (!finishing_ || merger_.idle(atlas_)); }
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
@@ -35,8 +38,11 @@ class MapServerNode : public Node {
  private:
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   void on_track(const track_t& track);
+  void merge(int64_t now_us);
+  void absorb(MergeResult result);
   void on_request(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
+  void wait_for_merge(const map_request_t& request);
   void answer_submap(const map_request_t& request);
   void answer_placed_submap(const map_request_t& request);
   void answer_region(const map_request_t& request);
@@ -52,11 +58,14 @@ class MapServerNode : public Node {
   MapServerOptions options_;
   MapStore store_;
   Atlas atlas_;
+  MapMerger merger_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
   std::set<int64_t> unsaved_frames_;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
+  std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
+  bool finishing_ = false;
   std::string trouble_, snapshot_trouble_;               // why the last save, or snapshot, failed
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
   int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was written
