@@ -35,6 +35,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   front_tracker.mapping_thread = false;
   MapServerOptions map_server = options.map_server;
   map_server.database = ":memory:";
+  map_server.merge.thread = false;
   camera_ = add<CameraNode>("camera_driver", input, options.camera_driver);
   front_tracker_ = add<FrontTrackerNode>("front_tracker", front_tracker);
   RuminatorOptions ruminator = options.ruminator;

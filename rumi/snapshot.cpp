@@ -9,6 +9,7 @@
 #include "bus/chunked_transfer.h"
 #include "bus/process.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/map_status_t.hpp"
 
 namespace rumi {
 namespace {
@@ -37,10 +38,15 @@ SnapshotResult request_snapshot(Bus& bus, double timeout_s, double listen_s) {
                          });
   bus.subscribe<process_status_t>(channels::kStatus, {},
                                   [&](const process_status_t& status) { result.processes[status.process] = status; });
+  int64_t last_news_us = bus.now_us();
+  // It answers when all that it knows is one map, which may take a while.
+  bus.subscribe<map_status_t>(channels::kMapStatus, {}, [&](const map_status_t& status) {
+    if (status.merging) last_news_us = bus.now_us();
+  });
 
   const int64_t begin_us = bus.now_us();
   const int64_t timeout_us = std::llround(timeout_s * 1e6), listen_us = std::llround(listen_s * 1e6);
-  int64_t last_request_us = 0, last_news_us = begin_us;
+  int64_t last_request_us = 0;
   std::optional<std::pair<int, int>> progress;
   for (int64_t now_us = begin_us; !answered || now_us - begin_us < listen_us; now_us = bus.now_us()) {
     if (!answered && now_us - last_news_us > timeout_us) {
