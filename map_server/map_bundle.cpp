@@ -37,7 +37,11 @@ class Bundle {
     for (double gate : options.gates_chi2) {
       BundleProblem inliers = problem_;
       inliers.observations = within(gate);
-      solve_bundle(camera_, {options.iterations, options.function_tolerance, 5.991, options.cancel}, &inliers);
+      solve_bundle(camera_,
+                   {.iterations = options.iterations,
+                    .function_tolerance = options.function_tolerance,
+                    .cancel = options.cancel},
+                   &inliers);
       problem_.views = std::move(inliers.views);
       problem_.points = std::move(inliers.points);
     }

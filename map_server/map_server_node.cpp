@@ -138,9 +138,9 @@ void MapServerNode::absorb(MergeResult result) {
         "{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
         submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),
         atlas_.frames_in_map() - frames_before, result.cpu_s);
+    publish_map_status();
   }
   save();
-  publish_map_status();
 }
 
 void MapServerNode::tick(int64_t now_us) {

@@ -30,8 +30,8 @@ struct BundleProblem {
 
 struct BundleOptions {
   int iterations = 5;
-  double function_tolerance = 1e-4;           // ends when the cost falls by less, relatively
   double huber_chi2 = 5.991;                  // where the loss turns from squared to linear, in sigma^2
+  double function_tolerance = 1e-4;           // ends when the cost falls by less, relatively
   const std::atomic<bool>* cancel = nullptr;  // true ends the iterations
 };
 
