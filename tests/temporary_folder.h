@@ -88,6 +88,7 @@ inline int run_on_small_disk(const std::string& folder, int64_t bytes, const std
   }
   int status = 0;
   waitpid(child, &status, 0);
+  if (WIFSIGNALED(status)) std::fprintf(stderr, "on the small disk: signal %d\n", WTERMSIG(status));
   if (!WIFEXITED(status)) return 98;
   return WEXITSTATUS(status) == 100 ? -1 : WEXITSTATUS(status);
 }

@@ -31,9 +31,10 @@ constexpr SubmapKey kKey{7, 1};
 // map_server on a bus in memory, with a front_tracker's sender and an asker beside it. Time passes in steps of 50 ms.
 class MapServerNodeTest : public ::testing::Test {
  protected:
-  explicit MapServerNodeTest(const std::string& database = ":memory:") {
-    options_.database = database;
+  explicit MapServerNodeTest(const std::function<void(MapServerOptions*)>& change = {}) {
+    options_.database = ":memory:";
     options_.merge.thread = false;
+    if (change) change(&options_);
     node_ = std::make_unique<MapServerNode>(bus_, options_);
     bus_.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { statuses_.push_back(s); });
   }
@@ -476,7 +477,8 @@ TEST_F(MapServerNodeTest, DamagedMessagesAreSurvived) {
 
 class MapServerNodeOnDisk : public MapServerNodeTest {
  protected:
-  MapServerNodeOnDisk() : MapServerNodeTest(folder() / "map.db") {}
+  MapServerNodeOnDisk()
+      : MapServerNodeTest([](MapServerOptions* options) { options->database = folder() / "map.db"; }) {}
   static TemporaryFolder& folder() {
     static TemporaryFolder folder;
     return folder;
@@ -533,16 +535,23 @@ TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
   EXPECT_EQ(node_->store().load().frames().size(), 1);
 }
 
-class MapServerNodeSnapshots : public MapServerNodeTest {
- protected:
-  MapServerNodeSnapshots() {
-    node_.reset();
-    options_.snapshot_s = 10;
-    options_.snapshot_file = folder_ / "copy.db";
-    node_ = std::make_unique<MapServerNode>(bus_, options_);
-  }
-  bool exists() const { return std::filesystem::exists(options_.snapshot_file); }
+struct SnapshotFolder {
   TemporaryFolder folder_;
+};
+
+class MapServerNodeSnapshots : public SnapshotFolder, public MapServerNodeTest {
+ protected:
+  explicit MapServerNodeSnapshots(const std::string& file = "copy.db")
+      : MapServerNodeTest([&](MapServerOptions* options) {
+          options->snapshot_s = 10;
+          options->snapshot_file = folder_ / file;
+        }) {}
+  bool exists() const { return std::filesystem::exists(options_.snapshot_file); }
+};
+
+class MapServerNodeSnapshotsElsewhere : public MapServerNodeSnapshots {
+ protected:
+  MapServerNodeSnapshotsElsewhere() : MapServerNodeSnapshots("absent/copy.db") {}
 };
 
 TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
@@ -580,10 +589,7 @@ TEST_F(MapServerNodeSnapshots, AFullDiskIsSaidAndNothingElseSuffers) {
   EXPECT_EQ(result, 0);
 }
 
-TEST_F(MapServerNodeSnapshots, TroubleIsOverWhenItIsOver) {
-  options_.snapshot_file = folder_ / "absent/copy.db";
-  node_.reset();
-  node_ = std::make_unique<MapServerNode>(bus_, options_);
+TEST_F(MapServerNodeSnapshotsElsewhere, TroubleIsOverWhenItIsOver) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 4), 0)).ok);
   pass(11);
   EXPECT_TRUE(node_->status().degraded);
