@@ -21,6 +21,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -243,6 +244,14 @@ bool has_ended(pid_t child) {
   return waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == child;
 }
 
+// 0 when it has ended.
+double cpu_s_of(pid_t child) {
+  clockid_t clock{};
+  timespec time{};
+  if (clock_getcpuclockid(child, &clock) != 0 || clock_gettime(clock, &time) != 0) return 0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 // Waits for the child's end, and brings it about when the time is up or `cancel` is set.
 Outcome supervise(pid_t child, const ChildCommand& command, const std::atomic<bool>& cancel, Output* output) {
   const Clock::time_point start = Clock::now();
@@ -257,7 +266,7 @@ Outcome supervise(pid_t child, const ChildCommand& command, const std::atomic<bo
     if (!asked) {
       if (cancel)
         outcome = Outcome::kCancelled;
-      else if (seconds_since(start) >= command.time_limit_s)
+      else if (seconds_since(start) >= command.time_limit_s || cpu_s_of(child) >= command.cpu_limit_s)
         outcome = Outcome::kTimedOut;
       if (outcome == Outcome::kExited) continue;
       asked = Clock::now();
@@ -329,7 +338,7 @@ std::string ChildResult::describe() const {
     case Outcome::kSignalled:
       return fmt::format("killed by signal {} ({})", signal, strsignal(signal));
     case Outcome::kTimedOut:
-      return fmt::format("stopped at its time limit, after {:.1f} s", wall_s);
+      return fmt::format("stopped at its time limit, after {:.1f} s ({:.1f} s of CPU time)", wall_s, cpu_s);
     case Outcome::kCancelled:
       return "cancelled";
     case Outcome::kNotStarted:

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,9 +18,10 @@ struct ChildCommand {
   std::string log_file;                  // stdout and stderr are appended to it; empty: no log
   size_t log_limit_bytes = 1 << 20;      // what is said beyond it is left out of the log, but not of last_output
   std::function<void(std::string_view)>
-      on_output;  // called in this thread with what it says, as it comes; may be empty
-  double time_limit_s = 60;
-  int nice = 0;     // ours, if that is higher
+      on_output;             // called in this thread with what it says, as it comes; may be empty
+  double time_limit_s = 60;  // of the wall clock; against a child that hangs
+  double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
+  int nice = 0;                                                  // ours, if that is higher
   int threads = 1;  // OMP_NUM_THREADS and its kin, in the child's environment
 };
 

@@ -291,6 +291,7 @@ MapperOutcome ColmapMapper::run(const MapperCommand& command, const MapperSettin
   child.environment = kEnvironment;
   child.log_file = command.log_file;
   if (command.progress) child.on_output = [&](std::string_view text) { progress.take(text); };
+  child.cpu_limit_s = command.cpu_limit_s;
   child.time_limit_s = command.time_limit_s;
   child.nice = command.nice;
   child.threads = settings.threads;

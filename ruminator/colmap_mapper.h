@@ -42,7 +42,8 @@ struct MapperCommand {
   bool fix_existing_images = false;  // those of input_model keep their poses
   std::string log_file;              // appended to
   std::vector<int> keypoint_counts;  // per image of the database
-  double time_limit_s = 120;
+  double cpu_limit_s = 120;
+  double time_limit_s = 3600;  // of the wall clock, against a mapper that hangs
   int nice = 0;
   // Called in this thread with the number of images registered in the model that is growing. May be empty.
   std::function<void(int registered)> progress;

@@ -74,21 +74,6 @@ void solve(const Camera& camera, const std::vector<ColmapImage>& images, int ite
   for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
 }
 
-ModelQuality quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model) {
-  ModelQuality q;
-  double sum = 0;
-  for (const ColmapModel::Point& point : model.points) {
-    for (const auto& [image, keypoint] : point.track) {
-      const double e =
-          error_px(camera, model.cam_from_world.at(image), point.position, images[image].keypoints[keypoint]);
-      sum += e * e;
-      ++q.observations;
-    }
-  }
-  if (q.observations > 0) q.rmse_px = std::sqrt(sum / q.observations);
-  return q;
-}
-
 bool resect_image(const Camera& camera, const std::vector<ColmapImage>& images, const std::vector<ColmapPair>& pairs,
                   int image, const ModelRefinementOptions& options, ColmapModel* model, PointIndex* index) {
   std::map<int, int> candidates;  // keypoint -> point: the first pair that knows one, pairs come in order of time
@@ -178,13 +163,28 @@ void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, c
   remove_images(gone, model);
 }
 
+ModelQuality model_quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model) {
+  ModelQuality q;
+  double sum = 0;
+  for (const ColmapModel::Point& point : model.points) {
+    for (const auto& [image, keypoint] : point.track) {
+      const double e =
+          error_px(camera, model.cam_from_world.at(image), point.position, images[image].keypoints[keypoint]);
+      sum += e * e;
+      ++q.observations;
+    }
+  }
+  if (q.observations > 0) q.rmse_px = std::sqrt(sum / q.observations);
+  return q;
+}
+
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
                           const ModelRefinementOptions& options, ColmapModel* model) {
   for (int round = 0; round < 2; ++round) {
     solve(camera, images, options.bundle_iterations, model);
     prune_model(camera, images, options, model);
   }
-  return quality(camera, images, *model);
+  return model_quality(camera, images, *model);
 }
 
 std::optional<ColmapModel::Point> triangulate_track(const Camera& camera, const std::vector<ColmapImage>& images,
@@ -246,12 +246,12 @@ int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* mode
 
 int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,
                           const std::vector<ColmapPair>& pairs, const ModelRefinementOptions& options,
-                          ColmapModel* model) {
+                          ColmapModel* model, int limit) {
   PointIndex index = index_points(images, *model);
   int added = 0;
-  for (bool more = true; more;) {
+  for (bool more = true; more && added < limit;) {
     more = false;
-    for (int image = 0; image < static_cast<int>(images.size()); ++image) {
+    for (int image = 0; image < static_cast<int>(images.size()) && added < limit; ++image) {
       if (model->cam_from_world.contains(image)) continue;
       if (!resect_image(camera, images, pairs, image, options, model, &index)) continue;
       triangulate_matches(camera, images, pairs, image, options, model, &index);

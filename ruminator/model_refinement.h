@@ -3,6 +3,7 @@
 // everything adjusted together.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <set>
 #include <vector>
@@ -36,6 +37,8 @@ bool has_parallax(const ColmapModel& model, const ColmapModel::Point& point, dou
 void prune_model(const Camera& camera, const std::vector<ColmapImage>& images, const ModelRefinementOptions& options,
                  ColmapModel* model);
 
+ModelQuality model_quality(const Camera& camera, const std::vector<ColmapImage>& images, const ColmapModel& model);
+
 // Bundle adjustment with the calibrated camera, then prune_model, and both once more. The first registered view keeps
 // its pose.
 ModelQuality adjust_model(const Camera& camera, const std::vector<ColmapImage>& images,
@@ -58,9 +61,9 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model);
 
 // Images without a pose get one by resection over their verified matches with images that have one; then their matches
-// become observations and new points. Returns how many were added; adjust_model should follow.
+// become observations and new points. Returns how many were added, `limit` at most; adjust_model should follow.
 int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,
                           const std::vector<ColmapPair>& pairs, const ModelRefinementOptions& options,
-                          ColmapModel* model);
+                          ColmapModel* model, int limit = std::numeric_limits<int>::max());
 
 }  // namespace rumi

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "ruminator/colmap_model_writer.h"
-#include "ruminator/scale_check.h"
+#include "ruminator/model_completion.h"
 
 namespace rumi {
 namespace {
@@ -18,8 +18,12 @@ class Attempts {
  public:
   Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
            const std::atomic<bool>& cancel)
-      : in_(input), o_(options), folder_(folder), cancel_(cancel), mapper_(options.colmap) {
-    tracks_ = join_tracks(in_.images, in_.pairs);
+      : in_(input),
+        o_(options),
+        folder_(folder),
+        cancel_(cancel),
+        mapper_(options.colmap),
+        completion_(input, options) {
     rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs, o_.global.min_pair_matches);
     for (const ColmapImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
     const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
@@ -38,7 +42,7 @@ class Attempts {
       prune_model(in_.camera, in_.images, rough, &*model);
       adjust_model(in_.camera, in_.images, rough, &*model);
     }
-    WindowModel ours = complete(std::move(*model), "global model");
+    WindowModel ours = completion_.complete(std::move(*model), "global model");
     const std::string seed = folder_ + "/seed";
     std::error_code ignored;
     fs::create_directories(seed, ignored);
@@ -46,19 +50,17 @@ class Attempts {
       result.warning = error;
     else
       extend(seed, &ours);
-    judge_model(in_, rotations_, o_, &ours);
-    candidates_.push_back(std::move(ours));
+    add(std::move(ours));
   }
 
   void colmap_alone(double angle_deg) {
     MapperSettings settings = common_settings();
     settings.init_min_tri_angle_deg = angle_deg;
     const MapperOutcome outcome = run_mapper("", settings);
-    for (const ColmapModel& model : outcome.models) {
-      WindowModel candidate = complete(model, fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg));
-      judge_model(in_, rotations_, o_, &candidate);
-      candidates_.push_back(std::move(candidate));
-    }
+    const std::string origin = fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg);
+    for (const ColmapModel& model : outcome.models) add(completion_.complete(model, origin));
+    for (const ColmapModel& model : completion_.joined(outcome.models))
+      add(completion_.complete(model, origin + ", two models joined"));
   }
 
   bool is_complete() const {
@@ -108,6 +110,7 @@ class Attempts {
     command.input_model = seed;
     command.log_file = folder_ + "/colmap.log";
     command.keypoint_counts = keypoint_counts_;
+    command.cpu_limit_s = o_.mapper_cpu_limit_s;
     command.time_limit_s = o_.mapper_time_limit_s;
     command.nice = o_.nice;
     MapperOutcome outcome = mapper_.run(command, settings, cancel_);
@@ -123,62 +126,17 @@ class Attempts {
     settings.min_model_size = 3;
     MapperOutcome outcome = run_mapper(seed, settings);
     if (outcome.models.empty()) return;
-    ColmapModel& extended = outcome.models.front();
+    // COLMAP goes on with a new model when ours cannot be extended.
+    ColmapModel& extended = *std::max_element(
+        outcome.models.begin(), outcome.models.end(),
+        [](const ColmapModel& a, const ColmapModel& b) { return a.cam_from_world.size() < b.cam_from_world.size(); });
     if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
-    WindowModel more = complete(std::move(extended), "global model extended by COLMAP");
-    judge_model(in_, rotations_, o_, &more);
-    candidates_.push_back(std::move(more));
+    add(completion_.complete(std::move(extended), "global model extended by COLMAP"));
   }
 
-  // The points from the tracks, everything adjusted with the calibrated camera, slips of the scale repaired, images
-  // left out tried once more. The same for every candidate, so that they can be compared.
-  WindowModel complete(ColmapModel model, std::string origin) const {
-    ModelQuality quality = settle(&model);
-    std::optional<ScaleCut> slip = find_slip(scale_cuts(model), o_.scale);
-    for (int i = 0; slip && i < o_.scale.repairs; ++i) {
-      ColmapModel repaired = model;
-      repair_scale(*slip, &repaired);
-      const ModelQuality after = settle(&repaired);
-      const std::optional<ScaleCut> left = find_slip(scale_cuts(repaired), o_.scale);
-      // Right if everything else fits as well as before, and the slip is gone.
-      const bool fits = after.observations > 0.98 * quality.observations && after.rmse_px < 1.05 * quality.rmse_px;
-      if (!fits || (left && std::abs(left->log_ratio) > 0.5 * std::abs(slip->log_ratio))) break;
-      quality = after;
-      model = std::move(repaired);
-      slip = left;
-    }
-    remove_loose_images(o_.refinement, &model);
-    if (resect_missing_images(in_.camera, in_.images, in_.pairs, o_.refinement, &model) > 0)
-      adjust_model(in_.camera, in_.images, o_.refinement, &model);
-    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, &model);
-    adjust_model(in_.camera, in_.images, o_.refinement, &model);
-    remove_loose_images(o_.refinement, &model);
-    WindowModel candidate;
-    candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
-    // Where nothing tells how the scales of two sides relate, there are two models, and one of them is kept.
-    while (const auto cut = find_break(scale_cuts(model))) {
-      candidate.broken_off += keep_larger_side(*cut, &model);
-      candidate.quality = adjust_model(in_.camera, in_.images, o_.refinement, &model);
-    }
-    candidate.model = std::move(model);
-    candidate.origin = std::move(origin);
-    if (candidate.broken_off > 0)
-      candidate.origin += fmt::format(", {} images of unrelated scale left out", candidate.broken_off);
-    return candidate;
-  }
-
-  std::vector<ScaleCut> scale_cuts(const ColmapModel& model) const {
-    return check_scale(in_.camera, in_.images, tracks_, o_.scale, model);
-  }
-
-  // Points anew and everything adjusted, first with a wide limit for errors.
-  ModelQuality settle(ColmapModel* model) const {
-    ModelRefinementOptions rough = o_.refinement;
-    rough.max_error_px = 4 * o_.refinement.max_error_px;
-    triangulate_tracks(in_.camera, in_.images, tracks_, rough, model);
-    adjust_model(in_.camera, in_.images, rough, model);
-    triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, model);
-    return adjust_model(in_.camera, in_.images, o_.refinement, model);
+  void add(WindowModel candidate) {
+    judge_model(in_, rotations_, o_, &candidate);
+    candidates_.push_back(std::move(candidate));
   }
 
   std::string doubts() const {
@@ -194,7 +152,7 @@ class Attempts {
   std::string folder_;
   const std::atomic<bool>& cancel_;
   ColmapMapper mapper_;
-  std::vector<Track> tracks_;
+  ModelCompletion completion_;
   std::vector<RelativeRotation> rotations_;
   std::vector<int> keypoint_counts_;
   int connected_ = 0;  // images of the largest group that hangs together

@@ -22,7 +22,8 @@ struct WindowModel {
   ColmapModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  int broken_off = 0;  // images left out because nothing ties their scale to that of the others
+  int broken_off = 0;             // images left out because nothing ties them, or their scale, to the others
+  bool is_tied_to_front = false;  // the scales of its parts are as front_tracker's poses tell
   // Median difference between the relative rotations that the pairs' essential matrices tell and those of the model.
   double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;

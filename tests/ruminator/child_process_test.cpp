@@ -97,6 +97,19 @@ TEST_F(ChildProcessTest, ItIsStoppedAtItsTimeLimit) {
   EXPECT_THAT(result.describe(), HasSubstr("time limit"));
 }
 
+TEST_F(ChildProcessTest, ItIsStoppedAtItsLimitOfCpuTime) {
+  ChildCommand command = shell("while :; do :; done");
+  command.cpu_limit_s = 0.2;
+  const ChildResult busy = run_child(command, never);
+  EXPECT_EQ(busy.outcome, Outcome::kTimedOut);
+  EXPECT_GE(busy.cpu_s, 0.2);
+  EXPECT_THAT(busy.describe(), HasSubstr("of CPU time"));
+  // Waiting costs none.
+  command = shell("sleep 0.5");
+  command.cpu_limit_s = 0.2;
+  EXPECT_EQ(run_child(command, never).outcome, Outcome::kExited);
+}
+
 TEST_F(ChildProcessTest, AnotherThreadCancelsIt) {
   const ChildResult result = run_and_cancel(shell("touch $1/started; sleep 600"));
   EXPECT_EQ(result.outcome, Outcome::kCancelled);

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What becomes of a model once it is found, the same for every candidate so that they can be compared: points from the
+// tracks, everything adjusted with the calibrated camera, slips of the scale repaired, what is torn off grown anew,
+// images left out tried once more, sides of unrelated scale tied by front_tracker's poses; and what does not belong
+// together then is left out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ruminator/model_joining.h"
+#include "ruminator/window_model.h"
+
+namespace rumi {
+
+class ModelCompletion {
+ public:
+  // Keeps references to both.
+  ModelCompletion(const WindowModelInput& input, const BuildOptions& options);
+
+  // With model, origin, quality and broken_off set, not yet judged.
+  WindowModel complete(ColmapModel model, std::string origin) const;
+  // Of each two of the models that what they see in common joins to a larger one: that.
+  std::vector<ColmapModel> joined(const std::vector<ColmapModel>& models) const;
+
+ private:
+  ModelQuality settle(ColmapModel* model) const;
+  ModelQuality adjust(ColmapModel* model) const;
+  void repair_slips(ModelQuality* quality, ColmapModel* model) const;
+  bool regrow_torn(ColmapModel* model) const;
+  void complete_images(ColmapModel* model) const;
+  void drop_unrelated(WindowModel* candidate) const;
+  std::optional<ScaleCut> front_break(const std::vector<ScaleCut>& cuts, const ColmapModel& model) const;
+  bool tie_to_front(const ScaleCut& cut, WindowModel* candidate) const;
+  std::vector<ScaleCut> scale_cuts(const ColmapModel& model) const;
+  std::set<int> torn(const ColmapModel& model) const;
+
+  const WindowModelInput& in_;
+  const BuildOptions& o_;
+  std::vector<Track> tracks_;
+};
+
+}  // namespace rumi

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Does a model hang together? Where a camera turns on the spot, two groups of images can each be right and be put
+// anywhere to each other: what the one sees and the other too is taken for outliers, and no error shows it. But the
+// verified matches between the two groups then belong to a point on one side only.
+#pragma once
+
+#include <set>
+#include <vector>
+
+#include "ruminator/colmap_database.h"
+#include "ruminator/colmap_model.h"
+
+namespace rumi {
+
+struct TearOptions {
+  int min_matches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hang together
+  double max_severed = 0.15;         // of the matches that it has points of: more is torn
+  double regrow_parallax_deg = 0.5;  // of the points that what is torn off is tied to the rest with
+  int regrow_images = 3;             // from one adjustment to the next
+};
+
+// A pair of images that both have a pose.
+struct Link {
+  int first = 0, second = 0;  // images
+  int shared = 0;             // matches that are observations of one point
+  int severed = 0;            // of which one keypoint alone belongs to a point, or each to another
+};
+
+// Of all pairs of the model's images, in their order.
+std::vector<Link> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model);
+
+// Images that are torn off from the largest part of the model: in its other parts (of images that hang together over
+// links that are not torn), where a torn link leads out of them. Empty for a sound model.
+std::set<int> torn_off(const std::vector<Link>& links, const TearOptions& options, const ColmapModel& model);
+
+}  // namespace rumi

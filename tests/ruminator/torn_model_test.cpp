@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/torn_model.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/ruminator/test_window.h"
+
+namespace rumi {
+namespace {
+
+using testing::TestWindow;
+
+constexpr TearOptions kOptions;
+
+// A model as it comes out where the images from `first` on were put elsewhere: every point is seen from one side only,
+// that with more of its observations.
+ColmapModel torn_at(const TestWindow& w, int first) {
+  ColmapModel model = testing::true_model(w);
+  for (auto& [image, pose] : model.cam_from_world)
+    if (image >= first) pose.translation += Eigen::Vector3d(0, 0, 5);
+  for (ColmapModel::Point& point : model.points) {
+    const auto is_after = [first](const auto& o) { return o.first >= first; };
+    const auto after = std::count_if(point.track.begin(), point.track.end(), is_after);
+    const bool keep_after = 2 * after > static_cast<long>(point.track.size());
+    std::erase_if(point.track, [&](const auto& o) { return is_after(o) != keep_after; });
+  }
+  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  return model;
+}
+
+TEST(TornModel, TheTruthIsSoundWithOutliersToo) {
+  TestWindow w = testing::sideways_window(12);
+  const ColmapModel truth = testing::true_model(w);
+  for (const Link& link : model_links(w.pairs, truth)) EXPECT_EQ(link.severed, 0);
+  EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
+  testing::spoil(&w, 0.05, 0.05);
+  EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
+}
+
+TEST(TornModel, TheSmallerPartIsTornOff) {
+  TestWindow w = testing::turning_window(14, 6);
+  testing::spoil(&w, 0.02, 0.05);
+  for (const int first : {4, 9}) {
+    const ColmapModel model = torn_at(w, first);
+    const std::set<int> off = torn_off(model_links(w.pairs, model), kOptions, model);
+    std::set<int> smaller;
+    for (int image = 0; image < 14; ++image)
+      if ((image >= first) == (first > 7)) smaller.insert(image);
+    EXPECT_EQ(off, smaller) << first;
+  }
+}
+
+TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
+  const TestWindow w = testing::sideways_window(6);
+  ColmapModel model = testing::true_model(w);
+  std::vector<Link> links;
+  for (const Link& link : model_links(w.pairs, model))
+    if (link.second != 5) links.push_back(link);
+  EXPECT_TRUE(torn_off(links, kOptions, model).empty());
+}
+
+TEST(TornModel, OfNothingIsNothing) {
+  EXPECT_TRUE(model_links({}, {}).empty());
+  EXPECT_TRUE(torn_off({}, kOptions, {}).empty());
+}
+
+}  // namespace
+}  // namespace rumi
