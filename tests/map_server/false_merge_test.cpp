@@ -28,9 +28,9 @@ struct Recipes {
     front = {.last = 39, .keyframe_every = kEvery, .submap_from_world = random_gauge(3 * seed), .seed = seed};
     back = {.key = {1, -1},
             .kind = SubmapKind::kBack,
-            .first = front.last - kEvery * shared + 1,
+            .first = front.last - kEvery * (shared - 1),
             .last = front.last + 16,
-            .keyframe_every = 1,
+            .keyframe_every = kEvery,
             .submap_from_world = random_gauge(3 * seed + 1),
             .seed = seed + 1};
   }
@@ -50,10 +50,12 @@ int shared_keyframes(unsigned seed) { return 3 + static_cast<int>(seed % 8); }
 Pair another_room(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World here = make_room(seed, 16000), there = make_room(seed + 5000, 16000);
-  const auto images = film(here, walk_round(60, 0.6), {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500});
+  const auto images =
+      film(here, walk_round(60, 0.6), {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
   CameraPath other = walk_round(160, -1.6);
   other.erase(other.begin(), other.begin() + 100);
-  const auto images_there = film(there, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500});
+  const auto images_there =
+      film(there, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
   return {make_submap(here, images, r.front), make_submap(there, images_there, r.back)};
 }
 
@@ -62,7 +64,7 @@ Pair another_room(unsigned seed) {
 Pair turned_over(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   Pair pair{make_submap(world, images, r.front), make_submap(world, images, r.back)};
   SyntheticSubmap& b = pair.b;
   const SE3 middle = b.submap.keyframes.at(static_cast<int>(b.submap.keyframes.size()) / 4).cam_from_submap;
@@ -96,8 +98,9 @@ Pair mirrored_room(unsigned seed) {
     world_from_cam.rotation = Eigen::Quaterniond(q.w(), q.x(), -q.y(), -q.z());
     pose = world_from_cam.inverse();
   }
-  const auto images = film(world, path, {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500});
-  const auto images_there = film(mirrored, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500});
+  const auto images = film(world, path, {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
+  const auto images_there =
+      film(mirrored, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
   return {make_submap(world, images, r.front), make_submap(mirrored, images_there, r.back)};
 }
 
@@ -106,7 +109,7 @@ Pair repeated_texture(unsigned seed) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
   const World world = make_tiles(seed, 0.5, 12, 24);
-  const auto images = film(world, straight(60, {0.03, 0, 0}), {.seed = seed, .most_keypoints = 400});
+  const auto images = film(world, straight(60, {0.03, 0, 0}), {.seed = seed, .most_keypoints = 400, .every = kEvery});
   const int middle = r.back.first + kEvery * shared / 2;
   r.back.distortion = jump(middle, Sim3(1, Eigen::Quaterniond::Identity(), {seed % 2 ? 0.5 : -0.5, 0, 0}));
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
@@ -117,7 +120,7 @@ Pair two_groups(unsigned seed) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   const Sim3 gauge = random_gauge(seed + 777);
   const Sim3 moved(std::exp(seed % 2 ? 0.3 : -0.3), so3_exp(0.1 * gauge.translation.normalized()),
                    0.05 * gauge.translation);
@@ -129,7 +132,7 @@ Pair two_groups(unsigned seed) {
 Pair no_parallax(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   r.back.wrong_landmarks = 1;
   Pair pair{make_submap(world, images, r.front), make_submap(world, images, r.back)};
   for (auto& [id, keyframe] : pair.b.submap.keyframes) {
@@ -146,7 +149,7 @@ Pair standing_still(unsigned seed) {
   const World world = make_room(seed);
   CameraPath path = straight(r.back.first - 3, {0.04, 0, 0});
   while (path.size() < 60) path.push_back(path.back());
-  const auto images = film(world, path, {.seed = seed});
+  const auto images = film(world, path, {.seed = seed, .every = kEvery});
   r.back.wrong_landmarks = 1;
   r.front.center_noise_m = r.back.center_noise_m = 0.0005;
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
@@ -156,7 +159,7 @@ Pair standing_still(unsigned seed) {
 Pair garbage_tail(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   const double sign = seed % 2 ? 1 : -1;
   r.front.distortion = drift(images, r.back.first, sign * 0.04, 0.03);
   r.front.wrong_landmarks = 0.3;
@@ -191,21 +194,21 @@ TEST(FalseMerge, None) {
 Pair typical(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
 Pair fisheye(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.camera = test_fisheye(), .seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.camera = test_fisheye(), .seed = seed, .every = kEvery});
   return {make_submap(world, images, r.front, test_fisheye()), make_submap(world, images, r.back, test_fisheye())};
 }
 
 Pair wrong_landmarks(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   r.front.wrong_landmarks = 0.2;
   r.back.wrong_landmarks = 0.1;
   r.back.wrong_observations = 0.05;
@@ -215,14 +218,14 @@ Pair wrong_landmarks(unsigned seed) {
 Pair sideways(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, straight(60, {0.03, 0, 0}), {.seed = seed});
+  const auto images = film(world, straight(60, {0.03, 0, 0}), {.seed = seed, .every = kEvery});
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
 Pair ahead(unsigned seed) {
   const Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, straight(60, {0, 0, 0.03}), {.seed = seed});
+  const auto images = film(world, straight(60, {0, 0, 0.03}), {.seed = seed, .every = kEvery});
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
@@ -236,7 +239,7 @@ Pair turning(unsigned seed) {
     const SE3 turn(so3_exp({0, -0.01, 0}), Eigen::Vector3d(i > r.front.last ? -0.04 : 0, 0, 0));
     path.push_back(turn * path.back());
   }
-  const auto images = film(world, path, {.seed = seed});
+  const auto images = film(world, path, {.seed = seed, .every = kEvery});
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
@@ -245,7 +248,7 @@ Pair bad_end(unsigned seed) {
   const int shared = 5 + static_cast<int>(seed % 6);
   Recipes r(seed, shared);
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   r.front.distortion = drift(images, r.front.last - kEvery * (shared / 5), 0.05, 0.05);
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
@@ -254,7 +257,7 @@ Pair bad_end(unsigned seed) {
 Pair drifting(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
-  const auto images = film(world, walk_round(60, 0.6), {.seed = seed});
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
   r.front.distortion = drift(images, 0, seed % 2 ? 0.002 : -0.002);
   return {make_submap(world, images, r.front), make_submap(world, images, r.back),
           r.front.distortion.at((r.back.first + r.front.last) / 2)};

@@ -157,7 +157,7 @@ TEST(SubmapAlignment, IsTheSameBothWays) {
 
 // Poses and landmarks are taken as exact, so the truth is farther off than promised, by a factor that must stay small.
 TEST(SubmapAlignment, SigmaIsNotFarFromTheError) {
-  constexpr int kRuns = 60;
+  constexpr int kRuns = 40;
   double rotation = 0, scale = 0;
   for (unsigned seed = 1; seed <= kRuns; ++seed) {
     const Outcome o = align(typical(seed, 4));

@@ -255,8 +255,11 @@ CameraPath straight(int images, const Eigen::Vector3d& step, double yaw_per_imag
 std::vector<Image> film(const World& world, const CameraPath& path, const FilmOptions& options) {
   Film camera(world, options);
   std::vector<Image> images;
-  for (size_t i = 0; i < path.size(); ++i)
-    images.push_back(camera.image(options.first_utime_us + static_cast<int64_t>(i) * options.period_us, path[i]));
+  for (size_t i = 0; i < path.size(); ++i) {
+    const int64_t utime_us = options.first_utime_us + static_cast<int64_t>(i) * options.period_us;
+    const bool has_features = i % static_cast<size_t>(options.every) == 0;
+    images.push_back(has_features ? camera.image(utime_us, path[i]) : Image{utime_us, path[i], {}, {}});
+  }
   return images;
 }
 

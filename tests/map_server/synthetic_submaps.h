@@ -47,6 +47,7 @@ struct FilmOptions {
   double noise_px = 0.5;  // at octave 0
   int wrong_bits = 10;    // of a descriptor, at most
   int most_keypoints = 300;
+  int every = 1;  // image that has features; the others are poses only, and no keyframes
   int64_t first_utime_us = 1'000'000, period_us = 100'000;
 };
 std::vector<Image> film(const World& world, const CameraPath& path, const FilmOptions& options);
