@@ -10,21 +10,21 @@
 namespace rumi {
 namespace {
 
-bool is_contradicted(const Link& link, const TearOptions& options) {
+bool is_contradicted(const ImageLink& link, const TearOptions& options) {
   return link.severed > options.max_severed * (link.severed + link.shared);
 }
 
-bool is_torn(const Link& link, const TearOptions& options) {
+bool is_torn(const ImageLink& link, const TearOptions& options) {
   return link.severed >= options.min_matches && is_contradicted(link, options);
 }
 
-bool is_sound(const Link& link, const TearOptions& options) {
+bool is_sound(const ImageLink& link, const TearOptions& options) {
   return link.shared >= options.min_matches && !is_contradicted(link, options);
 }
 
 }  // namespace
 
-std::vector<Link> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model) {
+std::vector<ImageLink> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model) {
   std::map<std::pair<int, int>, int> point_of;  // (image, keypoint)
   for (size_t p = 0; p < model.points.size(); ++p)
     for (const auto& observation : model.points[p].track) point_of[observation] = static_cast<int>(p);
@@ -32,10 +32,10 @@ std::vector<Link> model_links(const std::vector<ColmapPair>& pairs, const Colmap
     const auto found = point_of.find({image, keypoint});
     return found == point_of.end() ? kNone : found->second;
   };
-  std::vector<Link> links;
+  std::vector<ImageLink> links;
   for (const ColmapPair& pair : pairs) {
     if (!model.cam_from_world.contains(pair.first) || !model.cam_from_world.contains(pair.second)) continue;
-    Link link{pair.first, pair.second};
+    ImageLink link{pair.first, pair.second};
     for (const auto& [a, b] : pair.matches) {
       const int point_a = point(pair.first, a), point_b = point(pair.second, b);
       link.shared += point_a != kNone && point_a == point_b;
@@ -46,15 +46,15 @@ std::vector<Link> model_links(const std::vector<ColmapPair>& pairs, const Colmap
   return links;
 }
 
-std::set<int> torn_off(const std::vector<Link>& links, const TearOptions& options, const ColmapModel& model) {
+std::set<int> torn_off(const std::vector<ImageLink>& links, const TearOptions& options, const ColmapModel& model) {
   if (model.cam_from_world.empty()) return {};
   std::vector<ColmapPair> sound;
-  for (const Link& link : links)
+  for (const ImageLink& link : links)
     if (is_sound(link, options)) sound.push_back({link.first, link.second, {}});
   // Images without a pose are parts of their own, of one image, without links.
   const std::vector<int> part = connected_images(model.cam_from_world.rbegin()->first + 1, sound, 0);
   std::set<int> torn_parts;
-  for (const Link& link : links)
+  for (const ImageLink& link : links)
     if (is_torn(link, options) && part[link.first] != part[link.second])
       torn_parts.insert({part[link.first], part[link.second]});
   torn_parts.erase(0);

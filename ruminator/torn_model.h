@@ -20,17 +20,17 @@ struct TearOptions {
 };
 
 // A pair of images that both have a pose.
-struct Link {
+struct ImageLink {
   int first = 0, second = 0;  // images
   int shared = 0;             // matches that are observations of one point
   int severed = 0;            // of which one keypoint alone belongs to a point, or each to another
 };
 
 // Of all pairs of the model's images, in their order.
-std::vector<Link> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model);
+std::vector<ImageLink> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model);
 
 // Images that are torn off from the largest part of the model: in its other parts (of images that hang together over
 // links that are not torn), where a torn link leads out of them. Empty for a sound model.
-std::set<int> torn_off(const std::vector<Link>& links, const TearOptions& options, const ColmapModel& model);
+std::set<int> torn_off(const std::vector<ImageLink>& links, const TearOptions& options, const ColmapModel& model);
 
 }  // namespace rumi

@@ -31,7 +31,7 @@ ColmapModel torn_at(const TestWindow& w, int first) {
 TEST(TornModel, TheTruthIsSoundWithOutliersToo) {
   TestWindow w = testing::sideways_window(12);
   const ColmapModel truth = testing::true_model(w);
-  for (const Link& link : model_links(w.pairs, truth)) EXPECT_EQ(link.severed, 0);
+  for (const ImageLink& link : model_links(w.pairs, truth)) EXPECT_EQ(link.severed, 0);
   EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
   testing::spoil(&w, 0.05, 0.05);
   EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
@@ -53,8 +53,8 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
 TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   const TestWindow w = testing::sideways_window(6);
   ColmapModel model = testing::true_model(w);
-  std::vector<Link> links;
-  for (const Link& link : model_links(w.pairs, model))
+  std::vector<ImageLink> links;
+  for (const ImageLink& link : model_links(w.pairs, model))
     if (link.second != 5) links.push_back(link);
   EXPECT_TRUE(torn_off(links, kOptions, model).empty());
 }
