@@ -127,7 +127,8 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps,
       take(make_place_link(place, other, submaps, o_, std::move(alignment)), submaps);
       return;
     }
-    if (place.submap != other.submap)
+    // Where nothing agreed there is nothing to tell of.
+    if (place.submap != other.submap && alignment.inliers > 0)
       refused_[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
   }
 }
