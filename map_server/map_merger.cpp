@@ -68,7 +68,10 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
   }
   last_begin_us_ = now_us;
-  if (scope == MapBuilder::Scope::kAll) last_adjustment_us_ = now_us;
+  if (scope == MapBuilder::Scope::kAll) {
+    last_adjustment_us_ = now_us;
+    hurry_ = false;  // who hurries from now on means what is not in this build
+  }
   // The first adjustment waits its turn from the first weld on.
   if (last_adjustment_us_ == INT64_MIN) last_adjustment_us_ = now_us;
   running_ = true;
@@ -96,7 +99,6 @@ std::optional<MergeResult> MapMerger::end() {
   if (cancel_) return std::nullopt;
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
   views_ = std::max(views_, result_.report.views);
-  if (result_.scope == MapBuilder::Scope::kAll) hurry_ = false;
   return std::move(result_);
 }
 

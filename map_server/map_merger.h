@@ -31,8 +31,9 @@ class MapMerger {
 
   // Begins what is due and returns what is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
-  // Everything that is left to do is due at once, until the whole map has been adjusted.
+  // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
   void hurry() { hurry_ = true; }
+  bool hurried() const { return hurry_; }
   // Nothing is left to do, and nothing under way.
   bool idle(const Atlas& atlas) const { return !running_ && !wants_adjustment_ && !has_news(atlas); }
   bool running() const { return running_; }

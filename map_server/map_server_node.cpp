@@ -122,7 +122,9 @@ void MapServerNode::write_snapshot() {
 
 void MapServerNode::merge(int64_t now_us) {
   std::optional<MergeResult> result = merger_.tick(now_us, atlas_);
-  const bool all_is_merged = merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll);
+  // An adjustment that had begun before somebody asked lacks what came since.
+  const bool all_is_merged =
+      merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
   if (!all_is_merged) return;
   for (const map_request_t& request : std::exchange(waiting_, {})) answer_snapshot(request);

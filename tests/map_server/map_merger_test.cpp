@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/map_merger.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <thread>
+
+#include "tests/map_server/synthetic_chain.h"
+
+namespace rumi::testing {
+namespace {
+
+using Scope = MapBuilder::Scope;
+
+constexpr int64_t kSecond = 1'000'000;
+
+double process_cpu_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+class MapMergerTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { chain_ = new Chain; }
+  static void TearDownTestSuite() { delete chain_; }
+  MapMergerTest() { options_.thread = false; }
+
+  void put(SubmapKey key) { testing::put(chain_->submap(key), &atlas_); }
+  void change(SubmapKey key) {
+    atlas_.change_submap(key, [](Submap* submap) {
+      ++submap->revision;
+      return std::string();
+    });
+  }
+  // As map_server does.
+  std::optional<MergeResult> tick(MapMerger* merger, double now_s) {
+    std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(now_s * kSecond), atlas_);
+    if (result && !result->placements.empty()) atlas_.place_map(result->placements);
+    return result;
+  }
+  // Until what is under way is done.
+  std::optional<MergeResult> wait(MapMerger* merger, double now_s) {
+    for (int64_t i = 0; i < 1'000'000'000 && merger->running(); ++i) {
+      if (auto result = tick(merger, now_s)) return result;
+      std::this_thread::yield();
+    }
+    return std::nullopt;
+  }
+
+  static Chain* chain_;
+  MergeOptions options_;
+  Atlas atlas_;
+};
+Chain* MapMergerTest::chain_ = nullptr;
+
+TEST_F(MapMergerTest, NothingToDoAtFirst) {
+  MapMerger merger(options_);
+  EXPECT_TRUE(merger.idle(atlas_));
+  merger.hurry();
+  EXPECT_FALSE(tick(&merger, 0));
+  EXPECT_TRUE(merger.idle(atlas_));
+  EXPECT_FALSE(merger.running());
+}
+
+TEST_F(MapMergerTest, LooksAtWhatIsNewNowAndThen) {
+  MapMerger merger(options_);
+  put(Chain::kFront1);
+  EXPECT_FALSE(merger.idle(atlas_));
+  const auto first = tick(&merger, 10);
+  ASSERT_TRUE(first);
+  EXPECT_TRUE(first->placements.empty()) << "one submap is a map as it is";
+  EXPECT_TRUE(merger.idle(atlas_));
+  for (double now_s = 10; now_s < 100; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
+
+  put(Chain::kFront2);
+  EXPECT_TRUE(tick(&merger, 100));
+  change(Chain::kFront2);
+  EXPECT_FALSE(merger.idle(atlas_));
+  EXPECT_FALSE(tick(&merger, 101.9));
+  const auto second = tick(&merger, 102);
+  ASSERT_TRUE(second);
+  EXPECT_TRUE(second->placements.empty()) << "they have nothing in common";
+  EXPECT_TRUE(merger.idle(atlas_));
+  change(Chain::kFront2);
+  EXPECT_TRUE(tick(&merger, 1)) << "the clock was set back";
+}
+
+TEST_F(MapMergerTest, ABackSubmapTiesTwoFrontsAndTheWholeIsAdjustedLater) {
+  MapMerger merger(options_);
+  put(Chain::kFront1);
+  put(Chain::kFront2);
+  ASSERT_TRUE(tick(&merger, 0));
+  put(Chain::kBack1);
+  const auto weld = tick(&merger, 4);
+  ASSERT_TRUE(weld);
+  EXPECT_EQ(weld->scope, Scope::kWeld);
+  EXPECT_EQ(weld->placements.size(), 3u);
+  EXPECT_EQ(weld->report.members, 3);
+  EXPECT_GT(weld->cpu_s, 0);
+  EXPECT_EQ(std::count_if(weld->links.begin(), weld->links.end(), [](const Link& link) { return link.accepted(); }), 2);
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.05);
+
+  EXPECT_FALSE(merger.idle(atlas_)) << "the whole map is still to be adjusted";
+  for (double now_s = 4; now_s < options_.adjustment_interval_s; now_s += 0.5) EXPECT_FALSE(tick(&merger, now_s));
+  const auto all = tick(&merger, options_.adjustment_interval_s);
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->scope, Scope::kAll);
+  EXPECT_EQ(all->placements.size(), 3u);
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
+  EXPECT_TRUE(merger.idle(atlas_));
+  for (double now_s = 20; now_s < 1000; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
+}
+
+TEST_F(MapMergerTest, ALargerMapIsAdjustedLessOften) {
+  options_.adjustment_interval_s = 0;
+  options_.adjustment_s_per_view = 10;
+  MapMerger merger(options_);
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
+  const auto weld = tick(&merger, 0);
+  ASSERT_TRUE(weld);
+  ASSERT_GT(weld->report.views, 10);
+  EXPECT_FALSE(tick(&merger, 10 * weld->report.views - 1));
+  EXPECT_TRUE(tick(&merger, 10 * weld->report.views));
+}
+
+TEST_F(MapMergerTest, InAHurryAllIsDoneAtOnce) {
+  MapMerger merger(options_);
+  put(Chain::kFront1);
+  put(Chain::kFront2);
+  ASSERT_TRUE(tick(&merger, 0));
+  put(Chain::kBack1);
+  merger.hurry();
+  const auto all = tick(&merger, 0.1);
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->scope, Scope::kAll);
+  EXPECT_EQ(all->placements.size(), 3u);
+  EXPECT_TRUE(merger.idle(atlas_));
+  // After a weld: what that left to do.
+  put(Chain::kBack2);
+  put(Chain::kFront3);
+  const auto weld = tick(&merger, 3);
+  ASSERT_TRUE(weld);
+  EXPECT_EQ(weld->scope, Scope::kWeld);
+  EXPECT_FALSE(tick(&merger, 3));
+  merger.hurry();
+  const auto rest = tick(&merger, 3);
+  ASSERT_TRUE(rest);
+  EXPECT_EQ(rest->scope, Scope::kAll);
+  EXPECT_EQ(rest->placements.size(), 5u);
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
+  // That was all: what comes next is not hurried.
+  change(Chain::kFront3);
+  EXPECT_FALSE(tick(&merger, 3.1));
+}
+
+TEST_F(MapMergerTest, AChangeIsNews) {
+  MapMerger merger(options_);
+  const Growth growth = grow(chain_->submap(Chain::kFront2), 7);
+  put(Chain::kFront1);
+  put(Chain::kBack1);
+  testing::put(growth.early, &atlas_);
+  merger.hurry();
+  ASSERT_TRUE(tick(&merger, 0));
+  ASSERT_TRUE(merger.idle(atlas_));
+  const size_t early = atlas_.find(Chain::kFront2)->placement.map_from_submap.size();
+  testing::put(growth.late, &atlas_);
+  EXPECT_FALSE(merger.idle(atlas_));
+  EXPECT_FALSE(tick(&merger, 1));
+  EXPECT_TRUE(tick(&merger, 2));
+  EXPECT_FALSE(merger.idle(atlas_));
+  const auto all = tick(&merger, options_.adjustment_interval_s);
+  ASSERT_TRUE(all);
+  EXPECT_EQ(all->scope, Scope::kAll);
+  EXPECT_EQ(early, 7u);
+  EXPECT_EQ(atlas_.find(Chain::kFront2)->placement.map_from_submap.size(), growth.late.keyframes.size());
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
+  EXPECT_TRUE(merger.idle(atlas_));
+}
+
+TEST_F(MapMergerTest, DoesNothingWhereItIsNotWanted) {
+  options_.enabled = false;
+  MapMerger merger(options_);
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
+  merger.hurry();
+  for (double now_s = 0; now_s < 100; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
+  EXPECT_TRUE(merger.idle(atlas_));
+}
+
+TEST_F(MapMergerTest, AThreadMakesTheSameMap) {
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
+  const Atlas before = atlas_;
+  MapMerger at_once(options_);
+  const auto weld = tick(&at_once, 0);
+  at_once.hurry();
+  const auto all = tick(&at_once, 0);
+  ASSERT_TRUE(weld && all);
+
+  atlas_ = before;
+  options_.thread = true;
+  MapMerger merger(options_);
+  EXPECT_FALSE(tick(&merger, 0));
+  EXPECT_TRUE(merger.running());
+  EXPECT_FALSE(merger.idle(atlas_));
+  change(Chain::kBack1);  // the thread has copies
+  const auto same_weld = wait(&merger, 0);
+  ASSERT_TRUE(same_weld);
+  atlas_ = before;
+  atlas_.place_map(same_weld->placements);
+  merger.hurry();
+  EXPECT_FALSE(tick(&merger, 0));
+  const auto same_all = wait(&merger, 0);
+  ASSERT_TRUE(same_all);
+  EXPECT_EQ(same_all->scope, Scope::kAll);
+  EXPECT_TRUE(merger.idle(atlas_));
+  for (const auto& [expected, got] : {std::pair{&weld, &same_weld}, std::pair{&all, &same_all}}) {
+    EXPECT_EQ((*expected)->links, (*got)->links);
+    ASSERT_EQ((*expected)->placements.size(), (*got)->placements.size());
+    for (const auto& [key, placement] : (*expected)->placements)
+      EXPECT_TRUE(same_place(placement, (*got)->placements.at(key)));
+  }
+}
+
+// What came while the whole map was adjusted is not in that map.
+TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
+  options_.thread = true;
+  MapMerger merger(options_);
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
+  merger.hurry();
+  EXPECT_FALSE(tick(&merger, 0));
+  put(Chain::kBack2);
+  put(Chain::kFront3);
+  merger.hurry();
+  const auto first = wait(&merger, 0);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->scope, Scope::kAll);
+  EXPECT_EQ(first->placements.size(), 3u);
+  EXPECT_FALSE(tick(&merger, 0));
+  ASSERT_TRUE(merger.running());
+  const auto second = wait(&merger, 0);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->scope, Scope::kAll);
+  EXPECT_EQ(second->placements.size(), 5u);
+  EXPECT_TRUE(merger.idle(atlas_));
+}
+
+TEST_F(MapMergerTest, GivesUpWhatIsUnderWayAtTheEnd) {
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3}) put(key);
+  MapMerger at_once(options_);
+  at_once.hurry();
+  const auto whole = tick(&at_once, 0);
+  ASSERT_TRUE(whole);
+  options_.thread = true;
+  const double start_s = process_cpu_s();
+  {
+    MapMerger merger(options_);
+    merger.hurry();
+    merger.tick(0, atlas_);
+    EXPECT_TRUE(merger.running());
+  }
+  const double spent_s = process_cpu_s() - start_s;
+  std::printf("the whole: %.2f s of CPU, given up after %.2f s\n", whole->cpu_s, spent_s);
+  EXPECT_LT(spent_s, whole->cpu_s / 3);
+}
+
+}  // namespace
+}  // namespace rumi::testing
