@@ -36,13 +36,19 @@ std::vector<Match> match_features(const Features& first, const std::vector<int>&
       }
     }
   };
+  // Whatever is farther can be neither a match nor the second best that refuses one.
+  const double refusing = options.max_ratio > 0 ? options.max_distance / options.max_ratio : 256;
+  const int farthest = std::max(options.max_distance, static_cast<int>(std::min(256.0, std::ceil(refusing))));
+  std::vector<Descriptor> column_descriptors;
+  for (int column : columns) column_descriptors.push_back(second.descriptors[column]);
   std::vector<Best> best_row(rows.size()), best_column(columns.size());
   for (size_t r = 0; r < rows.size(); ++r) {
-    const Descriptor& d = first.descriptors[rows[r]];
+    const Descriptor d = first.descriptors[rows[r]];
     for (size_t c = 0; c < columns.size(); ++c) {
+      const int distance = hamming_distance(d, column_descriptors[c]);
+      if (distance > farthest) continue;
       if (max_shift2 > 0 && (first.undistorted[rows[r]] - second.undistorted[columns[c]]).squaredNorm() > max_shift2)
         continue;
-      const int distance = hamming_distance(d, second.descriptors[columns[c]]);
       best_row[r].offer(distance, static_cast<int>(c));
       best_column[c].offer(distance, static_cast<int>(r));
     }
