@@ -66,7 +66,7 @@ class MapServerNode : public Node {
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
   bool finishing_ = false;
-  std::string trouble_, snapshot_trouble_;               // why the last save, or snapshot, failed
+  std::string trouble_, snapshot_trouble_;  // why the last save, or snapshot, failed
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
   int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was written
   int64_t last_utime_us_ = 0;

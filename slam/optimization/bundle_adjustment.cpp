@@ -95,7 +95,8 @@ class Cancellation final : public ceres::IterationCallback {
 
 ceres::Solver::Options solver_options(const BundleOptions& options, size_t views) {
   constexpr size_t kDense = 40;
-  // Where hundreds of views see one another CHOLMOD is four times as fast. Below, its threads are not worth their while.
+  // Where hundreds of views see one another CHOLMOD is four times as fast. Below, its threads are not worth their
+  // while.
   constexpr size_t kLarge = 150;
   const bool cholmod = views >= kLarge && ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
   ceres::Solver::Options o;
