@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map_server with what makers of submaps send it: one map of all that hangs together, in whatever order it comes.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "bus/memory_bus.h"
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "map_server/map_server_node.h"
+#include "tests/map_server/synthetic_chain.h"
+#include "tests/map_server/test_atlas.h"
+
+namespace rumi::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr SubmapKey kFront1 = Chain::kFront1, kFront2 = Chain::kFront2, kFront3 = Chain::kFront3,
+                    kBack1 = Chain::kBack1, kBack2 = Chain::kBack2;
+const std::vector<SubmapKey> kAll = {kFront1, kBack1, kFront2, kBack2, kFront3};
+
+// Time passes in steps of 50 ms.
+class MergingNodeTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { chain_ = new Chain; }
+  static void TearDownTestSuite() { delete chain_; }
+
+  MergingNodeTest() {
+    options_.database = ":memory:";
+    options_.merge.thread = false;
+  }
+  // A new process, of the database that there is. What was on the bus is gone.
+  void start() {
+    stop();
+    side_ = std::make_unique<Side>();
+    side_->bus.set_now_us(now_us_);
+    node_ = std::make_unique<MapServerNode>(side_->bus, options_);
+  }
+  void stop() {
+    node_.reset();
+    side_.reset();
+  }
+  void step() {
+    now_us_ += 50'000;
+    side_->bus.set_now_us(now_us_);
+    side_->bus.dispatch();
+    node_->tick(now_us_);
+    side_->maker.tick(now_us_);
+    side_->asker.tick(now_us_);
+    side_->bus.dispatch();
+  }
+  void pass(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 20); ++i) step();
+  }
+  TransferResult send(const submap_update_t& update) {
+    std::optional<TransferResult> result;
+    side_->maker.send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(update),
+                      [&](const TransferResult& r) { result = r; });
+    for (int i = 0; i < 200 && !result; ++i) step();
+    return result.value_or(TransferResult{.ok = false, .reason = "no answer"});
+  }
+  TransferResult send(SubmapKey key) { return send(make_submap_update(chain_->submap(key), 0)); }
+  void send_all() {
+    for (const SubmapKey key : kAll) ASSERT_TRUE(send(key).ok);
+  }
+  void ask_for(int8_t what) {
+    map_request_t request{};
+    request.requester = "asker";
+    request.request_id = what;
+    request.what = what;
+    side_->bus.publish(channels::kMapRequest, request);
+    side_->bus.dispatch();
+  }
+  // Until every image of the map has been adjusted.
+  void settle() { pass(options_.merge.adjustment_interval_s + 5); }
+
+  bool in_map(SubmapKey key) const {
+    return std::any_of(side_->status.submaps.begin(), side_->status.submaps.end(), [key](const submap_summary_t& s) {
+      return SubmapKey{s.session, s.submap_id} == key && s.in_map;
+    });
+  }
+  int accepted_links() const {
+    return static_cast<int>(std::count_if(side_->status.links.begin(), side_->status.links.end(),
+                                          [](const link_t& l) { return l.accepted && l.kind == link_t::SAME_IMAGES; }));
+  }
+  void expect_one_map() const {
+    ASSERT_EQ(side_->status.nsubmaps, 5);
+    for (const submap_summary_t& s : side_->status.submaps) {
+      EXPECT_TRUE(s.in_map) << s.submap_id;
+      EXPECT_GT(s.placement_revision, 0) << s.submap_id;
+      EXPECT_TRUE(from_wire(s.map_from_submap)) << s.submap_id;
+    }
+    EXPECT_EQ(accepted_links(), 4);
+    EXPECT_EQ(side_->status.frames_in_map, Chain::kImages);
+    EXPECT_EQ(side_->status.map_revision, node_->atlas().revision());
+    EXPECT_LT(chain_->error(node_->atlas()).rmse, 0.04);
+    expect_same(node_->atlas(), node_->store().load());
+  }
+
+  // The bus, and those beside map_server on it.
+  struct Side {
+    Side() {
+      bus.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { status = s; });
+    }
+    MemoryBus bus;
+    ChunkSender maker{bus, channels::kSubmap, channels::kSubmapAck, "front_tracker@test:1"};
+    std::vector<ChunkReceiver::Payload> answers;
+    ChunkReceiver asker{
+        bus, channels::kMapChunk, channels::kMapAck, "asker", false, [this](const ChunkReceiver::Payload& payload) {
+          answers.push_back(payload);
+          return ChunkReceiver::Verdict{};
+        }};
+    map_status_t status{};
+  };
+
+  static Chain* chain_;
+  MapServerOptions options_;
+  int64_t now_us_ = 1'000'000;
+  std::unique_ptr<Side> side_;
+  std::unique_ptr<MapServerNode> node_;
+};
+Chain* MergingNodeTest::chain_ = nullptr;
+
+TEST_F(MergingNodeTest, OneMapInAnyOrderOfArrival) {
+  const std::vector<std::vector<SubmapKey>> orders = {kAll,
+                                                      {kBack2, kBack1, kFront3, kFront2, kFront1},
+                                                      {kFront3, kFront1, kFront2, kBack2, kBack1},
+                                                      {kFront2, kFront2, kBack1, kFront1, kBack1, kFront3, kBack2}};
+  double worst_m = 0;
+  for (const std::vector<SubmapKey>& order : orders) {
+    start();
+    int64_t revision = 0;
+    for (const SubmapKey key : order) {
+      ASSERT_TRUE(send(key).ok);
+      pass(2.5);
+      EXPECT_GE(side_->status.map_revision, revision);
+      revision = side_->status.map_revision;
+    }
+    EXPECT_GT(side_->status.frames_in_map, 46) << "of the largest front submap";
+    settle();
+    EXPECT_GT(side_->status.map_revision, revision);
+    EXPECT_FALSE(side_->status.merging);
+    expect_one_map();
+    worst_m = std::max(worst_m, chain_->error(node_->atlas()).rmse);
+  }
+  std::printf("any order: ATE %.1f mm at most\n", 1000 * worst_m);
+}
+
+TEST_F(MergingNodeTest, AllAtOnce) {
+  options_.merge.interval_s = 100;
+  start();
+  send_all();
+  EXPECT_EQ(side_->status.nlinks, 0);
+  pass(101);
+  settle();
+  expect_one_map();
+}
+
+TEST_F(MergingNodeTest, ThePartsOfASubmapMayComeLate) {
+  start();
+  std::map<SubmapKey, Growth> growing;
+  for (const SubmapKey key : kAll) {
+    growing[key] = grow(chain_->submap(key), 6);
+    ASSERT_TRUE(send(make_submap_update(growing[key].early, 0)).ok);
+  }
+  pass(3);
+  EXPECT_LT(side_->status.frames_in_map, Chain::kImages);
+  for (const SubmapKey key : {kBack2, kFront1, kFront3, kBack1, kFront2}) {
+    ASSERT_TRUE(send(make_submap_update(growing[key].late, 1)).ok);
+    ASSERT_TRUE(send(make_submap_update(growing[key].early, 0)).ok) << "old news";
+    pass(3);
+  }
+  settle();
+  expect_one_map();
+}
+
+// Nobody who uses the map sees it jump or change its unit.
+TEST_F(MergingNodeTest, TheAnchorKeepsItsGauge) {
+  start();
+  ASSERT_TRUE(send(kFront2).ok);
+  pass(3);
+  const Keyframe first = chain_->submap(kFront2).keyframes.begin()->second;
+  const auto expect_gauge = [&](SubmapKey anchor, const SE3& cam_from_map, double scale) {
+    const AtlasSubmap& owner = *node_->atlas().find(anchor);
+    const Keyframe& keyframe = owner.submap.keyframes.begin()->second;
+    ASSERT_TRUE(owner.in_map);
+    EXPECT_LT((owner.placement.cam_from_map(keyframe).center() - cam_from_map.center()).norm(), 1e-6 * scale);
+    EXPECT_LT(rotation_error_deg(owner.placement.cam_from_map(keyframe), cam_from_map), 1e-4);
+    EXPECT_NEAR(owner.placement.at(keyframe.utime_us).scale, scale, 1e-9 * scale);
+  };
+  for (const SubmapKey key : {kBack2, kFront3}) {
+    ASSERT_TRUE(send(key).ok);
+    pass(3);
+    expect_gauge(kFront2, first.cam_from_submap, 1);
+  }
+  settle();
+  expect_gauge(kFront2, first.cam_from_submap, 1);
+  // An older one that joins later is the anchor from then on.
+  ASSERT_TRUE(send(kFront1).ok);
+  ASSERT_TRUE(send(kBack1).ok);
+  pass(3);
+  const AtlasSubmap& oldest = *node_->atlas().find(kFront1);
+  ASSERT_TRUE(oldest.in_map);
+  expect_gauge(kFront2, first.cam_from_submap, 1);
+  const Keyframe& keyframe = oldest.submap.keyframes.begin()->second;
+  const SE3 then = oldest.placement.cam_from_map(keyframe);
+  const double scale = oldest.placement.at(keyframe.utime_us).scale;
+  settle();
+  expect_gauge(kFront1, then, scale);
+}
+
+TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
+  for (const bool thread : {false, true}) {
+    options_.merge.thread = thread;
+    options_.merge.interval_s = 100;
+    start();
+    send_all();
+    EXPECT_EQ(node_->atlas().frames_in_map(), 46);
+    ask_for(map_request_t::SNAPSHOT);
+    if (thread) {
+      step();
+      EXPECT_TRUE(side_->answers.empty());
+      ask_for(map_request_t::STATUS);
+      EXPECT_TRUE(side_->status.merging);
+    }
+    for (int64_t i = 0; i < 100'000'000 && node_->atlas().frames_in_map() < Chain::kImages; ++i) {
+      node_->tick(now_us_);
+      std::this_thread::yield();
+    }
+    pass(5);
+    ASSERT_EQ(side_->answers.size(), 1u);
+    ASSERT_EQ(side_->answers[0].kind, chunk_t::DATABASE);
+    const TemporaryFolder folder;
+    write_file(folder / "map.db", std::string(side_->answers[0].bytes.begin(), side_->answers[0].bytes.end()));
+    const Atlas snapshot = MapStore(folder / "map.db").load();
+    expect_same(node_->atlas(), snapshot);
+    EXPECT_EQ(snapshot.frames_in_map(), Chain::kImages);
+    for (const auto& [key, owner] : snapshot.submaps()) {
+      EXPECT_TRUE(owner.in_map);
+      EXPECT_EQ(owner.placement.map_from_submap.size(), owner.submap.keyframes.size());
+    }
+    EXPECT_EQ(std::count_if(snapshot.links().begin(), snapshot.links().end(),
+                            [](const Link& l) { return l.accepted() && l.kind == Link::Kind::kSameImages; }),
+              4);
+    expect_one_map();
+  }
+}
+
+TEST_F(MergingNodeTest, WhatIsLeftIsMergedAtTheEnd) {
+  options_.merge.interval_s = 100;
+  start();
+  send_all();
+  node_->finish();
+  for (int i = 0; i < 100 && !node_->finished(); ++i) step();
+  EXPECT_TRUE(node_->finished());
+  side_->bus.dispatch();
+  expect_one_map();
+}
+
+TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
+  const TemporaryFolder folder;
+  options_.database = folder / "map.db";
+  start();
+  for (const SubmapKey key : {kFront1, kBack1, kFront2, kFront3}) ASSERT_TRUE(send(key).ok);
+  settle();
+  EXPECT_FALSE(in_map(kFront3));
+  const Atlas before = node_->atlas();
+  start();
+  expect_same(before, node_->atlas());
+  step();
+  pass(1);
+  for (const SubmapKey key : {kFront1, kBack1, kFront2}) EXPECT_TRUE(in_map(key));
+  ASSERT_TRUE(send(kBack2).ok);
+  settle();
+  expect_one_map();
+  const AtlasSubmap &was = *before.find(kFront1), &is = *node_->atlas().find(kFront1);
+  const Keyframe& first = was.submap.keyframes.begin()->second;
+  EXPECT_LT((was.placement.cam_from_map(first).center() - is.placement.cam_from_map(first).center()).norm(), 1e-6);
+  stop();
+}
+
+TEST_F(MergingNodeTest, ASubmapThatIsRefusedHoldsNothingUp) {
+  start();
+  Submap bad = chain_->submap(kBack1);
+  bad.key.id = -9;
+  bad.landmarks.begin()->second.position.y() = std::nan("");
+  EXPECT_THAT(send(make_submap_update(bad, 0)).reason, HasSubstr("not finite"));
+  bad = chain_->submap(kBack1);
+  bad.keyframes.begin()->second.cam_from_submap.translation.x() = INFINITY;
+  EXPECT_FALSE(send(make_submap_update(bad, 0)).ok);
+  send_all();
+  settle();
+  expect_one_map();
+}
+
+TEST_F(MergingNodeTest, ARefusedLinkIsToldWithItsReason) {
+  start();
+  ASSERT_TRUE(send(make_submap_update(chain_->spoiled(kBack1), 0)).ok);
+  for (const SubmapKey key : {kFront1, kFront2, kBack2, kFront3}) ASSERT_TRUE(send(key).ok);
+  settle();
+  int refused = 0;
+  for (const link_t& l : side_->status.links) {
+    if (l.kind != link_t::SAME_IMAGES || (l.submap_a != kBack1.id && l.submap_b != kBack1.id)) continue;
+    EXPECT_FALSE(l.accepted);
+    EXPECT_NE(l.doubt, "");
+    ++refused;
+  }
+  EXPECT_EQ(refused, 2);
+  EXPECT_EQ(accepted_links(), 2);
+  for (const SubmapKey key : {kFront2, kBack2, kFront3}) EXPECT_TRUE(in_map(key));
+  EXPECT_FALSE(in_map(kBack1));
+  EXPECT_FALSE(in_map(kFront1));
+  EXPECT_EQ(side_->status.frames_in_map, Chain::kImages - 54);
+  expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MergingNodeTest, AFullDiskIsSaidAndTheMapIsStoredLater) {
+  const TemporaryFolder folder;
+  options_.database = folder / "map.db";
+  options_.merge.interval_s = 10;
+  start();
+  send_all();
+  ASSERT_FALSE(node_->status().degraded);
+  node_->store().limit_bytes(1);
+  pass(11);
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_THAT(node_->status().detail, HasSubstr("no space left"));
+  EXPECT_EQ(side_->status.frames_in_map, Chain::kImages) << "it is served all the same";
+  EXPECT_LT(node_->store().load().frames_in_map(), Chain::kImages);
+  ask_for(map_request_t::SNAPSHOT);
+  pass(5);
+  ASSERT_EQ(side_->answers.size(), 1u);
+  EXPECT_EQ(side_->answers[0].kind, chunk_t::REFUSED);
+
+  node_->store().limit_bytes(int64_t{1} << 40);
+  pass(2);
+  EXPECT_FALSE(node_->status().degraded);
+  expect_one_map();
+  settle();
+  expect_one_map();
+  stop();
+}
+
+TEST_F(MergingNodeTest, WithoutMergingTheMapIsTheLargestFrontSubmap) {
+  options_.merge.enabled = false;
+  start();
+  send_all();
+  settle();
+  EXPECT_EQ(side_->status.frames_in_map, 46);
+  EXPECT_EQ(side_->status.nlinks, 0);
+  EXPECT_TRUE(in_map(kFront2));
+}
+
+}  // namespace
+}  // namespace rumi::testing
