@@ -66,13 +66,22 @@ class MergingNodeTest : public ::testing::Test {
   void send_all() {
     for (const SubmapKey key : kAll) ASSERT_TRUE(send(key).ok);
   }
-  void ask_for(int8_t what) {
+  void ask_for(int8_t what, int32_t id = 1) {
     map_request_t request{};
     request.requester = "asker";
-    request.request_id = what;
+    request.request_id = id;
     request.what = what;
     side_->bus.publish(channels::kMapRequest, request);
     side_->bus.dispatch();
+  }
+  // Until what the thread has under way is done; no time passes.
+  void wait() {
+    for (int64_t i = 0; i < 100'000'000; ++i) {
+      ask_for(map_request_t::STATUS);
+      if (!side_->status.merging) return;
+      node_->tick(now_us_);
+      std::this_thread::yield();
+    }
   }
   // Until every image of the map has been adjusted.
   void settle() { pass(options_.merge.adjustment_interval_s + 5); }
@@ -226,10 +235,7 @@ TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
       ask_for(map_request_t::STATUS);
       EXPECT_TRUE(side_->status.merging);
     }
-    for (int64_t i = 0; i < 100'000'000 && node_->atlas().frames_in_map() < Chain::kImages; ++i) {
-      node_->tick(now_us_);
-      std::this_thread::yield();
-    }
+    wait();
     pass(5);
     ASSERT_EQ(side_->answers.size(), 1u);
     ASSERT_EQ(side_->answers[0].kind, chunk_t::DATABASE);
@@ -247,6 +253,25 @@ TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
               4);
     expect_one_map();
   }
+}
+
+// Whoever asks during an adjustment gets what came before he asked, also if that came after the adjustment began.
+TEST_F(MergingNodeTest, ASnapshotDoesNotGoWithoutWhatCameDuringAnAdjustment) {
+  options_.merge.thread = true;
+  options_.merge.interval_s = 100;
+  start();
+  for (const SubmapKey key : {kFront1, kBack1, kFront2}) ASSERT_TRUE(send(key).ok);
+  wait();
+  ask_for(map_request_t::SNAPSHOT, 1);
+  for (const SubmapKey key : {kBack2, kFront3}) ASSERT_TRUE(send(key).ok);
+  ask_for(map_request_t::SNAPSHOT, 2);
+  wait();
+  pass(5);
+  ASSERT_EQ(side_->answers.size(), 2u);
+  EXPECT_EQ(side_->answers[1].request_id, 2);
+  const TemporaryFolder folder;
+  write_file(folder / "map.db", std::string(side_->answers[1].bytes.begin(), side_->answers[1].bytes.end()));
+  EXPECT_EQ(MapStore(folder / "map.db").load().frames_in_map(), Chain::kImages);
 }
 
 TEST_F(MergingNodeTest, WhatIsLeftIsMergedAtTheEnd) {
