@@ -230,7 +230,6 @@ TEST_F(MergingNodeTest, ASnapshotWaitsForTheMap) {
     EXPECT_EQ(node_->atlas().frames_in_map(), 46);
     ask_for(map_request_t::SNAPSHOT);
     if (thread) {
-      step();
       EXPECT_TRUE(side_->answers.empty());
       ask_for(map_request_t::STATUS);
       EXPECT_TRUE(side_->status.merging);
