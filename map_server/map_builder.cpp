@@ -220,8 +220,7 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   const std::set<SubmapKey> members = choose_members(submaps, placed);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
-  const bool is_new = members != built_ || places_.found().size() != built_places_;
-  if (members.empty() || cancelled() || (scope == Scope::kWeld && !is_new)) return built;
+  if (members.empty() || cancelled() || (scope == Scope::kWeld && members == built_)) return built;
   const SubmapKey anchor = choose_anchor(submaps, members, placed);
   if (!members.contains(anchor)) return built;  // none that has a frame
   Placed before = place_members(submaps, members, anchor, placed);
@@ -236,7 +235,6 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   if (cancelled()) return built;
   note_joined(model);
   built_ = members;
-  built_places_ = places_.found().size();
   built.placements = split(model, before);
   keep_gauge(before.at(anchor), anchor, &built.placements);
   return built;

@@ -52,7 +52,7 @@ struct BuiltMap {
 class MapBuilder {
  public:
   enum class Scope {
-    kWeld,  // what has been joined since the last build and what is around it; nothing to do where that is nothing
+    kWeld,  // submaps that have been joined since the last build, and what is around them; else nothing
     kAll,   // the whole map
   };
 

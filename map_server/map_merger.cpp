@@ -72,7 +72,7 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     last_adjustment_us_ = now_us;
     hurry_ = false;  // who hurries from now on means what is not in this build
   }
-  // The first adjustment waits its turn from the first weld on.
+  // The first adjustment waits its turn from the first look on.
   if (last_adjustment_us_ == INT64_MIN) last_adjustment_us_ = now_us;
   running_ = true;
   done_ = false;
