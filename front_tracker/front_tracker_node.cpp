@@ -5,13 +5,13 @@
 #include <spdlog/spdlog.h>
 
 #include <charconv>
-#include <ctime>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
 #include "bus/submap_update.h"
+#include "bus/thread_cpu.h"
 
 namespace rumi {
 namespace {
@@ -34,12 +34,6 @@ const char* name_of(TrackingState state) {
       return "LOST";
   }
   return "";
-}
-
-double thread_cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
 // From publication to pose where the driver says when it published, else from capture.
@@ -145,10 +139,10 @@ void FrontTrackerNode::on_image(const image_t& image) {
   if (grey.empty()) return;
   problem_.clear();
   last_utime_us_ = image.utime;
-  const double before_ms = thread_cpu_ms();
+  const double before_s = thread_cpu_s();
   const auto result = tracker_->process(image.utime, grey);
   if (!result) return;
-  const double cpu_ms = thread_cpu_ms() - before_ms;
+  const double cpu_ms = 1e3 * (thread_cpu_s() - before_s);
   cpu_ms_ += cpu_ms;
   ++cpu_count_;
   state_ = result->state;

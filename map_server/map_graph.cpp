@@ -80,11 +80,9 @@ class Bender {
       placed.placement.landmarks.clear();
       for (const auto& [id, position] : before.landmarks) {
         const Landmark* landmark = placed.submap->landmark(id);
-        const Keyframe* seen_from = landmark && !landmark->observations.empty()
-                                        ? placed.submap->keyframe(landmark->observations[0].keyframe_id)
-                                        : nullptr;
-        if (!seen_from) continue;
-        const int64_t at_us = seen_from->utime_us;
+        const Keyframe* anchor = landmark ? anchor_of(*placed.submap, *landmark) : nullptr;
+        if (!anchor) continue;
+        const int64_t at_us = anchor->utime_us;
         placed.placement.landmarks[id] = placed.placement.at(at_us) * (before.at(at_us).inverse() * position);
       }
     }

@@ -6,16 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <ctime>
+
+#include "bus/thread_cpu.h"
 
 namespace rumi {
 namespace {
-
-double thread_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 bool has_passed(double period_s, int64_t since_us, int64_t now_us) {
   return since_us == INT64_MIN || now_us < since_us || static_cast<double>(now_us - since_us) >= 1e6 * period_s;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "slam/features/keypoint_grid.h"
+#include "slam/geometry/median.h"
 
 namespace rumi {
 namespace {
@@ -137,12 +138,6 @@ class Joiner {
   std::map<LandmarkRef, size_t> index_;
 };
 
-// The similarity that takes one pose of a camera to another.
-Sim3 through(const SE3& cam_from_submap, const SE3& cam_from_map, double scale) {
-  const Eigen::Quaterniond rotation = cam_from_map.rotation.conjugate() * cam_from_submap.rotation;
-  return {scale, rotation, cam_from_map.center() - scale * (rotation * cam_from_submap.center())};
-}
-
 double scale_at(const MapModel& model, const MapModel::View& view, const std::map<int, int>& point_of,
                 const Submap& submap, const Keyframe& keyframe, double otherwise) {
   std::vector<double> ratios;
@@ -153,9 +148,7 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
     const double placed = (view.cam_from_map * model.points[point->second].position).z();
     if (raw > 0 && placed > 0) ratios.push_back(placed / raw);
   }
-  if (ratios.size() < kMinScaleLandmarks) return otherwise;
-  std::nth_element(ratios.begin(), ratios.begin() + static_cast<long>(ratios.size() / 2), ratios.end());
-  return ratios[ratios.size() / 2];
+  return ratios.size() < kMinScaleLandmarks ? otherwise : median(&ratios);
 }
 
 }  // namespace
@@ -214,7 +207,7 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
       const Keyframe& keyframe = *before.submap->keyframe(ref.id);
       const double scale = scale_at(model, view, point_of[ref.submap], *before.submap, keyframe,
                                     before.placement.at(view.utime_us).scale);
-      const Sim3 map_from_submap = through(keyframe.cam_from_submap, view.cam_from_map, scale);
+      const Sim3 map_from_submap = similarity_through(keyframe.cam_from_submap, view.cam_from_map, scale);
       if (map_from_submap.is_finite()) placements[ref.submap].map_from_submap[view.utime_us] = map_from_submap;
     }
   return placements;

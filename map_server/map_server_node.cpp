@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
 
 #include "bus/submap_update.h"
+#include "bus/thread_cpu.h"
 #include "map_server/map_messages.h"
 
 namespace rumi {
@@ -19,12 +19,6 @@ namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
-
-double cpu_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 // True when a period has gone by, also when the clock was set back (a log played again).
 bool is_due(int64_t now_us, int64_t last_us, int64_t period_us) {
@@ -68,7 +62,7 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
 }
 
 ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& payload) {
-  const double start_ms = cpu_ms();
+  const double start_s = thread_cpu_s();
   submap_update_t update;
   if (payload.kind != chunk_t::SUBMAP_UPDATE || !Bus::decode(payload.bytes, &update)) {
     ++rejected_;
@@ -84,7 +78,7 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     ++rejected_;
     spdlog::warn("a submap update from {} is rejected: {}", payload.sender, reason);
   }
-  busy_ms_ += cpu_ms() - start_ms;
+  busy_ms_ += 1e3 * (thread_cpu_s() - start_s);
   ++handled_;
   return {.ok = reason.empty(), .reason = reason, .revision = store_.stored_revision(key)};
 }

@@ -6,6 +6,10 @@
 
 namespace rumi {
 
+const Keyframe* anchor_of(const Submap& submap, const Landmark& landmark) {
+  return landmark.observations.empty() ? nullptr : submap.keyframe(landmark.observations.front().keyframe_id);
+}
+
 Sim3 Placement::at(int64_t utime_us) const {
   if (map_from_submap.empty()) return {};
   const auto after = map_from_submap.lower_bound(utime_us);
@@ -27,8 +31,7 @@ SE3 Placement::cam_from_map(const Submap& submap, const FramePose& frame) const 
 
 Eigen::Vector3d Placement::position_in_map(const Submap& submap, const Landmark& landmark) const {
   if (const auto adjusted = landmarks.find(landmark.id); adjusted != landmarks.end()) return adjusted->second;
-  const Keyframe* anchor =
-      landmark.observations.empty() ? nullptr : submap.keyframe(landmark.observations.front().keyframe_id);
+  const Keyframe* anchor = anchor_of(submap, landmark);
   return (anchor ? at(anchor->utime_us) : latest()) * landmark.position;
 }
 

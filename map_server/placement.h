@@ -12,6 +12,9 @@
 
 namespace rumi {
 
+// The keyframe that a landmark follows: its first. Nothing if nobody observes it.
+const Keyframe* anchor_of(const Submap& submap, const Landmark& landmark);
+
 struct LandmarkRef {
   SubmapKey submap;
   int id = kNone;

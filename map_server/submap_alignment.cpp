@@ -72,12 +72,7 @@ class Aligner {
     if (!std::isfinite(ratio.sigma)) return std::nullopt;
     const SE3& cam_from_a = a_.keyframe(common_.keyframes[shared].a)->cam_from_submap;
     const SE3& cam_from_b = b_.keyframe(common_.keyframes[shared].b)->cam_from_submap;
-    return through(cam_from_a, cam_from_b, std::exp(ratio.log_b_over_a));
-  }
-
-  static Sim3 through(const SE3& cam_from_a, const SE3& cam_from_b, double scale) {
-    const Eigen::Quaterniond rotation = cam_from_b.rotation.conjugate() * cam_from_a.rotation;
-    return {scale, rotation, cam_from_b.center() - scale * (rotation * cam_from_a.center())};
+    return similarity_through(cam_from_a, cam_from_b, std::exp(ratio.log_b_over_a));
   }
 
   double error_px(const Sim3& b_from_a, const Pair& pair) const {

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <filesystem>
 
 #include "bus/image_codec.h"
+#include "bus/thread_cpu.h"
 #include "ruminator/back_landmarks.h"
 #include "ruminator/window_model.h"
 #include "ruminator/window_prospects.h"
@@ -17,12 +17,6 @@ namespace rumi {
 namespace {
 
 namespace fs = std::filesystem;
-
-double thread_cpu_s() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 // Shares of the stages in the time of a build, as measured on windows of 20 to 120 images.
 constexpr double kStageStart[] = {0.0, 0.3, 0.7, 1.0};

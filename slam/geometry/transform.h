@@ -70,6 +70,12 @@ struct Sim3 {
   Vector7d minus(const Sim3& from, const Eigen::Vector3d& pivot = Eigen::Vector3d::Zero()) const;
 };
 
+// target_from_source of that scale, from the poses that one camera has in both.
+inline Sim3 similarity_through(const SE3& cam_from_source, const SE3& cam_from_target, double scale) {
+  const Eigen::Quaterniond rotation = cam_from_target.rotation.conjugate() * cam_from_source.rotation;
+  return {scale, rotation, cam_from_target.center() - scale * (rotation * cam_from_source.center())};
+}
+
 // Rotation vector (angle * axis, radians) <-> quaternion.
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
