@@ -50,6 +50,9 @@ struct ProcessDescription {
   std::function<void(OptionTable&)> add_options;
   // Makes the node once everything is parsed; throws std::runtime_error with a message for the user if it cannot.
   std::function<std::unique_ptr<Node>(Bus&)> make_node;
+  // SIGHUP: --config and --set were read again, into the fields of the options. Returns what is wrong with them, or an
+  // empty string. Without it SIGHUP ends the process.
+  std::function<std::string(Node&)> on_reload;
 };
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
