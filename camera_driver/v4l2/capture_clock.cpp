@@ -8,6 +8,7 @@ namespace rumi {
 namespace {
 
 constexpr int64_t kOldestUs = 10'000'000;  // before dequeuing
+constexpr int64_t kNewestUs = -1'000'000;  // drivers may say when a frame's last pixel is due, a part of a period ahead
 constexpr int64_t kStepUs = 1'000'000;     // larger differences are no drift
 constexpr int64_t kSlewDivisor = 200;      // 5 ms per second
 
@@ -36,7 +37,7 @@ void CaptureClock::follow(const VideoSystem::Clocks& now) {
 int64_t CaptureClock::utime_us(const FrameStamps& stamps) {
   follow(stamps.now);
   const int64_t age_us = stamps.now.monotonic_us - stamps.stamp_us;
-  const bool right = stamps.monotonic && age_us >= 0 && age_us <= kOldestUs;
+  const bool right = stamps.monotonic && age_us >= kNewestUs && age_us <= kOldestUs;
   if (!right) ++replaced_;
   const int64_t to_middle_us = !right ? 0 : stamps.start_of_exposure ? stamps.exposure_us / 2 : -stamps.exposure_us / 2;
   return (right ? stamps.stamp_us : stamps.now.monotonic_us) + to_middle_us + *offset_us_;

@@ -265,7 +265,6 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   if (options.speed != 1) return refuse(fmt::format("speed is {}: a camera has its own", options.speed));
   Camera camera;
   if (options.camera_file.empty()) {
-    spdlog::warn("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
     camera.width = options.width > 0 ? options.width : kDefaultWidth;
     camera.height = options.height > 0 ? options.height : kDefaultHeight;
   } else {
@@ -280,6 +279,8 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
                               options.height, options.camera_file, camera.width, camera.height));
   auto source = std::make_unique<V4l2Source>(system, input, camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
+  if (options.camera_file.empty())
+    spdlog::warn("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
   return {std::move(source), ""};
 }
 

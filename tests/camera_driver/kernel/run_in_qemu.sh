@@ -60,9 +60,10 @@ for module in 9pnet_virtio 9p virtio_pci vivid; do
 done | awk '!seen[$0]++' >"$work/modules"
 number=100
 while read -r file; do
+  name=$(basename "${file%%.ko*}")
   case $file in
-    *.xz) xz -dc "$file" >"$work/initramfs/modules/$number.ko" ;;
-    *) cp "$file" "$work/initramfs/modules/$number.ko" ;;
+    *.xz) xz -dc "$file" >"$work/initramfs/modules/$number-$name.ko" ;;
+    *) cp "$file" "$work/initramfs/modules/$number-$name.ko" ;;
   esac
   number=$((number + 1))
 done <"$work/modules"
