@@ -51,7 +51,7 @@ void catch_reload_signal() {
   struct sigaction action {};
   action.sa_flags = SA_RESTART;
   action.sa_handler = on_reload_signal;
-  sigaction(SIGHUP, &action, nullptr);
+  sigaction(SIGUSR2, &action, nullptr);
 }
 
 void catch_stop_signals() {
@@ -172,6 +172,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
 
 int run_process(int argc, char** argv, const ProcessDescription& description) {
   catch_finish_signal();
+  if (description.on_reload) catch_reload_signal();
   CLI::App app(description.summary, description.name);
   CommonFlags flags;
   OptionTable table;
@@ -198,7 +199,6 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
     if (!bus) throw std::runtime_error(error);
     catch_stop_signals();
-    if (description.on_reload) catch_reload_signal();
     const std::unique_ptr<Node> node = description.make_node(*bus);
     StatusPublisher status(*bus, description.name);
     run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });

@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   process.name = "camera_driver";
   process.summary =
       "Publishes the images of a camera (V4L2), or of a recording at the pace at which they were recorded, on CAMERA. "
-      "SIGHUP: reads --config again and sets the camera's controls.";
+      "SIGUSR2: reads --config again and sets the camera's controls.";
   process.add_flags = [&flags](CLI::App& app) { add_flags(app, &flags); };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&](rumi::Bus& bus) {

@@ -369,7 +369,7 @@ TEST_F(KernelTest, TheProcessOnLcm) {
   ASSERT_TRUE(until([&] { return images >= 30; }));
   EXPECT_EQ(KernelCamera::get("brightness"), 100);
   write("/run/config.yaml", "camera_driver:\n  controls: \"brightness=50\"\n");
-  process.signal(SIGHUP);
+  process.signal(SIGUSR2);
   EXPECT_TRUE(until([] { return KernelCamera::get("brightness") == 50; }));
   KernelCamera::unplug();
   EXPECT_TRUE(until([&] { return status.state == process_status_t::DEGRADED; }));
