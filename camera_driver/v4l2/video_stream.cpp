@@ -143,14 +143,14 @@ std::string VideoStream::set_format(const PixelFormat& pixels, const StreamReque
 }
 
 void VideoStream::set_rate(double rate_hz) {
-  constexpr uint32_t kMicroseconds = 1'000'000;
+  constexpr uint32_t kParts = 100'000;
   v4l2_streamparm parameters{};
   parameters.type = kBufType;
   // As a fraction that drivers compare with their own: 1/30, not 33333/1000000.
   const bool whole = std::abs(rate_hz - std::round(rate_hz)) < 1e-6;
-  parameters.parm.capture.timeperframe.numerator = whole ? 1 : kMicroseconds;
+  parameters.parm.capture.timeperframe.numerator = whole ? 1 : kParts;
   parameters.parm.capture.timeperframe.denominator =
-      static_cast<uint32_t>(std::llround(whole ? rate_hz : rate_hz * kMicroseconds));
+      static_cast<uint32_t>(std::llround(whole ? rate_hz : rate_hz * kParts));
   // Not every driver knows of rates, which is no fault.
   if (device_->ioctl(VIDIOC_S_PARM, &parameters) < 0) return;
   const v4l2_fract& got = parameters.parm.capture.timeperframe;
