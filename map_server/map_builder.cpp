@@ -84,7 +84,7 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
 
 void MapBuilder::find_links(const Submaps& submaps) {
   for (auto a = submaps.begin(); a != submaps.end(); ++a)
-    for (auto b = std::next(a); b != submaps.end(); ++b) {
+    for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
       Pair& pair = pairs_[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare(*a->second, *b->second);

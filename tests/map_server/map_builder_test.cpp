@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -106,6 +107,13 @@ TEST_F(MapBuilderTest, JoinsAChain) {
   EXPECT_LT(e.rmse, 0.04);
   EXPECT_LT(e.worst, 0.1);
   EXPECT_TRUE(finite(map.placements));
+}
+
+TEST_F(MapBuilderTest, ACancelledSearchEndsSoon) {
+  const std::atomic<bool> cancel = true;
+  MapBuilder builder({}, &cancel);
+  builder.find_links(submaps());
+  EXPECT_TRUE(builder.links().empty());
 }
 
 TEST_F(MapBuilderTest, EqualInputGivesAnEqualMapToTheBit) {
