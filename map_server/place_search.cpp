@@ -79,6 +79,13 @@ bool PlaceSearch::is_known(const Place& a, const Place& b) const {
   });
 }
 
+void PlaceSearch::refuse(int found, const std::string& doubt) {
+  Link link = found_[found].link;
+  found_.erase(found_.begin() + found);
+  link.doubt = doubt;
+  refused_[std::minmax(link.a, link.b)] = link;
+}
+
 // With what it is confirmed by, if it is.
 void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
   const auto confirms = [&](const PlaceLink& other) { return agree(link, other, submaps); };

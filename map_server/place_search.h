@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -52,6 +53,8 @@ class PlaceSearch {
   void search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined);
 
   const std::vector<PlaceLink>& found() const { return found_; }
+  // This one of them turned out to be wrong.
+  void refuse(int found, const std::string& doubt);
   // The last refusal between two submaps that nothing joins, for whoever wonders.
   const std::map<std::pair<SubmapKey, SubmapKey>, Link>& refused() const { return refused_; }
 

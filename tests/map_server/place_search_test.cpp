@@ -49,6 +49,16 @@ TEST_F(PlaceSearchTest, FindsAPlaceSeenTwice) {
   EXPECT_GE(links_of(search)[kFront], 2);
 }
 
+TEST_F(PlaceSearchTest, WhatTurnsOutToBeWrongIsToldAsRefused) {
+  PlaceSearch search({});
+  search.search({{kFront, &front_}, {kLater, &later_}}, [](const Place&, const Place&) { return false; });
+  const size_t found = search.found().size();
+  ASSERT_GE(found, 2u);
+  search.refuse(0, "wrong");
+  EXPECT_EQ(search.found().size(), found - 1);
+  EXPECT_EQ(search.refused().at({kFront, kLater}).doubt, "wrong");
+}
+
 TEST_F(PlaceSearchTest, AnImageIsSearchedForOnceWhereItsSubmapsAreJoined) {
   PlaceSearch joined({}), apart({});
   joined.search({{kLater, &later_}}, near_in_time);
