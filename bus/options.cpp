@@ -92,28 +92,29 @@ void OptionTable::insert(Entry entry) {
   if (find(entry.key)) throw std::logic_error("option declared twice: " + entry.key);
   entry.default_text = value_text(entry.field);
   const bool is_text = std::holds_alternative<std::string*>(entry.field);
-  const std::string problem = assign(entry, is_text ? *std::get<std::string*>(entry.field) : entry.default_text, false);
+  entry.initial = is_text ? *std::get<std::string*>(entry.field) : entry.default_text;
+  const std::string problem = assign(entry, entry.initial, false);
   if (!problem.empty()) throw std::logic_error("default of an option: " + problem);
   entries_.push_back(std::move(entry));
 }
 
 void OptionTable::add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min,
                       int max) {
-  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}});
+  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, double* field, const std::string& unit, const std::string& help,
                       double min, double max) {
-  insert({key, unit, help, field, min, max, {}, {}});
+  insert({key, unit, help, field, min, max, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, bool* field, const std::string& help) {
-  insert({key, "", help, field, 0, 0, {}, {}});
+  insert({key, "", help, field, 0, 0, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, std::string* field, const std::string& help,
                       const std::vector<std::string>& choices) {
-  insert({key, "", help, field, 0, 0, choices, {}});
+  insert({key, "", help, field, 0, 0, choices, {}, {}});
 }
 
 const OptionTable::Entry* OptionTable::find(const std::string& key) const {
@@ -204,6 +205,10 @@ std::string OptionTable::set(const std::string& key_equals_value) {
   const Entry* entry = find(key);
   const std::string problem = entry ? assign(*entry, key_equals_value.substr(equals + 1), true) : unknown(key);
   return problem.empty() ? "" : "--set " + problem;
+}
+
+void OptionTable::reset() {
+  for (const Entry& entry : entries_) assign(entry, entry.initial, true);
 }
 
 std::string OptionTable::range_text(const Entry& entry) const {

@@ -30,6 +30,8 @@ class OptionTable {
   std::string load_yaml(const std::string& file);
   std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
   std::string set(const std::string& key_equals_value);
+  // All fields have their defaults again.
+  void reset();
 
   // One line per option: key, default, unit, range, help.
   std::string help() const;
@@ -42,7 +44,8 @@ class OptionTable {
     std::variant<int*, double*, bool*, std::string*> field;
     double min = 0, max = 0;
     std::vector<std::string> choices;
-    std::string default_text;
+    std::string default_text;  // for a person
+    std::string initial;       // the same as assign() reads it
   };
   std::string assign(const Entry& entry, const std::string& text, bool apply) const;
   const Entry* find(const std::string& key) const;

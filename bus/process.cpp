@@ -28,6 +28,7 @@ enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
 
 std::atomic<int> g_stop_signals = 0;
 std::atomic<int> g_finish_signals = 0;
+std::atomic<bool> g_reload = false;
 static_assert(std::atomic<int>::is_always_lock_free, "it is used in a signal handler");
 
 extern "C" void on_stop_signal(int signal) {
@@ -36,6 +37,7 @@ extern "C" void on_stop_signal(int signal) {
 }
 
 extern "C" void on_finish_signal(int /*signal*/) { ++g_finish_signals; }
+extern "C" void on_reload_signal(int /*signal*/) { g_reload = true; }
 
 // At once: whoever starts us may ask at any time.
 void catch_finish_signal() {
@@ -43,6 +45,13 @@ void catch_finish_signal() {
   action.sa_flags = SA_RESTART;
   action.sa_handler = on_finish_signal;
   sigaction(SIGUSR1, &action, nullptr);
+}
+
+void catch_reload_signal() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = on_reload_signal;
+  sigaction(SIGUSR2, &action, nullptr);
 }
 
 void catch_stop_signals() {
@@ -108,12 +117,22 @@ std::string load_options(const CommonFlags& flags, OptionTable* table) {
   return "";
 }
 
-void run_node(Bus& bus, Node& node, StatusPublisher& status) {
+// What the running node makes of changed options.
+void reload(const CommonFlags& flags, OptionTable* table, const std::function<std::string(Node&)>& on_reload,
+            Node& node) {
+  table->reset();
+  std::string problem = load_options(flags, table);
+  if (problem.empty()) problem = on_reload(node);
+  if (!problem.empty()) spdlog::error("options read again, but not used: {}", problem);
+}
+
+void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function<void()>& on_reload) {
   const auto step = [&] {
     const int64_t now_us = bus.now_us();
     const int64_t wait_ms = (node.next_tick_us(now_us) - now_us + 999) / 1000;
     bus.dispatch(static_cast<int>(std::clamp<int64_t>(wait_ms, 0, kMaxDispatchMs)));
     node.tick(bus.now_us());
+    if (g_reload.exchange(false)) on_reload();
   };
   const auto run_while = [&](const auto& condition) {
     while (condition()) {
@@ -153,6 +172,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
 
 int run_process(int argc, char** argv, const ProcessDescription& description) {
   catch_finish_signal();
+  if (description.on_reload) catch_reload_signal();
   CLI::App app(description.summary, description.name);
   CommonFlags flags;
   OptionTable table;
@@ -181,7 +201,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     catch_stop_signals();
     const std::unique_ptr<Node> node = description.make_node(*bus);
     StatusPublisher status(*bus, description.name);
-    run_node(*bus, *node, status);
+    run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });
   } catch (const std::exception& e) {
     spdlog::error("{}", e.what());
     return kFailure;

@@ -50,6 +50,9 @@ struct ProcessDescription {
   std::function<void(OptionTable&)> add_options;
   // Makes the node once everything is parsed; throws std::runtime_error with a message for the user if it cannot.
   std::function<std::unique_ptr<Node>(Bus&)> make_node;
+  // SIGUSR2: --config and --set were read again, into the fields of the options. Returns what is wrong with them, or an
+  // empty string. (Not SIGHUP: a closed terminal must end the process.)
+  std::function<std::string(Node&)> on_reload;
 };
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive

@@ -26,7 +26,9 @@ std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const Camer
 }  // namespace
 
 CameraNode::CameraNode(Bus& bus, std::unique_ptr<ImageSource> source, const CameraOptions& options)
-    : bus_(bus), source_(std::move(source)), options_(options), ahead_(source_->next()) {
+    : bus_(bus), source_(std::move(source)), options_(options) {
+  if (source_->live()) return;
+  ahead_ = source_->next();
   if (ahead_) first_utime_us_ = ahead_->utime;
 }
 
@@ -40,20 +42,34 @@ int64_t CameraNode::due_us() const {
 }
 
 int64_t CameraNode::next_tick_us(int64_t now_us) const {
+  if (source_->live()) return now_us;  // tick() waits for the camera
   const int64_t usual = Node::next_tick_us(now_us);
   return live_ && ahead_ && started_us_ ? std::min(usual, due_us()) : usual;
 }
 
+bool CameraNode::done() const { return source_->live() ? source_->live()->ended : !ahead_; }
+
+void CameraNode::start(int64_t now_us) {
+  started_us_ = progress_us_ = now_us;
+  if (source_->live()) return;
+  spdlog::info("{}: {} images of {} x {} pixels", source_->name(),
+               source_->total() < 0 ? "any number of" : std::to_string(source_->total()), source_->camera().width,
+               source_->camera().height);
+}
+
 void CameraNode::tick(int64_t now_us) {
-  if (!live_ || !ahead_) return;
-  if (!started_us_) {
-    started_us_ = progress_us_ = now_us;
-    spdlog::info("{}: {} images of {} x {} pixels", source_->name(),
-                 source_->total() < 0 ? "any number of" : std::to_string(source_->total()), source_->camera().width,
-                 source_->camera().height);
+  if (!live_ || done()) return;
+  if (!started_us_) start(now_us);
+  if (source_->live()) {
+    ahead_ = source_->next();
+    if (ahead_ && published_ == 0) first_utime_us_ = ahead_->utime;
+    if (ahead_) publish(bus_.now_us());
+    ahead_.reset();
+    return report_progress(bus_.now_us());
   }
   for (int i = 0; i < kMaxPerTick && ahead_ && due_us() <= now_us; ++i) {
     publish(now_us);
+    fetch();
     now_us = bus_.now_us();
   }
   late_us_ = ahead_ ? std::max<int64_t>(0, now_us - due_us()) : 0;
@@ -65,16 +81,19 @@ void CameraNode::publish(int64_t now_us) {
   // Strictly rising even if the clock is set back.
   if (options_.live_stamps) ahead_->utime = published_ == 0 ? now_us : std::max(now_us, last_utime_us_ + 1);
   set_metadata(&*ahead_, kPublishedKey, std::to_string(now_us));
-  send();
+  put_on_bus();
 }
 
-void CameraNode::send() {
+void CameraNode::put_on_bus() {
   last_utime_us_ = ahead_->utime;
   ++published_;
   if (!bus_.publish(channels::kCamera, *ahead_) && !publish_failed_) {
     publish_failed_ = true;
     spdlog::error("an image could not be published ({} bytes)", ahead_->size);
   }
+}
+
+void CameraNode::fetch() {
   const auto begin = std::chrono::steady_clock::now();
   ahead_ = source_->next();
   load_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
@@ -83,10 +102,10 @@ void CameraNode::send() {
 
 void CameraNode::report_progress(int64_t now_us) {
   const int64_t elapsed_us = now_us - progress_us_;
-  if (elapsed_us < kProgressUs && ahead_) return;
+  if (elapsed_us < kProgressUs && !done()) return;
   const double rate_hz = static_cast<double>(published_ - progress_count_) * 1e6 / static_cast<double>(elapsed_us + 1);
   spdlog::info("{}{}{}", detail(), elapsed_us >= kProgressUs ? fmt::format(", {:.1f} Hz", rate_hz) : "",
-               ahead_ ? "" : ": the end");
+               done() ? ": the end" : "");
   progress_us_ = now_us;
   progress_count_ = published_;
 }
@@ -95,7 +114,10 @@ std::string CameraNode::detail() const {
   const std::string total = source_->total() < 0 ? "" : fmt::format(" of {}", source_->total());
   std::string text = fmt::format("{}{} images, {:.1f} s", published_, total,
                                  static_cast<double>(std::max<int64_t>(0, recorded_us_ - first_utime_us_)) * 1e-6);
+  const LiveState* camera = source_->live();
+  if (camera && camera->rate_hz > 0) text += fmt::format(" at {:.1f} Hz", camera->rate_hz);
   if (const std::string skipped = source_->skipped().to_string(); !skipped.empty()) text += "; left out: " + skipped;
+  if (camera && !camera->problem.empty()) text += "; no images now: " + camera->problem;
   if (publish_failed_) text += "; some could not be published";
   if (late_us_ > kDegradedLateUs)
     text += fmt::format("; {:.1f} s behind the pace", static_cast<double>(late_us_) * 1e-6);
@@ -105,7 +127,8 @@ std::string CameraNode::detail() const {
 NodeStatus CameraNode::status() {
   NodeStatus status;
   status.detail = detail();
-  status.degraded = publish_failed_ || late_us_ > kDegradedLateUs;
+  const bool no_images = source_->live() && !source_->live()->problem.empty();
+  status.degraded = publish_failed_ || late_us_ > kDegradedLateUs || no_images;
   status.last_utime_us = last_utime_us_;
   status.processing_ms = loads_ > 0 ? load_ms_ / static_cast<double>(loads_) : 0;
   load_ms_ = 0;
@@ -123,7 +146,8 @@ void CameraNode::publish_next() {
   live_ = false;
   if (!ahead_) return;
   recorded_us_ = ahead_->utime;
-  send();
+  put_on_bus();
+  fetch();
 }
 
 }  // namespace rumi

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Publishes the images of a source on CAMERA: paced by the clock when live, one by one when a replay asks for them.
+// Publishes the images of a source on CAMERA: a recording's paced by the clock when live and one by one when a replay
+// asks for them, a camera's as they come.
 #pragma once
 
 #include <memory>
@@ -15,11 +16,11 @@ class CameraNode : public Node {
   // Opens the input; throws std::runtime_error with a message for the user if it cannot be used.
   CameraNode(Bus& bus, const std::string& input, const CameraOptions& options);
 
-  // Live: publishes what is due. Nothing is left out if reading cannot keep up.
+  // Live: publishes what is due. Nothing is left out if reading cannot keep up. Waits for a camera's image.
   void tick(int64_t now_us) override;
   int64_t next_tick_us(int64_t now_us) const override;
   NodeStatus status() override;
-  bool done() const override { return !ahead_; }
+  bool done() const override;
 
   // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
   // is not live any more: tick() does nothing.
@@ -27,18 +28,21 @@ class CameraNode : public Node {
   void publish_next();
 
   const ImageSource& source() const { return *source_; }
+  void set_controls(const CameraOptions& options) { source_->set_controls(options); }
 
  private:
   int64_t due_us() const;
   std::string detail() const;
+  void start(int64_t now_us);
   void publish(int64_t now_us);
-  void send();
+  void put_on_bus();
+  void fetch();
   void report_progress(int64_t now_us);
 
   Bus& bus_;
   std::unique_ptr<ImageSource> source_;
   CameraOptions options_;
-  std::optional<image_t> ahead_;
+  std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
   bool live_ = true;
   bool publish_failed_ = false;
   int64_t first_utime_us_ = 0;         // of the recording

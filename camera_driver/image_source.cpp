@@ -11,12 +11,14 @@
 #include "bus/log_file.h"
 #include "camera_driver/file_list.h"
 #include "camera_driver/recorded_source.h"
+#include "camera_driver/v4l2/v4l2_source.h"
 
 namespace rumi {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kWhatToGive = "give a dataset folder (TUM, EuRoC), an image folder, a video or an lcm log";
+constexpr const char* kHowToRecord = "make one with camera_driver and lcm-logger";
 
 bool is_there(const fs::path& file) {
   std::error_code code;
@@ -105,8 +107,7 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
   const auto refuse = [&input](const std::string& why) { return Opened{{nullptr, input + ": " + why}, {}}; };
-  if (input.starts_with("/dev/video"))
-    return refuse(std::string("cameras are not supported in this version, only recordings; ") + kWhatToGive);
+  if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
@@ -118,7 +119,18 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
 
 }  // namespace
 
+bool is_camera(const std::string& input) {
+  std::error_code code;
+  return names_camera(input) || fs::is_character_file(input, code);
+}
+
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options) {
+  if (!is_camera(input)) return open_recording(input, options);
+  if (const std::string problem = options.check(); !problem.empty()) return {nullptr, problem};
+  return open_camera(kernel_video_system(), input, options);
+}
+
+OpenedSource open_recording(const std::string& input, const CameraOptions& options) {
   if (const std::string problem = options.check(); !problem.empty()) return {nullptr, problem};
   Opened opened = open_any(input, options);
   if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where images come from: one interface, whatever the recording.
+// Where images come from: one interface, whatever the recording or the camera.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,23 @@
 
 namespace rumi {
 
-// Frames of the recording that are not handed out, by reason.
+// Frames that are not handed out, by reason.
 struct SkippedFrames {
   int64_t malformed = 0;     // lines or messages that are no frame
   int64_t duplicate = 0;     // time equal to that of the frame before
   int64_t out_of_order = 0;  // time before that of the frame before
   int64_t unreadable = 0;    // missing or corrupt
   int64_t wrong_size = 0;    // not that of the calibration
-  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size; }
+  int64_t lost = 0;          // camera: gaps in the driver's numbering
+  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + lost; }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
+};
+
+// How a camera does.
+struct LiveState {
+  std::string problem;  // why there are no images now, and what to do; empty: there are
+  double rate_hz = 0;   // measured; 0: not yet
+  bool ended = false;   // after options.duration_s
 };
 
 class ImageSource {
@@ -37,6 +45,11 @@ class ImageSource {
   // How many images there are to hand out, those that will turn out unreadable included; -1: unknown or endless.
   virtual int64_t total() const = 0;
   virtual const SkippedFrames& skipped() const = 0;
+  // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
+  // yet, unless it has ended; utime is when the image was taken, on the system clock.
+  virtual const LiveState* live() const { return nullptr; }
+  // A camera's controls (exposure, gain, ...) are from now on what these options say.
+  virtual void set_controls(const CameraOptions& /*options*/) {}
 };
 
 struct OpenedSource {
@@ -49,6 +62,10 @@ struct OpenedSource {
 // or video. The camera comes from options.camera_file, else calibration.yaml beside the data (EuRoC: else sensor.yaml);
 // in a log from the images' metadata, else calibration.yaml beside it. Fails if the first readable image does not fit
 // it.
+OpenedSource open_recording(const std::string& input, const CameraOptions& options);
+// The same, or a camera: /dev/video0, a name in /dev/v4l/by-id, camera:NAME. Its calibration is options.camera_file.
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options);
+// True for what open_image_source() takes for a camera.
+bool is_camera(const std::string& input);
 
 }  // namespace rumi

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <optional>
 
 #include "camera_driver/camera_node.h"
+#include "camera_driver/v4l2/video_device.h"
 
 namespace {
 
@@ -30,22 +33,34 @@ struct Flags {
 void add_flags(CLI::App& app, Flags* flags) {
   app.add_option(
          "INPUT", flags->input,
-         "what to publish: a TUM-style folder (with rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, "
-         "a video, or an lcm log. Cameras (/dev/video0) are not supported in this version")
+         "what to publish: a camera (/dev/video0, a name in /dev/v4l/by-id, or camera:NAME), a TUM-style folder (with "
+         "rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, a video, or an lcm log")
       ->required();
-  app.add_option("--camera", flags->camera_file,
-                 "the camera's calibration: our YAML (see config/cameras) or that of ROS, Kalibr, OpenCV, EuRoC or "
-                 "ORB-SLAM; without it calibration.yaml beside the data, or what the log says")
+  app.add_flag_callback(
+      "--list",
+      [] {
+        fmt::print("{}", rumi::list_cameras(rumi::kernel_video_system()));
+        throw CLI::Success();
+      },
+      "show the cameras with their formats, sizes, rates and controls, and end");
+  app.add_option(
+         "--camera", flags->camera_file,
+         "the camera's calibration: our YAML (see config/cameras) or that of ROS, Kalibr, OpenCV, EuRoC or "
+         "ORB-SLAM; without it calibration.yaml beside the data, or what the log says. A camera's image size is that "
+         "of its calibration")
       ->type_name("FILE");
   app.add_option("--every", flags->every, "publish every Nth image (1)")->type_name("N");
   app.add_option("--start", flags->start_s, "leave out S seconds at the beginning (0)")->type_name("S");
-  app.add_option("--duration", flags->duration_s, "end after S seconds of the recording (0: all)")->type_name("S");
+  app.add_option("--duration", flags->duration_s, "end after S seconds (0: all of the recording; never with a camera)")
+      ->type_name("S");
   app.add_flag("--loop", flags->loop, "begin again at the end, for ever; times keep rising");
-  app.add_option("--rate", flags->rate_hz, "new times and pace at this rate (0: as recorded)")->type_name("HZ");
+  app.add_option("--rate", flags->rate_hz,
+                 "recording: new times and pace at this rate (0: as recorded); camera: the rate to ask for "
+                 "(0: fps of the calibration, else 30)")
+      ->type_name("HZ");
   app.add_option("--speed", flags->speed, "N times faster than the times say (1)")->type_name("N");
   app.add_flag("--live-stamps", flags->live_stamps, "the time of an image is when it is published");
-  app.add_option("--encoding", flags->encoding,
-                 "auto (JPEG files as they are, all else grey), grey, rgb or jpeg (auto)")
+  app.add_option("--encoding", flags->encoding, "auto (JPEG as it is, all else grey), grey, rgb or jpeg (auto)")
       ->type_name("FORM");
 }
 
@@ -56,12 +71,20 @@ int main(int argc, char** argv) {
   rumi::CameraOptions options;
   rumi::ProcessDescription process;
   process.name = "camera_driver";
-  process.summary = "Publishes recorded images on CAMERA, at the pace at which they were recorded.";
+  process.summary =
+      "Publishes the images of a camera (V4L2), or of a recording at the pace at which they were recorded, on CAMERA. "
+      "SIGUSR2: reads --config again and sets the camera's controls.";
   process.add_flags = [&flags](CLI::App& app) { add_flags(app, &flags); };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&](rumi::Bus& bus) {
     flags.apply(&options);
     return std::make_unique<rumi::CameraNode>(bus, flags.input, options);
+  };
+  process.on_reload = [&](rumi::Node& node) {
+    flags.apply(&options);
+    const std::string problem = options.check();
+    if (problem.empty()) static_cast<rumi::CameraNode&>(node).set_controls(options);
+    return problem;
   };
   return rumi::run_process(argc, argv, process);
 }

@@ -5,7 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <limits>
+
+#include "camera_driver/v4l2/pixel_format.h"
+#include "camera_driver/v4l2/video_controls.h"
 
 namespace rumi {
 namespace {
@@ -17,6 +21,49 @@ constexpr double kMinSpeed = 0.001, kMaxSpeed = 10'000;
 
 // Also false for NaN.
 bool within(double value, double min, double max) { return value >= min && value <= max; }
+
+constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
+constexpr double kMaxLockS = 3600, kMinStallS = 0.1, kMaxStallS = 600;
+constexpr double kMaxControl = 1e6;
+
+// Empty, "auto", or a number.
+std::string check_control(const char* name, const std::string& value, double min) {
+  if (value.empty() || value == "auto") return {};
+  double number = 0;
+  const char* end = value.data() + value.size();
+  const auto [stop, code] = std::from_chars(value.data(), end, number);
+  if (code == std::errc() && stop == end && within(number, min, kMaxControl)) return {};
+  return fmt::format("{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl);
+}
+
+std::vector<std::string> format_choices() {
+  std::vector<std::string> choices = {"auto"};
+  for (const PixelFormat& format : pixel_formats()) choices.push_back(format.option);
+  return choices;
+}
+
+std::string check_camera_options(const CameraOptions& o) {
+  constexpr double kMinExposureMs = 0.1;
+  if (!within(o.width, 0, kMaxSide)) return fmt::format("width is {}: must be 0 to {}", o.width, kMaxSide);
+  if (!within(o.height, 0, kMaxSide)) return fmt::format("height is {}: must be 0 to {}", o.height, kMaxSide);
+  if ((o.width == 0) != (o.height == 0))
+    return fmt::format("width x height is {} x {}: give both or none", o.width, o.height);
+  const std::vector<std::string> formats = format_choices();
+  if (std::find(formats.begin(), formats.end(), o.format) == formats.end())
+    return fmt::format("format is '{}': must be {}", o.format, fmt::join(formats, ", "));
+  std::string problem = check_control("exposure", o.exposure, kMinExposureMs);
+  if (problem.empty()) problem = check_control("gain", o.gain, -kMaxControl);
+  if (problem.empty()) problem = check_control("white_balance", o.white_balance, 0);
+  if (problem.empty()) problem = check_control("focus", o.focus, -kMaxControl);
+  if (!problem.empty()) return problem;
+  parse_control_list(o.controls, &problem);
+  if (!problem.empty()) return problem;
+  if (!within(o.lock_auto_s, 0, kMaxLockS))
+    return fmt::format("lock_auto is {}: must be 0 (never) to {} s", o.lock_auto_s, kMaxLockS);
+  if (!within(o.stall_s, kMinStallS, kMaxStallS))
+    return fmt::format("stall is {}: must be {} to {} s", o.stall_s, kMinStallS, kMaxStallS);
+  return {};
+}
 
 }  // namespace
 
@@ -33,23 +80,43 @@ std::string CameraOptions::check() const {
   if (!within(jpeg_quality, 1, 100)) return fmt::format("jpeg_quality is {}: must be 1 to 100", jpeg_quality);
   if (std::find(kEncodings.begin(), kEncodings.end(), encoding) == kEncodings.end())
     return fmt::format("encoding is '{}': must be {}", encoding, fmt::join(kEncodings, ", "));
-  return {};
+  return check_camera_options(*this);
 }
 
 void describe(OptionTable& table, CameraOptions& o) {
-  table.add("camera_driver.camera_file", &o.camera_file, "calibration file; empty: beside the data, or in the log");
+  table.add("camera_driver.camera_file", &o.camera_file,
+            "calibration file; empty: beside the data, or in the log; a camera without one cannot be tracked");
   table.add("camera_driver.every", &o.every, "frames", "publish every Nth frame", 1, kMaxEvery);
   table.add("camera_driver.start", &o.start_s, "s", "leave out so much at the beginning", 0, kMaxSeconds);
   table.add("camera_driver.duration", &o.duration_s, "s", "end after so much of the recording; 0: all of it", 0,
             kMaxSeconds);
   table.add("camera_driver.loop", &o.loop, "begin again at the end; times keep rising");
-  table.add("camera_driver.rate", &o.rate_hz, "Hz", "new times at this rate; 0: as recorded", 0, kMaxRateHz);
+  table.add("camera_driver.rate", &o.rate_hz, "Hz",
+            "recording: new times at this rate, 0: as recorded; camera: asked for, 0: fps of the calibration, else 30",
+            0, kMaxRateHz);
   table.add("camera_driver.speed", &o.speed, "", "live: pace relative to the times", kMinSpeed, kMaxSpeed);
   table.add("camera_driver.live_stamps", &o.live_stamps, "live: the time of an image is when it is published");
   table.add("camera_driver.encoding", &o.encoding, "on the wire; auto: JPEG files as they are, all else grey",
             {"auto", "grey", "rgb", "jpeg"});
   table.add("camera_driver.jpeg_quality", &o.jpeg_quality, "%", "of encoding jpeg", 1, 100);
   table.add("camera_driver.log_channel", &o.log_channel, "channel of the images in an lcm log");
+  table.add("camera_driver.width", &o.width, "px", "camera: 0: of the calibration, without one 640 x 480", 0, kMaxSide);
+  table.add("camera_driver.height", &o.height, "px", "camera: 0: of the calibration, without one 640 x 480", 0,
+            kMaxSide);
+  table.add("camera_driver.format", &o.format, "camera: pixel format; auto: reaches the rate with least work and loss",
+            format_choices());
+  table.add("camera_driver.exposure", &o.exposure, "camera: auto, or ms; empty: as it is");
+  table.add("camera_driver.gain", &o.gain, "camera: auto, or the camera's number (--list); empty: as it is");
+  table.add("camera_driver.white_balance", &o.white_balance, "camera: auto, or kelvin; empty: as it is");
+  table.add("camera_driver.focus", &o.focus, "camera: auto, or the camera's number (--list); empty: as it is");
+  table.add("camera_driver.power_line", &o.power_line, "camera: frequency of lamps, Hz; empty: as it is",
+            {"", "off", "50", "60", "auto"});
+  table.add("camera_driver.controls", &o.controls,
+            "camera: any other controls (--list): \"brightness=10, sharpness=0\"");
+  table.add("camera_driver.lock_auto", &o.lock_auto_s, "s",
+            "camera: exposure, gain and white balance stay as they are after so long; 0: never", 0, kMaxLockS);
+  table.add("camera_driver.stall", &o.stall_s, "s", "camera: opened again after so long without an image", kMinStallS,
+            kMaxStallS);
 }
 
 }  // namespace rumi

@@ -8,26 +8,12 @@
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "camera_driver/encode_as.h"
 
 namespace rumi {
 namespace {
 
 int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
-
-// The image in the wanted form; nothing, and why in *error, if its pixels are needed and cannot be had.
-std::optional<image_t> encode_as(image_t image, const CameraOptions& options, std::string* error) {
-  const bool is_grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
-  if (options.encoding == "auto") return image;
-  if (options.encoding == "grey" && is_grey) return image;
-  if (options.encoding == "rgb" && image.pixelformat == image_t::PIXEL_FORMAT_RGB) return image;
-  if (options.encoding == "jpeg" && image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) return image;
-
-  const bool want_grey = options.encoding == "grey" || (options.encoding == "jpeg" && is_grey);
-  const cv::Mat pixels = want_grey ? decode_grey(image, error) : decode_bgr(image, error);
-  if (pixels.empty()) return std::nullopt;
-  if (options.encoding == "jpeg") return make_jpeg_image(image.utime, pixels, options.jpeg_quality);
-  return want_grey ? make_grey_image(image.utime, pixels) : make_rgb_image(image.utime, pixels);
-}
 
 int64_t count_wanted(const std::vector<int64_t>& utimes, const CameraOptions& options) {
   FrameSelector selector(options);
@@ -52,6 +38,7 @@ std::string SkippedFrames::to_string() const {
   add(out_of_order, "times going backwards");
   add(unreadable, "unreadable images");
   add(wrong_size, "images of another size");
+  add(lost, "lost by the camera or its driver");
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "bus/image_codec.h"
 #include "bus/submap_update.h"
 #include "bus/thread_cpu.h"
+#include "bus/working_image.h"
 
 namespace rumi {
 namespace {
@@ -80,15 +81,11 @@ bool FrontTrackerNode::begin_session(const image_t& image) {
     }
     camera = parsed.camera;
   }
-  if (camera.width != image.width || camera.height != image.height) {
-    refuse("size", fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height, camera.width,
-                               camera.height));
-    return false;
-  }
+  image_camera_ = camera;
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   without_pose_.clear();
-  tracker_ = std::make_unique<Tracker>(camera, options_, session_);
+  tracker_ = std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_);
   return true;
 }
 
@@ -117,19 +114,10 @@ bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
 
 cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   if (!time_is_usable(image.utime)) return {};
-  std::string error;
-  cv::Mat grey = decode_grey(image, &error);
-  if (grey.empty()) {
-    refuse("decode", error);
-    return {};
-  }
   if (!tracker_ && !begin_session(image)) return {};
-  const Camera& camera = tracker_->camera();
-  if (grey.cols != camera.width || grey.rows != camera.height) {
-    refuse("size", fmt::format("it is {}x{} but the calibration is for {}x{}", grey.cols, grey.rows, camera.width,
-                               camera.height));
-    return {};
-  }
+  std::string error;
+  cv::Mat grey = decode_working_image(image, image_camera_, tracker_->camera(), &error);
+  if (grey.empty()) refuse("image", error);
   return grey;
 }
 

@@ -47,6 +47,7 @@ class FrontTrackerNode : public Node {
   Bus& bus_;
   FrontTrackerOptions options_;
   std::optional<Camera> camera_from_file_;
+  Camera image_camera_;  // of the session's images; the tracker's may be smaller
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;

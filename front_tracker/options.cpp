@@ -59,6 +59,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "redundant_ratio", &m.redundant_ratio, "", "of a keyframe's landmarks seen by three others: it is dropped",
         0.5, 1.0);
 
+  t.add(s + "max_image_side", &o.max_image_side, "px",
+        "larger images are worked on at this size; 0: never; ruminator's must be the same", 0, 100000);
   t.add(s + "mapping_thread", &o.mapping_thread, "map in a thread of its own (replay: never)");
   t.add(s + "publish_interval_s", &o.publish_interval_s, "s", "between two updates of a submap, at least", 0.0, 60.0);
 }

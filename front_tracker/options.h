@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "bus/working_image.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/geometry/two_view.h"
 
@@ -60,9 +61,10 @@ struct FrontTrackerOptions {
   TrackingOptions tracking;
   KeyframeOptions keyframes;
   MappingOptions mapping;
-  bool mapping_thread = true;       // false: mapping is done before the next frame (replay: repeatable)
-  double publish_interval_s = 0.5;  // between two updates of a submap, at least (frame time)
-  std::string camera_file;          // overrides the calibration that comes with the images
+  bool mapping_thread = true;                 // false: mapping is done before the next frame (replay: repeatable)
+  double publish_interval_s = 0.5;            // between two updates of a submap, at least (frame time)
+  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller
+  std::string camera_file;                    // overrides the calibration that comes with the images
 };
 
 void describe(OptionTable& table, FrontTrackerOptions& options);

@@ -16,6 +16,7 @@ void add_replay_command(CLI::App& app, std::function<int()>* chosen);
 void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);
 void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
+void add_status_command(CLI::App& app, std::function<int()>* chosen);
 void add_view_command(CLI::App& app, std::function<int()>* chosen);
 void add_cut_window_command(CLI::App& app, std::function<int()>* chosen);
 void add_draw_window_command(CLI::App& app, std::function<int()>* chosen);

@@ -41,7 +41,7 @@ int cut_window(const Arguments& arguments) {
   if (error.empty()) error = arguments.camera.check();
   if (!error.empty()) return complain(error, 2);
   start_logging("rumi", false, arguments.quiet);
-  OpenedSource opened = open_image_source(arguments.input, arguments.camera);
+  OpenedSource opened = open_recording(arguments.input, arguments.camera);
   if (!opened.ok()) return complain(opened.error, 1);
   const CutWindow window = cut_window(*opened.source, cut);
   if (!window.ok()) return complain(window.error, 1);

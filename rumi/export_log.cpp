@@ -42,7 +42,7 @@ int run_export(const ExportOptions& options) {
   if (std::filesystem::exists(options.log, code))
     return fail(fmt::format("{}: exists; remove it or give another name", options.log));
   if (options.camera.loop) return fail("camera_driver.loop is true: an export must end");
-  OpenedSource opened = open_image_source(options.input, options.camera);
+  OpenedSource opened = open_recording(options.input, options.camera);
   if (!opened.ok()) return fail(opened.error);
 
   LogWriter log(options.log);

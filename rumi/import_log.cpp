@@ -81,7 +81,7 @@ int run_import(const ImportOptions& options) {
   if (options.camera.loop) return fail("camera_driver.loop is true: an import must end");
   if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log))
     return fail(fmt::format("{}: is no lcm log", options.log));
-  OpenedSource opened = open_image_source(options.log, options.camera);
+  OpenedSource opened = open_recording(options.log, options.camera);
   if (!opened.ok()) return fail(opened.error);
 
   int64_t count = 0;

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   rumi::add_replay_command(app, &chosen);
   rumi::add_up_command(app, &chosen);
   rumi::add_snapshot_command(app, &chosen);
+  rumi::add_status_command(app, &chosen);
   rumi::add_ruminate_command(app, &chosen);
   rumi::add_evaluate_command(app, &chosen);
   rumi::add_view_command(app, &chosen);

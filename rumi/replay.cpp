@@ -2,6 +2,7 @@
 #include "rumi/replay.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "camera_driver/camera_node.h"
 #include "front_tracker/front_tracker_node.h"
@@ -36,6 +37,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   MapServerOptions map_server = options.map_server;
   map_server.database = ":memory:";
   map_server.merge.thread = false;
+  if (is_camera(input)) throw std::runtime_error(open_recording(input, options.camera_driver).error);
   camera_ = add<CameraNode>("camera_driver", input, options.camera_driver);
   front_tracker_ = add<FrontTrackerNode>("front_tracker", front_tracker);
   RuminatorOptions ruminator = options.ruminator;

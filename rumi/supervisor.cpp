@@ -232,6 +232,11 @@ std::string Supervisor::await_finish(const std::atomic<bool>& stop) {
   return reason;
 }
 
+void Supervisor::ask_to_reload() const {
+  for (const Child& child : children_)
+    if (child.process.reloads && child.pid > 0) kill(child.pid, SIGUSR2);
+}
+
 std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {
@@ -243,6 +248,7 @@ std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
   bool source_ended = false;
   while (!stop && !source_ended && reason.empty()) {
     read_output(kLook);
+    if (hooks.reload && hooks.reload()) ask_to_reload();
     reason = watch(&source_ended);
   }
   if (source_ended) {

@@ -19,6 +19,7 @@ struct ChildProcess {
   bool source = false;               // the input: when it ends with success, everything ends
   int stop_stage = 0;                // stages are stopped one after another, lowest first
   bool finishes = false;             // at the end of the source it is asked (SIGUSR1) to end when its work is done
+  bool reloads = false;              // reads its options again when asked (SIGUSR2)
 };
 
 struct SupervisorOptions {
@@ -41,10 +42,11 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  // What to do on the way to the end, unless all was given up.
+  // What to do while all runs, and on the way to the end, unless all was given up.
   struct Hooks {
     std::function<void()> before_stop;        // everybody is alive
     std::function<void()> before_last_stage;  // only the last stage is
+    std::function<bool()> reload;             // often; true: those who can are asked to read their options again
   };
   // Runs until the source ends and those who finish have done so, stop becomes true, or a process cannot be kept alive.
   // Returns an empty string, or why it was given up.
@@ -69,6 +71,7 @@ class Supervisor {
   void read_output(std::chrono::milliseconds timeout);
   void drain(Child& child);
   std::string watch(bool* source_ended);
+  void ask_to_reload() const;
   std::string await_finish(const std::atomic<bool>& stop);
   std::string on_death(Child& child, int status);
   void stop_stage(int stage, Clock::time_point deadline);

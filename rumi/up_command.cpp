@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "rumi/all_options.h"
@@ -23,13 +24,15 @@ struct Arguments {
   std::vector<std::string> settings, camera_flags;
 };
 
-std::atomic<bool> g_stop = false;
+std::atomic<bool> g_stop = false, g_reload = false;
 
-void stop_on_signals() {
+void listen_to_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stop = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = [](int) { g_reload = true; };
+  sigaction(SIGUSR2, &action, nullptr);
 }
 
 // The options as all processes are to have them, in a file that lives as long as this object.
@@ -40,9 +43,13 @@ class SharedConfig {
     std::string name = (fs::temp_directory_path() / "rumi-up-XXXXXX").string();
     const int fd = mkstemp(name.data());
     file_ = name;
-    const bool written = fd >= 0 && write(fd, yaml.data(), yaml.size()) == static_cast<ssize_t>(yaml.size());
     if (fd >= 0) close(fd);
-    if (!written) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+    write(yaml);
+  }
+  // Throws std::runtime_error.
+  void write(const std::string& yaml) const {
+    std::ofstream stream(file_);
+    if (!(stream << yaml << std::flush)) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
   }
   ~SharedConfig() { unlink(file_.c_str()); }
   SharedConfig(const SharedConfig&) = delete;
@@ -85,6 +92,7 @@ std::vector<ChildProcess> processes(const UpOptions& up, const std::string& conf
     arguments.insert(arguments.end(), camera_flags.begin(), camera_flags.end());
     add("camera_driver", 0, arguments);
     children.back().source = true;
+    children.back().reloads = true;
   }
   return children;
 }
@@ -107,6 +115,18 @@ void take_snapshot(const UpOptions& up, const std::string& out, bool update) {
   if (const std::string reason = supervisor.run(never, {}); !reason.empty()) throw std::runtime_error(reason);
 }
 
+// On SIGUSR2. True if the shared options are new.
+bool read_again(const Arguments& arguments, const SharedConfig& config) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = options.camera_driver.check();
+  if (error.empty()) config.write(table.to_yaml());
+  if (!error.empty()) fmt::print(stderr, "rumi up: options read again, but not used: {}\n", error);
+  return error.empty();
+}
+
 int up(const Arguments& arguments) {
   AllOptions options;
   OptionTable table;
@@ -123,7 +143,7 @@ int up(const Arguments& arguments) {
     fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n", arguments.camera_flags[0]);
     return 2;
   }
-  stop_on_signals();
+  listen_to_signals();
   try {
     const SharedConfig config(table.to_yaml());
     SupervisorOptions supervision;
@@ -133,6 +153,7 @@ int up(const Arguments& arguments) {
         [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
     // Once while everybody can still say how it went, and once when the last poses have arrived.
     Supervisor::Hooks hooks;
+    hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
     std::string snapshot_error;
     const auto snapshot = [&](bool update) {
       try {
@@ -165,13 +186,18 @@ void add_up_command(CLI::App& app, std::function<int()>* chosen) {
   command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")
       ->required()
       ->check(CLI::ExistingFile);
-  command->add_option("INPUT", arguments->input,
-                      "for camera_driver; without it up.input of CONFIG, or images from elsewhere (lcm-logplayer)");
+  command->add_option(
+      "INPUT", arguments->input,
+      "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
+      "(lcm-logplayer)");
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")
       ->allow_extra_args(false);
   command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
-  command->footer("Whatever follows that is not known here, such as --speed 2, goes to camera_driver.");
+  command->footer(
+      "Whatever follows that is not known here, such as --speed 2, goes to camera_driver. SIGUSR2: CONFIG is read "
+      "again and "
+      "the controls of a camera set as it says.");
   command->allow_extras();
   command->callback([arguments, chosen, command] {
     arguments->camera_flags = command->remaining();

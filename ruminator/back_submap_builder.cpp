@@ -7,8 +7,8 @@
 #include <chrono>
 #include <filesystem>
 
-#include "bus/image_codec.h"
 #include "bus/thread_cpu.h"
+#include "bus/working_image.h"
 #include "ruminator/back_landmarks.h"
 #include "ruminator/window_model.h"
 #include "ruminator/window_prospects.h"
@@ -45,15 +45,15 @@ struct WindowImages {
   std::vector<ColmapImage> colmap;
 };
 
-WindowImages extract(const WindowJob& job, const BuildOptions& options, const Progress& progress,
+WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options, const Progress& progress,
                      const std::atomic<bool>& cancel) {
   WindowImages images;
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
     progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));
     std::string ignored;
-    cv::Mat grey = decode_grey(job.images[i], &ignored);
-    if (grey.cols != job.camera.width || grey.rows != job.camera.height) continue;  // broken, or of another camera
-    images.features.push_back(extract_sift(grey, job.camera, options.sift));
+    cv::Mat grey = decode_working_image(job.images[i], job.camera, camera, &ignored);
+    if (grey.empty()) continue;  // broken, or of another camera
+    images.features.push_back(extract_sift(grey, camera, options.sift));
     images.colmap.push_back({fmt::format("{}", job.images[i].utime), images.features.back().undistorted});
     images.utimes_us.push_back(job.images[i].utime);
     images.grey.push_back(std::move(grey));
@@ -89,11 +89,12 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   }
   result->failure = find_blind_gap(job, options);
   if (!result->failure.empty()) return;
-  const WindowImages images = extract(job, options, progress, cancel);
+  const Camera camera = working_camera(job.camera, options.max_image_side);
+  const WindowImages images = extract(job, camera, options, progress, cancel);
   const std::vector<ColmapPair> pairs = match_window(
-      job.camera, images.features, options.matching, options.pairs,
+      camera, images.features, options.matching, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
-  if (!cancel) result->failure = find_hopeless(job, images.utimes_us, images.features, pairs, options);
+  if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -101,7 +102,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   progress(BuildStage::kMapping, 0);
   const std::vector<Sample> front = front_samples(job.window);
   const WindowModelResult model = build_window_model(
-      {job.camera, images.colmap, images.utimes_us, pairs, front}, options, work_folder,
+      {camera, images.colmap, images.utimes_us, pairs, front}, options, work_folder,
       [&progress](double fraction) { progress(BuildStage::kMapping, 0.9 * fraction); }, cancel);
   *child_cpu_s = model.child_cpu_s;
   result->models_tried = model.attempts;
@@ -114,10 +115,10 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   Submap submap;
   submap.key = {job.window.session, -job.window.id};
   submap.kind = SubmapKind::kBack;
-  submap.camera = job.camera;
+  submap.camera = camera;
   submap.closed = true;
   submap.revision = 1;
-  fill_back_submap(job.camera, images.grey, images.utimes_us, model.best.model, options.landmarks, &submap);
+  fill_back_submap(camera, images.grey, images.utimes_us, model.best.model, options.landmarks, &submap);
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
   result->agreement = model.best.agreement;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bus/options.h"
+#include "bus/working_image.h"
 #include "ruminator/back_landmarks.h"
 #include "ruminator/global_model.h"
 #include "ruminator/model_joining.h"
@@ -17,10 +18,11 @@ namespace rumi {
 
 // How a window is rebuilt.
 struct BuildOptions {
-  std::string colmap = "colmap";      // the program: a name found in PATH or a path
-  int nice = 19;                      // of COLMAP's processes and of our own building thread
-  double mapper_cpu_limit_s = 120;    // of one mapper run
-  double mapper_time_limit_s = 3600;  // the same on the wall clock, against a mapper that hangs
+  std::string colmap = "colmap";              // the program: a name found in PATH or a path
+  int nice = 19;                              // of COLMAP's processes and of our own building thread
+  double mapper_cpu_limit_s = 120;            // of one mapper run
+  double mapper_time_limit_s = 3600;          // the same on the wall clock, against a mapper that hangs
+  int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller, as by front_tracker
   SiftOptions sift;
   SiftMatchOptions matching;
   PairSelection pairs;
@@ -47,6 +49,8 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             86400);
   table.add("ruminator.mapper_time_limit_s", &o.mapper_time_limit_s, "s",
             "the same on the wall clock, against a mapper that hangs: other programs may have the cores", 1, 864000);
+  table.add("ruminator.max_image_side", &o.max_image_side, "px",
+            "larger images are worked on at this size; 0: never; front_tracker's must be the same", 0, 100000);
   table.add("ruminator.sift_keypoints", &o.sift.keypoints, "", "per image, the strongest", 100, 20000);
   table.add("ruminator.sift_contrast", &o.sift.contrast_threshold, "", "least contrast of a keypoint", 0.001, 1);
   table.add("ruminator.sift_low_contrast", &o.sift.low_contrast_threshold, "", "the same for images that show little",

@@ -25,8 +25,8 @@ constexpr uintmax_t kFullDiskBytes = 1 << 20;  // less is left: what failed, fai
 constexpr double kHelpTimeLimitS = 60;
 constexpr size_t kComplaintLength = 300;
 constexpr size_t kLongestLine = 4096;
-// Qt is a part of COLMAP even where it shows nothing, and looks for a display.
-const std::vector<std::string> kEnvironment = {"QT_QPA_PLATFORM=offscreen"};
+// Qt is a part of COLMAP even where it shows nothing, and looks for a display. Its log would leave files in /tmp.
+const std::vector<std::string> kEnvironment = {"QT_QPA_PLATFORM=offscreen", "GLOG_logtostderr=1"};
 
 // The names that an option has had, from 3.8 on.
 struct MapperOption {

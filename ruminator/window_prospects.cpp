@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "bus/image_codec.h"
+#include "bus/working_image.h"
 
 namespace rumi {
 namespace {
@@ -32,19 +32,21 @@ std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
   // A short gap costs little, and what is around it may overlap.
   const size_t looks = static_cast<size_t>(options.look_images);
   if (looks == 0 || gap.size() < 2 * looks) return "";
+  const Camera camera = working_camera(job.camera, options.max_image_side);
   size_t most = 0;
   for (size_t i = 0; i < looks; ++i) {
     std::string ignored;
-    const cv::Mat grey = decode_grey(*gap[i * (gap.size() - 1) / std::max<size_t>(looks - 1, 1)], &ignored);
-    if (grey.cols != job.camera.width || grey.rows != job.camera.height) continue;
-    most = std::max(most, extract_sift(grey, job.camera, options.sift).size());
+    const image_t& image = *gap[i * (gap.size() - 1) / std::max<size_t>(looks - 1, 1)];
+    const cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
+    if (grey.empty()) continue;
+    most = std::max(most, extract_sift(grey, camera, options.sift).size());
     if (static_cast<int>(most) >= options.look_min_keypoints) return "";
   }
   return fmt::format("nothing to be seen in the gap: of {} images looked at none has more than {} keypoints", looks,
                      most);
 }
 
-std::string find_hopeless(const WindowJob& job, const std::vector<int64_t>& utimes_us,
+std::string find_hopeless(const WindowJob& job, const Camera& camera, const std::vector<int64_t>& utimes_us,
                           const std::vector<SiftFeatures>& images, const std::vector<ColmapPair>& pairs,
                           const BuildOptions& options) {
   const int count = static_cast<int>(images.size());
@@ -52,7 +54,7 @@ std::string find_hopeless(const WindowJob& job, const std::vector<int64_t>& utim
   if (std::count(group.begin(), group.end(), 0) < 3)
     return fmt::format("of {} images no three have enough in common", count);
   const bool has_moved = std::any_of(pairs.begin(), pairs.end(), [&](const ColmapPair& pair) {
-    return parallax_px(job.camera, images, pair) >= options.min_parallax_px;
+    return parallax_px(camera, images, pair) >= options.min_parallax_px;
   });
   if (!has_moved) return fmt::format("the camera turned or stood still: no parallax between {} images", count);
 

@@ -14,8 +14,9 @@ namespace rumi {
 // A look at a few images of a long gap: is there anything to be seen in them?
 std::string find_blind_gap(const WindowJob& job, const BuildOptions& options);
 
-// Does the camera move, and do the images of the gap hang together with those around it? utimes: of the images.
-std::string find_hopeless(const WindowJob& job, const std::vector<int64_t>& utimes_us,
+// Does the camera move, and do the images of the gap hang together with those around it? camera: of the features;
+// utimes: of the images.
+std::string find_hopeless(const WindowJob& job, const Camera& camera, const std::vector<int64_t>& utimes_us,
                           const std::vector<SiftFeatures>& images, const std::vector<ColmapPair>& pairs,
                           const BuildOptions& options);
 

@@ -16,7 +16,7 @@ out=$3
 stride=${RUMI_SIZE_STRIDE:-3}
 sizes=${RUMI_SIZES:-20 40 80 160 320}
 limit=${RUMI_COLMAP_LIMIT_S:-600}
-export QT_QPA_PLATFORM=offscreen
+export QT_QPA_PLATFORM=offscreen GLOG_logtostderr=1
 mkdir -p "$out"
 
 timed() { # file command ...: appends "wall user system peak_kB"

@@ -82,14 +82,15 @@ bool Camera::has_distortion() const {
   return model == Model::kKannalaBrandt || k1 != 0 || k2 != 0 || p1 != 0 || p2 != 0 || k3 != 0;
 }
 
-Camera Camera::scaled(double factor) const {
+Camera Camera::resized(int new_width, int new_height) const {
+  const double across = static_cast<double>(new_width) / width, down = static_cast<double>(new_height) / height;
   Camera c = *this;
-  c.width = static_cast<int>(std::lround(width * factor));
-  c.height = static_cast<int>(std::lround(height * factor));
-  c.fx = fx * factor;
-  c.fy = fy * factor;
-  c.cx = (cx + 0.5) * factor - 0.5;
-  c.cy = (cy + 0.5) * factor - 0.5;
+  c.width = new_width;
+  c.height = new_height;
+  c.fx = fx * across;
+  c.fy = fy * down;
+  c.cx = (cx + 0.5) * across - 0.5;
+  c.cy = (cy + 0.5) * down - 0.5;
   return c;
 }
 

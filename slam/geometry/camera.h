@@ -44,8 +44,8 @@ class Camera {
     return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&
            pixel.y() <= height - 1 - border_px;
   }
-  // The same camera for images scaled by `factor` (pixel centres kept right).
-  Camera scaled(double factor) const;
+  // The same camera for its images resized (pixel centres kept right).
+  Camera resized(int new_width, int new_height) const;
   // What is wrong with it, naming the field and its value; empty if nothing.
   std::string check() const;
 };

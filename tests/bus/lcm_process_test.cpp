@@ -164,6 +164,33 @@ TEST(RunProcessTest, SettingsWinOverTheFileAndDoNotEatTheInput) {
   unlink(config.c_str());
 }
 
+TEST(RunProcessTest, OptionsAreReadAgainOnRequestAndBadOnesAreNotUsed) {
+  const std::string config = "/tmp/rumi_process_test_" + std::to_string(getpid()) + ".yaml";
+  const auto write = [&config](const std::string& text) { std::ofstream(config) << text; };
+  write("test_process: {step: 100}\n");
+  Peer peer;
+  Child child({"--config", config});
+  ASSERT_TRUE(peer.ask(0)) << child.output();
+  const auto asked_until = [&](int answer) { return peer.until([&] { return peer.ask(0) && peer.answer == answer; }); };
+  write("test_process: {step: 200}\n");
+  child.signal(SIGUSR2);
+  EXPECT_TRUE(asked_until(200));
+  const auto said_until = [&](const std::string& text) {
+    return peer.until([&] { return child.output().find(text) != std::string::npos; });
+  };
+  write("test_process: {step: 5000}\n");
+  child.signal(SIGUSR2);
+  EXPECT_TRUE(said_until("expected a whole number from 0 to 1000"));
+  write("test_process: {step: 13}\n");
+  child.signal(SIGUSR2);
+  EXPECT_TRUE(said_until("step is 13: unlucky"));
+  EXPECT_TRUE(asked_until(200));
+  write("{}\n");  // what is not said any more has its default again
+  child.signal(SIGUSR2);
+  EXPECT_TRUE(asked_until(1));
+  unlink(config.c_str());
+}
+
 TEST(RunProcessTest, PrefixAndCameraChannel) {
   Peer peer({"robot1/", "LEFT"});
   Child child({"--channel-prefix", "robot1/", "-c", "LEFT"});

@@ -50,6 +50,17 @@ TEST_F(OptionsTest, DottedKeysAreTheSameAsSections) {
   EXPECT_EQ(o_.keypoints, 71);
 }
 
+TEST_F(OptionsTest, ResetGivesTheDefaultsBack) {
+  EXPECT_EQ(load("tracker: {keypoints: 70, ratio: 0.25}\nviewer: {enabled: off, mode: good, title: x}\n"), "");
+  table_.reset();
+  const Example initial;
+  EXPECT_EQ(o_.keypoints, initial.keypoints);
+  EXPECT_EQ(o_.ratio, initial.ratio);
+  EXPECT_EQ(o_.enabled, initial.enabled);
+  EXPECT_EQ(o_.mode, initial.mode);
+  EXPECT_EQ(o_.title, initial.title);
+}
+
 TEST_F(OptionsTest, NothingToSetIsNoError) {
   EXPECT_EQ(load(""), "");
   EXPECT_EQ(load("# only a comment\n"), "");

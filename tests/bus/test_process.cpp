@@ -26,6 +26,7 @@ class EchoNode : public rumi::Node {
       ++answered_;
     });
   }
+  void set(const Options& options) { options_ = options; }
   void tick(int64_t) override {}
   rumi::NodeStatus status() override { return {}; }
   bool done() const override { return options_.end_after > 0 && answered_ >= options_.end_after; }
@@ -51,5 +52,10 @@ int main(int argc, char** argv) {
                             [&](rumi::OptionTable& table) {
                               table.add("test_process.step", &options.step, "", "added to the request id", 0, 1000);
                             },
-                            [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); }});
+                            [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); },
+                            [&](rumi::Node& node) -> std::string {
+                              if (options.step == 13) return "step is 13: unlucky";
+                              static_cast<EchoNode&>(node).set(options);
+                              return "";
+                            }});
 }

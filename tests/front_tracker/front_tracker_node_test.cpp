@@ -98,7 +98,21 @@ TEST_F(Fixture, DamagedImagesAreCountedAndPassedOver) {
   give(lying);
   give(image(4000, grey_));
   EXPECT_EQ(tracks_.size(), 2u);
-  EXPECT_NE(node_->status().detail.find("2 images refused: decode"), std::string::npos) << node_->status().detail;
+  EXPECT_NE(node_->status().detail.find("2 images refused: image"), std::string::npos) << node_->status().detail;
+}
+
+TEST_F(Fixture, LargeImagesAreWorkedOnSmaller) {
+  MemoryBus bus;
+  FrontTrackerOptions options;
+  options.mapping_thread = false;
+  options.max_image_side = 160;
+  FrontTrackerNode node(bus, options);
+  bus.publish(channels::kCamera, image(1000, grey_));
+  bus.dispatch();
+  ASSERT_TRUE(node.tracker());
+  EXPECT_EQ(node.tracker()->camera().width, 160);
+  EXPECT_EQ(node.tracker()->camera().height, 120);
+  EXPECT_FALSE(node.status().degraded) << node.status().detail;
 }
 
 TEST_F(Fixture, BadCalibrationNamesFieldAndValue) {

@@ -4,70 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
-
-#include "rumi/synth/sequence_renderer.h"
-#include "slam/geometry/alignment.h"
+#include "tests/front_tracker/rendered_walk.h"
 
 namespace rumi {
 namespace {
 
-struct Sequence {
-  std::vector<cv::Mat> images;
-  std::vector<int64_t> utime_us;
-  std::map<int64_t, Eigen::Vector3d> center;
-  Camera camera;
-};
-
-// Rendered once for all tests: a walk of six seconds.
-const Sequence& sequence() {
-  static const Sequence s = [] {
-    SynthOptions options;
-    options.seconds = 6;
-    options.rate_hz = 20;
-    options.grey = true;
-    options.camera = default_synth_camera(320, 240);
-    options.exposure_s = 0;
-    SequenceRenderer renderer(options);
-    Sequence made;
-    made.camera = renderer.camera();
-    for (int i = 0; i < renderer.frames(); ++i) {
-      made.images.push_back(renderer.render(i));
-      made.utime_us.push_back(renderer.utime_us(i));
-      made.center[renderer.utime_us(i)] = renderer.map_from_cam(i).translation;
-    }
-    return made;
-  }();
-  return s;
-}
-
-FrontTrackerOptions replay_options() {
-  FrontTrackerOptions options;
-  options.mapping_thread = false;
-  return options;
-}
-
-struct Error {
-  double rmse_m = 0;
-  double path_m = 0;
-  size_t frames = 0;
-};
-
-Error error_of(const Submap& map) {
-  std::vector<Eigen::Vector3d> estimated, truth;
-  Error e;
-  for (const auto& [utime, frame] : map.frames) {
-    estimated.push_back(map.cam_from_submap(frame).center());
-    if (!truth.empty()) e.path_m += (sequence().center.at(utime) - truth.back()).norm();
-    truth.push_back(sequence().center.at(utime));
-  }
-  e.frames = estimated.size();
-  const auto truth_from_submap = umeyama(estimated, truth);
-  if (!truth_from_submap) return e;
-  for (size_t i = 0; i < truth.size(); ++i) e.rmse_m += (*truth_from_submap * estimated[i] - truth[i]).squaredNorm();
-  e.rmse_m = std::sqrt(e.rmse_m / static_cast<double>(truth.size()));
-  return e;
-}
+using testing::Error;
+using testing::replay_options;
+const testing::RenderedWalk& sequence() { return testing::rendered_walk(); }
+Error error_of(const Submap& map) { return testing::error_of(map, sequence().center); }
 
 TEST(Tracker, TracksTheWholeWalkAndRepeatsItself) {
   Tracker a(sequence().camera, replay_options(), 1), b(sequence().camera, replay_options(), 1);

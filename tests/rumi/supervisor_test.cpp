@@ -43,7 +43,7 @@ class SupervisorTest : public testing::Test {
       if (line == "stop") stop_ = true;
     });
     const auto begin = steady_clock::now();
-    std::string reason = supervisor.run(stop_, {[this] { before_stop_ = true; }, before_last_stage});
+    std::string reason = supervisor.run(stop_, {[this] { before_stop_ = true; }, before_last_stage, {}});
     duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
     restarts_ = supervisor.restarts();
     return reason;
@@ -65,6 +65,23 @@ TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
   EXPECT_THAT(lines_, Contains(Pair("server", "bye"))) << "it was asked to end, not killed";
   EXPECT_EQ(restarts_, 0);
   EXPECT_TRUE(before_stop_);
+}
+
+TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {
+  const std::string script = "trap 'echo read; echo stop' USR2; echo ready; while :; do sleep 0.05; done";
+  ChildProcess camera = shell("camera", script), other = shell("other", script);
+  camera.reloads = true;
+  bool ready = false;
+  Supervisor supervisor({camera, other}, quick(), [&](const std::string& name, const std::string& line) {
+    lines_.emplace_back(name, line);
+    ready |= name == "camera" && line == "ready";
+    if (line == "stop") stop_ = true;
+  });
+  Supervisor::Hooks hooks;
+  hooks.reload = [&ready] { return std::exchange(ready, false); };
+  EXPECT_EQ(supervisor.run(stop_, hooks), "");
+  EXPECT_THAT(lines_, Contains(Pair("camera", "read")));
+  EXPECT_THAT(lines_, Not(Contains(Pair("other", "read"))));
 }
 
 TEST_F(SupervisorTest, StartsItsSourceLast) {

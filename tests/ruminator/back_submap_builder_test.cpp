@@ -114,6 +114,21 @@ TEST(BackSubmapBuilder, RebuildsARenderedWindow) {
 }
 
 // Without COLMAP, and with images that cannot be used.
+TEST(BackSubmapBuilder, LargeImagesAreWorkedOnSmaller) {
+  const RenderedWindow& window = rendered_window();
+  const TemporaryFolder folder;
+  BuildOptions options = without_colmap();
+  options.max_image_side = 240;
+  const BuildResult result = build_back_submap(window.job, options, folder / "work", kNoProgress, kNever);
+  ASSERT_TRUE(result.submap) << result.failure;
+  EXPECT_EQ(result.submap->camera.width, 240);
+  EXPECT_EQ(result.submap->camera.height, 180);
+  EXPECT_LT(ate_over_path(window, *result.submap), 0.03);
+  for (const auto& [id, keyframe] : result.submap->keyframes)
+    for (const Eigen::Vector2f& pixel : keyframe.features->undistorted)
+      ASSERT_TRUE(result.submap->camera.contains(pixel.cast<double>()));
+}
+
 TEST(BackSubmapBuilder, LeavesOutWhatItCannotUse) {
   WindowJob job = rendered_window().job;
   job.images[2].data.resize(200);  // a truncated JPEG

@@ -414,6 +414,11 @@ TEST_F(FakeColmapTest, AFolderThatCannotBeMadeIsTold) {
   EXPECT_THAT(outcome.failure, HasSubstr("file/models: Not a directory"));
 }
 
+TEST_F(FakeColmapTest, ItIsToldToLeaveNoLogOfItsOwn) {
+  run("echo $GLOG_logtostderr > $here/environment");
+  EXPECT_EQ(testing::read_file(here / "environment"), "1\n");
+}
+
 TEST_F(FakeColmapTest, TheLogIsKeptButBounded) {
   const MapperOutcome outcome = run("cp -r $here/model $out/0; echo first words; head -c 9000000 /dev/zero");
   EXPECT_EQ(outcome.kind, Kind::kModels) << outcome.failure;

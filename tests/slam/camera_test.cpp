@@ -64,11 +64,11 @@ TEST(Camera, NothingIsSeenBehind) {
 }
 
 TEST(Camera, ScalingKeepsRays) {
-  const Camera full = distorted(), half = full.scaled(0.5);
+  const Camera full = distorted(), smaller = full.resized(full.width / 2, full.height / 3);
   const Eigen::Vector2d pixel(100, 380);
-  // The centre of a half-size pixel lies between four full-size ones.
-  const Eigen::Vector2d half_pixel = (pixel + Eigen::Vector2d(0.5, 0.5)) * 0.5 - Eigen::Vector2d(0.5, 0.5);
-  EXPECT_LT((full.unproject(pixel) - half.unproject(half_pixel)).norm(), 1e-9);
+  // The centre of a half-size pixel lies between two full-size ones.
+  const Eigen::Vector2d same((pixel.x() + 0.5) / 2 - 0.5, (pixel.y() + 0.5) / 3 - 0.5);
+  EXPECT_LT((full.unproject(pixel) - smaller.unproject(same)).norm(), 1e-9);
 }
 
 TEST(Camera, CheckNamesFieldAndValue) {

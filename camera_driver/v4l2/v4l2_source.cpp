@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/v4l2/v4l2_source.h"
+
+#include <fmt/format.h>
+#include <linux/videodev2.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bus/camera_file.h"
+#include "bus/image_codec.h"
+#include "camera_driver/encode_as.h"
+#include "camera_driver/v4l2/video_controls.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kWaitMs = 20;  // so that a request to stop is heard
+constexpr int64_t kFirstRetryUs = 250'000, kLastRetryUs = 5'000'000;
+constexpr int64_t kRateWindowUs = 2'000'000;
+constexpr double kSlow = 0.8;  // part of the agreed rate
+constexpr double kDefaultRateHz = 30;
+constexpr int64_t kExposureUnitUs = 100;  // of V4L2_CID_EXPOSURE_ABSOLUTE
+
+double wanted_rate(const CameraOptions& options, const Camera& camera) {
+  if (options.rate_hz > 0) return options.rate_hz;
+  return camera.fps > 0 ? camera.fps : kDefaultRateHz;
+}
+
+// 0 while the camera chooses it, or does not tell.
+int64_t fixed_exposure_us(const VideoDevice& device) {
+  if (read_control(device, V4L2_CID_EXPOSURE_AUTO) != V4L2_EXPOSURE_MANUAL) return 0;
+  return read_control(device, V4L2_CID_EXPOSURE_ABSOLUTE).value_or(0) * kExposureUnitUs;
+}
+
+}  // namespace
+
+V4l2Source::V4l2Source(VideoSystem& system, std::string input, const Camera& camera, const CameraOptions& options)
+    : system_(system),
+      input_(std::move(input)),
+      calibration_(camera.fx > 0 ? camera_to_yaml(camera) : ""),
+      camera_(camera),
+      options_(options),
+      selector_(options) {}
+
+std::string V4l2Source::start() {
+  const std::string problem = open();
+  if (problem.empty() || !busy_) return problem;
+  lose(problem);
+  return {};
+}
+
+std::string V4l2Source::open_device(std::unique_ptr<VideoDevice>* device) {
+  const FoundDevice found = find_camera_device(system_, input_);
+  if (!found.error.empty()) return found.error;
+  OpenedDevice opened = open_video_device(system_, found.path);
+  busy_ = opened.busy;
+  if (!opened.error.empty()) return opened.error;
+  // Another camera's images would go through this one's calibration.
+  if (!card_.empty() && opened.identity.card != card_)
+    return fmt::format("{}: is another camera now, '{}' instead of '{}'; name cameras as in /dev/v4l/by-id", found.path,
+                       opened.identity.card, card_);
+  card_ = opened.identity.card;
+  *device = std::move(opened.device);
+  return {};
+}
+
+std::string V4l2Source::open() {
+  std::unique_ptr<VideoDevice> device;
+  if (std::string problem = open_device(&device); !problem.empty()) return problem;
+  const StreamRequest request{camera_.width, camera_.height, wanted_rate(options_, camera_), options_.format};
+  OpenedStream opened = open_stream(std::move(device), request);
+  busy_ = opened.busy;
+  if (!opened.error.empty()) return opened.error;
+  stream_ = std::move(opened.stream);
+  set_up_controls();
+  if (std::string problem = stream_->start(); !problem.empty()) {
+    busy_ = stream_->busy();
+    stream_.reset();
+    return problem;
+  }
+  last_frame_us_ = system_.now().monotonic_us;
+  first_frame_us_.reset();
+  last_sequence_.reset();
+  locked_ = false;
+  rate_count_ = 0;
+  const StreamFormat& format = stream_->format();
+  spdlog::info("{}: '{}' gives {} {} x {} at {}", stream_->device().path(), card_, format.pixels->option, format.width,
+               format.height,
+               format.rate_hz > 0 ? fmt::format("{:.4g} Hz", format.rate_hz) : "a rate it does not tell");
+  if (format.rate_hz > 0 && format.rate_hz < kSlow * request.rate_hz)
+    spdlog::warn("{}: asked for {:.4g} Hz, the camera gives {:.4g} Hz at this size and format", input_, request.rate_hz,
+                 format.rate_hz);
+  return {};
+}
+
+void V4l2Source::set_up_controls() {
+  for (const std::string& problem : apply_controls(stream_->device(), options_))
+    spdlog::error("{}: camera_driver.{}", input_, problem);
+  exposure_us_ = fixed_exposure_us(stream_->device());
+  if (options_.focus.empty() && !calibration_.empty() && read_control(stream_->device(), V4L2_CID_FOCUS_AUTO) == 1)
+    spdlog::warn("{}: the camera focuses by itself, which makes its calibration wrong; give camera_driver.focus",
+                 input_);
+}
+
+void V4l2Source::set_controls(const CameraOptions& options) {
+  options_.exposure = options.exposure;
+  options_.gain = options.gain;
+  options_.white_balance = options.white_balance;
+  options_.focus = options.focus;
+  options_.power_line = options.power_line;
+  options_.controls = options.controls;
+  options_.lock_auto_s = options.lock_auto_s;
+  if (!stream_) return;
+  set_up_controls();
+  locked_ = false;
+  spdlog::info("{}: controls set as the options say", input_);
+}
+
+void V4l2Source::retry_later() {
+  const int64_t now_us = system_.now().monotonic_us;
+  retry_delay_us_ = std::clamp(2 * retry_delay_us_, kFirstRetryUs, kLastRetryUs);
+  retry_at_us_ = now_us + retry_delay_us_;
+}
+
+void V4l2Source::lose(const std::string& why) {
+  stream_.reset();
+  gone_at_us_ = system_.now().monotonic_us;
+  live_.problem = why;
+  live_.rate_hz = 0;
+  spdlog::error("{}; trying again until it works", why);
+  retry_later();
+}
+
+// True when there is a stream. Waits a little when there is none.
+bool V4l2Source::reopen() {
+  const int64_t now_us = system_.now().monotonic_us;
+  if (now_us < retry_at_us_) {
+    system_.wait(static_cast<int>(std::min<int64_t>(kWaitMs, (retry_at_us_ - now_us) / 1000 + 1)));
+    return false;
+  }
+  const std::string problem = open();
+  if (problem.empty()) return true;
+  if (problem != live_.problem) spdlog::error("{}; trying again until it works", problem);
+  live_.problem = problem;
+  retry_later();
+  return false;
+}
+
+void V4l2Source::check_stall() {
+  const double silent_s = static_cast<double>(system_.now().monotonic_us - last_frame_us_) * 1e-6;
+  if (silent_s > options_.stall_s)
+    lose(fmt::format("{}: no image for {:.1f} s (a bad cable or hub, or too little USB bandwidth)",
+                     stream_->device().path(), silent_s));
+}
+
+std::optional<image_t> V4l2Source::next() {
+  if (live_.ended || (!stream_ && !reopen())) return std::nullopt;
+  StreamFrame frame;
+  std::string error;
+  const VideoStream::Read read = stream_->read(kWaitMs, &frame, &error);
+  if (read == VideoStream::Read::kNothing) check_stall();
+  if (read == VideoStream::Read::kFailed) lose(error);
+  if (read != VideoStream::Read::kFrame) return std::nullopt;
+  note(frame);
+  std::optional<image_t> image = accept(frame);
+  if (const std::string problem = stream_->release(); !problem.empty()) lose(problem);
+  return image;
+}
+
+void V4l2Source::note(const StreamFrame& frame) {
+  const int64_t now_us = frame.stamps.now.monotonic_us;
+  if (!live_.problem.empty())
+    spdlog::info("{}: gives images again, after {:.1f} s", stream_->device().path(),
+                 static_cast<double>(now_us - gone_at_us_) * 1e-6);
+  live_.problem.clear();
+  retry_delay_us_ = 0;
+  last_frame_us_ = now_us;
+  if (!first_frame_us_) first_frame_us_ = now_us;
+  count_gap(frame.sequence);
+  lock_when_warm(now_us);
+}
+
+void V4l2Source::count_gap(uint32_t sequence) {
+  constexpr uint32_t kBackwards = uint32_t{1} << 31;  // the numbering began again, or there is none
+  const uint32_t gap = last_sequence_ ? sequence - *last_sequence_ - 1 : 0;
+  last_sequence_ = sequence;
+  if (gap == 0 || gap >= kBackwards) return;
+  if (skipped_.lost == 0)
+    spdlog::warn("{}: {} images were lost before they reached us; from now on they are only counted", input_, gap);
+  skipped_.lost += gap;
+}
+
+void V4l2Source::lock_when_warm(int64_t now_us) {
+  const bool warm = options_.lock_auto_s > 0 && now_us - *first_frame_us_ >= std::llround(options_.lock_auto_s * 1e6);
+  if (locked_ || !warm) return;
+  locked_ = true;
+  spdlog::info("{}: {}", input_, lock_automatic(stream_->device()));
+  exposure_us_ = fixed_exposure_us(stream_->device());
+}
+
+void V4l2Source::measure_rate(int64_t utime_us) {
+  if (rate_count_++ == 0) rate_from_us_ = utime_us;
+  const int64_t span_us = utime_us - rate_from_us_;
+  if (span_us < kRateWindowUs) return;
+  live_.rate_hz = static_cast<double>(rate_count_ - 1) * 1e6 / static_cast<double>(span_us);
+  rate_from_us_ = utime_us;
+  rate_count_ = 1;
+  const double agreed_hz = stream_->format().rate_hz;
+  if (rate_warned_ || live_.rate_hz >= kSlow * agreed_hz) return;
+  rate_warned_ = true;
+  spdlog::warn(
+      "{}: agreed to {:.4g} Hz but gives {:.1f} Hz; many cameras slow down in the dark: give more light or "
+      "camera_driver.exposure",
+      input_, agreed_hz, live_.rate_hz);
+}
+
+std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
+  using Verdict = FrameSelector::Verdict;
+  frame.stamps.exposure_us = exposure_us_;
+  const int64_t utime_us = clock_.utime_us(frame.stamps);
+  if (const std::optional<int64_t> step_us = clock_.take_step_us())
+    spdlog::warn("the system clock was set by {:+.3f} s; times of images {}", static_cast<double>(*step_us) * 1e-6,
+                 *step_us > 0 ? "follow" : "go on as before: start camera_driver again to follow it");
+  if (clock_.replaced() > 0 && !clock_warned_) {
+    clock_warned_ = true;
+    spdlog::warn("{}: the driver's time stamps are not of the monotonic clock; the time of arrival is used instead",
+                 input_);
+  }
+  measure_rate(utime_us);
+  if (frame.damaged) {
+    skip(&SkippedFrames::unreadable, fmt::format("{}: an image is damaged, says the driver", input_));
+    return std::nullopt;
+  }
+  const Verdict verdict = selector_.judge(utime_us);
+  if (verdict == Verdict::kDuplicate)
+    skip(&SkippedFrames::duplicate, input_ + ": an image has the time of the one before");
+  if (verdict == Verdict::kOutOfOrder)
+    skip(&SkippedFrames::out_of_order, input_ + ": the time of an image is before that of the one before");
+  live_.ended = verdict == Verdict::kEnd;
+  if (verdict != Verdict::kTake) return std::nullopt;
+
+  std::string error;
+  const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
+  std::optional<image_t> image = to_image(*stream_->format().pixels, frame.image, colour, &error);
+  if (image) image = encode_as(std::move(*image), options_, &error);
+  if (!image) {
+    skip(&SkippedFrames::unreadable, fmt::format("{}: an image {}", input_, error));
+    return std::nullopt;
+  }
+  image->utime = utime_us;
+  if (!calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
+  return image;
+}
+
+void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message) {
+  if (++(skipped_.*reason) == 1) spdlog::warn("{}; left out, and from now on only counted", message);
+}
+
+OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options) {
+  constexpr int kDefaultWidth = 640, kDefaultHeight = 480;
+  const auto refuse = [&input](const std::string& why) { return OpenedSource{nullptr, input + ": " + why}; };
+  if (options.loop) return refuse("loop is true: a camera has no end to begin again from");
+  if (options.speed != 1) return refuse(fmt::format("speed is {}: a camera has its own", options.speed));
+  Camera camera;
+  if (options.camera_file.empty()) {
+    camera.width = options.width > 0 ? options.width : kDefaultWidth;
+    camera.height = options.height > 0 ? options.height : kDefaultHeight;
+  } else {
+    const CameraFileResult file = read_camera_file(options.camera_file);
+    if (!file.ok()) return {nullptr, file.error};
+    camera = file.camera;
+  }
+  const bool fits =
+      (options.width == 0 || options.width == camera.width) && (options.height == 0 || options.height == camera.height);
+  if (!fits)
+    return refuse(fmt::format("width x height is {} x {} but the calibration {} is for {} x {}", options.width,
+                              options.height, options.camera_file, camera.width, camera.height));
+  auto source = std::make_unique<V4l2Source>(system, input, camera, options);
+  if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
+  if (options.camera_file.empty())
+    spdlog::warn("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
+  return {std::move(source), ""};
+}
+
+}  // namespace rumi

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A V4L2 camera as an ImageSource. What goes wrong while it runs is said, and the camera opened again until it works.
+#pragma once
+
+#include <memory>
+
+#include "camera_driver/image_source.h"
+#include "camera_driver/recorded_source.h"
+#include "camera_driver/v4l2/capture_clock.h"
+#include "camera_driver/v4l2/video_stream.h"
+
+namespace rumi {
+
+class V4l2Source : public ImageSource {
+ public:
+  // input: see names_camera(). Without a calibration the camera has no focal length (fx 0), and images carry none.
+  V4l2Source(VideoSystem& system, std::string input, const Camera& camera, const CameraOptions& options);
+
+  // Opens the camera. Returns why it cannot be used, or an empty string; one that is busy is waited for in next().
+  std::string start();
+
+  std::optional<image_t> next() override;
+  const Camera& camera() const override { return camera_; }
+  const std::string& name() const override { return input_; }
+  int64_t total() const override { return -1; }
+  const SkippedFrames& skipped() const override { return skipped_; }
+  const LiveState* live() const override { return &live_; }
+  void set_controls(const CameraOptions& options) override;
+
+ private:
+  std::string open();
+  std::string open_device(std::unique_ptr<VideoDevice>* device);
+  bool reopen();
+  void lose(const std::string& why);
+  void retry_later();
+  void check_stall();
+  void set_up_controls();
+  void note(const StreamFrame& frame);
+  void count_gap(uint32_t sequence);
+  void lock_when_warm(int64_t now_us);
+  void measure_rate(int64_t utime_us);
+  std::optional<image_t> accept(StreamFrame& frame);
+  void skip(int64_t SkippedFrames::*reason, const std::string& message);
+
+  VideoSystem& system_;
+  std::string input_, calibration_;
+  Camera camera_;
+  CameraOptions options_;
+  FrameSelector selector_;
+  CaptureClock clock_;
+  SkippedFrames skipped_;
+  LiveState live_;
+
+  std::string card_;  // of the camera that was opened first
+  std::unique_ptr<VideoStream> stream_;
+  bool busy_ = false, clock_warned_ = false, rate_warned_ = false, locked_ = false;
+  int64_t exposure_us_ = 0;  // 0: not known
+  // CLOCK_MONOTONIC
+  int64_t retry_at_us_ = 0, retry_delay_us_ = 0, gone_at_us_ = 0;
+  int64_t last_frame_us_ = 0;  // or the start of streaming
+  std::optional<int64_t> first_frame_us_;
+  std::optional<uint32_t> last_sequence_;
+  int64_t rate_from_us_ = 0, rate_count_ = 0;  // of the rate measured now
+};
+
+// Opens a camera: options.camera_file is its calibration, and may be missing.
+OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options);
+
+}  // namespace rumi

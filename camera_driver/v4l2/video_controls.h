@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A camera's controls by name and range: exposure, gain, white balance, focus, and whatever else it has.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera_driver/options.h"
+#include "camera_driver/v4l2/video_device.h"
+
+namespace rumi {
+
+struct VideoControl {
+  uint32_t id = 0;
+  std::string name;  // as v4l2-ctl writes it: "white_balance_automatic"
+  int64_t min = 0, max = 0, step = 1, preset = 0;
+  std::vector<std::pair<int64_t, std::string>> menu;
+  bool settable = true;  // false: read-only, or not a number
+};
+
+std::vector<VideoControl> controls_of(const VideoDevice& device);
+// Nothing if it cannot be read.
+std::optional<int32_t> read_control(const VideoDevice& device, uint32_t id);
+
+// Sets what the options name. Returns what could not be done, one line for each: a camera that lacks one of its
+// controls is still a camera.
+std::vector<std::string> apply_controls(const VideoDevice& device, const CameraOptions& options);
+// Exposure, gain and white balance stay from now on as the camera has them. Returns what was done, or could not be.
+std::string lock_automatic(const VideoDevice& device);
+
+// "brightness=10, sharpness=0" -> pairs; *error says what is wrong.
+std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::string& text, std::string* error);
+
+}  // namespace rumi

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A camera that streams: format negotiated, buffers mapped, frames taken one by one.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_driver/v4l2/capture_clock.h"
+#include "camera_driver/v4l2/pixel_format.h"
+#include "camera_driver/v4l2/video_device.h"
+
+namespace rumi {
+
+struct StreamRequest {
+  int width = 0, height = 0;  // pixels
+  double rate_hz = 30;
+  std::string format = "auto";  // or the option name of one of pixel_formats()
+};
+
+// What the driver agreed to.
+struct StreamFormat {
+  const PixelFormat* pixels = nullptr;
+  int width = 0, height = 0, stride = 0;
+  double rate_hz = 0;  // 0: the driver does not say
+};
+
+struct StreamFrame {
+  RawImage image;
+  FrameStamps stamps;  // exposure_us apart
+  uint32_t sequence = 0;
+  bool damaged = false;  // the driver says so
+};
+
+class VideoStream {
+ public:
+  ~VideoStream();
+  VideoStream(const VideoStream&) = delete;
+  VideoStream& operator=(const VideoStream&) = delete;
+
+  const VideoDevice& device() const { return *device_; }
+  const StreamFormat& format() const { return format_; }
+  // The latest failure was that another program has the camera: later it may work.
+  bool busy() const { return busy_; }
+  // Frames come only after this. Returns what is wrong, or an empty string.
+  std::string start();
+
+  enum class Read { kFrame, kNothing, kFailed };
+  // Waits at most timeout_ms. The frame's pixels are valid until release(), which must follow before the next read().
+  Read read(int timeout_ms, StreamFrame* frame, std::string* error);
+  // Gives the frame's memory back. Returns what is wrong, or an empty string.
+  std::string release();
+
+ private:
+  friend struct OpenedStream open_stream(std::unique_ptr<VideoDevice> device, const StreamRequest& request);
+  explicit VideoStream(std::unique_ptr<VideoDevice> device) : device_(std::move(device)) {}
+  std::string choose_format(const StreamRequest& request);
+  std::string set_format(const PixelFormat& pixels, const StreamRequest& request);
+  void set_rate(double rate_hz);
+  std::string map_buffers();
+  std::string queue(uint32_t index);
+  std::string failed(const std::string& what, int error);
+
+  struct Mapping {
+    void* start = nullptr;
+    size_t length = 0;
+  };
+  std::unique_ptr<VideoDevice> device_;
+  StreamFormat format_;
+  std::vector<Mapping> buffers_;
+  bool started_ = false, busy_ = false;
+  std::optional<uint32_t> held_;  // buffer between read() and release()
+};
+
+struct OpenedStream {
+  std::unique_ptr<VideoStream> stream;
+  std::string error;  // empty, or the device, what is wrong, and what to do
+  bool busy = false;  // see VideoStream::busy()
+};
+OpenedStream open_stream(std::unique_ptr<VideoDevice> device, const StreamRequest& request);
+
+}  // namespace rumi
