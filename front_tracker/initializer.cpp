@@ -61,7 +61,8 @@ void Initializer::follow() {
   if (!references_.empty() && !due(references_.back())) return;
   // The oldest has seen most motion; what makes room is the one after it.
   if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
-  references_.push_back({frames_.size() - 1, ReferenceTracks(now.features), 0, options_.min_motion_px});
+  references_.push_back(
+      {frames_.size() - 1, ReferenceTracks(now.features), 0, options_.min_motion_px * camera_.width / 640.0});
 }
 
 // The reference from which the image moved most, if it is worth a try.
