@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/map_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
+
+#include "slam/geometry/median.h"
 
 namespace rumi {
 namespace {
@@ -32,6 +37,9 @@ class Groups {
  private:
   std::map<SubmapKey, SubmapKey> parent_;
 };
+
+using JointName = std::tuple<SubmapKey, int, SubmapKey, int>;
+JointName name_of(const KeyframeJoint& joint) { return {joint.a.submap, joint.a.id, joint.b.submap, joint.b.id}; }
 
 // An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
 void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<SubmapKey, Placement>* placements) {
@@ -66,10 +74,13 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
                    .landmark_inliers = alignment.landmark_inliers,
                    .rmse_px = alignment.rmse_px,
                    .doubt = alignment.doubt};
-  pair.utime_us = common.keyframes[common.keyframes.size() / 2].utime_us;
+  if (!pair.link->accepted()) return pair;
+  std::vector<int64_t> where;
   for (size_t k = 0; k < common.keyframes.size(); ++k) {
+    if (!alignment.keyframe_inlier[k]) continue;  // one of the two is bent there
     const SharedKeyframe& shared = common.keyframes[k];
     const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options_.alignment.min_landmarks / 4);
+    where.push_back(shared.utime_us);
     if (!std::isfinite(ratio.sigma)) continue;
     // One camera, in the units of two submaps.
     pair.joints.push_back({{a.key, shared.a},
@@ -79,12 +90,13 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
                            options_.joint_sigma_translation * ratio.depth_b,
                            std::max(ratio.sigma, options_.joint_sigma_log_scale)});
   }
+  pair.utime_us = where[where.size() / 2];
   return pair;
 }
 
 void MapBuilder::find_links(const Submaps& submaps) {
   for (auto a = submaps.begin(); a != submaps.end(); ++a)
-    for (auto b = std::next(a); b != submaps.end(); ++b) {
+    for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
       Pair& pair = pairs_[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare(*a->second, *b->second);
@@ -216,17 +228,59 @@ void MapBuilder::fuse_places(Placed* submaps) const {
   }
 }
 
+bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2) {
+  std::map<JointName, double> chi2_of;  // those of submaps outside the map are not in it
+  for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
+  // What is wrong pulls at what is right: the worst goes first.
+  double worst = options_.max_joint_chi2;
+  const auto is_worst = [&](double value) { return value > worst && ((worst = value), true); };
+  Pair* wrong_pair = nullptr;
+  int wrong_place = kNone;
+  for (auto& [keys, pair] : pairs_) {
+    std::vector<double> all;
+    for (const KeyframeJoint& joint : pair.joints) all.push_back(chi2_of[name_of(joint)]);
+    if (!all.empty() && is_worst(median(&all))) wrong_pair = &pair;
+  }
+  for (size_t i = 0; i < places_.found().size(); ++i)
+    if (is_worst(chi2_of[name_of(places_.found()[i].joint)])) wrong_place = static_cast<int>(i);
+  const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", worst);
+  if (wrong_place != kNone) {
+    places_.refuse(wrong_place, doubt);
+    return true;
+  }
+  if (wrong_pair) {
+    wrong_pair->link->doubt = doubt;
+    wrong_pair->joints.clear();
+    return true;
+  }
+  size_t dropped = 0;
+  for (auto& [keys, pair] : pairs_)
+    dropped += std::erase_if(pair.joints, [&](const KeyframeJoint& j) { return chi2_of[name_of(j)] > worst; });
+  return dropped > 0;
+}
+
+std::optional<SubmapKey> MapBuilder::arrange(const Submaps& submaps, const Placements& placed,
+                                             std::set<SubmapKey>* members, Placed* result) {
+  for (;;) {
+    *members = choose_members(submaps, placed);
+    const SubmapKey anchor = choose_anchor(submaps, *members, placed);
+    if (!members->contains(anchor) || cancelled()) return std::nullopt;
+    *result = place_members(submaps, *members, anchor, placed);
+    const std::vector<KeyframeJoint> known = joints(*result);
+    if (known.empty()) return std::nullopt;
+    const MapGraphReport bent = bend(known, anchor, options_.graph, result);
+    if (!drop_contradicted(known, bent.joint_chi2)) return anchor;
+  }
+}
+
 BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
-  const std::set<SubmapKey> members = choose_members(submaps, placed);
+  std::set<SubmapKey> members = choose_members(submaps, placed);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || (scope == Scope::kWeld && members == built_)) return built;
-  const SubmapKey anchor = choose_anchor(submaps, members, placed);
-  if (!members.contains(anchor)) return built;  // none that has a frame
-  Placed before = place_members(submaps, members, anchor, placed);
-  const std::vector<KeyframeJoint> known = joints(before);
-  if (known.empty()) return built;
-  bend(known, anchor, options_.graph, &before);
+  Placed before;
+  const std::optional<SubmapKey> anchor = arrange(submaps, placed, &members, &before);
+  if (!anchor) return built;
   fuse_places(&before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
   const std::vector<int> window = scope == Scope::kWeld ? weld_window(model) : std::vector<int>();
@@ -236,7 +290,7 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   note_joined(model);
   built_ = members;
   built.placements = split(model, before);
-  keep_gauge(before.at(anchor), anchor, &built.placements);
+  keep_gauge(before.at(*anchor), *anchor, &built.placements);
   return built;
 }
 

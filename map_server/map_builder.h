@@ -27,6 +27,7 @@ struct MapBuilderOptions {
   double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
   double joint_sigma_translation = 0.01;  // the same, of the median depth
   double joint_sigma_log_scale = 0.02;    // at least
+  double max_joint_chi2 = 100;            // in the bent map; what is farther out is a mistake, and taken out
   MapBundleOptions bundle;
   AssociationOptions association;
   PlaceSearchOptions places;
@@ -101,6 +102,12 @@ class MapBuilder {
   Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,
                        const Placements& placed) const;
   std::vector<KeyframeJoint> joints(const Placed& submaps) const;
+  // Places the members and bends them; again without what the others contradict, until nothing does. The first is the
+  // anchor; nothing: none of them has a frame, or nothing joins them.
+  std::optional<SubmapKey> arrange(const Submaps& submaps, const Placements& placed, std::set<SubmapKey>* members,
+                                   Placed* result);
+  // Of the link that is farthest out of what the map says, all of its joints; if there is none, every joint that is.
+  bool drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2);
   void fuse_places(Placed* submaps) const;
   std::vector<int> weld_window(const MapModel& model) const;
   MapBuildReport adjust(const std::vector<int>& window, MapModel* model) const;

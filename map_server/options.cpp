@@ -30,6 +30,9 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.add("map_server.max_sigma_rotation_deg", &a.max_sigma_rotation_deg, "deg", "standard deviation of a joint", 0,
             180);
   table.add("map_server.max_sigma_log_scale", &a.max_sigma_log_scale, "", "standard deviation of a joint", 0, 10);
+  table.add("map_server.max_joint_chi2", &o.builder.max_joint_chi2, "",
+            "of a joint in the map as a whole, in sigma^2; one that is farther out is a mistake, and taken out", 1,
+            1e9);
   table.add("map_server.association_rounds", &o.builder.association_rounds, "",
             "search for the map's points in all its images, and adjustment, so often", 0, 100);
   table.add("map_server.association_radius_px", &s.radius_px, "px",

@@ -38,23 +38,22 @@ class PlaceAligner {
     return false;
   }
 
+  // The keyframes themselves first, against the views of the other place: most that hold nothing in common are told so
+  // by these already, at a third of the work.
   bool propose() {
-    const std::vector<PlaceMatch> matches = propose_matches(a_, b_, o_.matching);
-    result_.proposed = static_cast<int>(matches.size());
-    if (result_.proposed < o_.min_proposed)
-      return refuse(fmt::format("{} landmarks look alike, {} wanted", result_.proposed, o_.min_proposed));
-    equations_ = make_equations(a_, b_, matches, o_.matching.octave_scale);
-    std::vector<int> among(equations_.size());
-    std::iota(among.begin(), among.end(), 0);
-    const auto best = consensus(among);
-    if (best) result_.consensus = static_cast<int>(best->members.size());
-    const double wanted = std::max<double>(o_.min_consensus, o_.min_consensus_ratio * result_.proposed);
-    if (!best || result_.consensus < wanted)
-      return refuse(fmt::format("{} of {} landmarks that look alike agree on a similarity, {:.0f} wanted",
-                                result_.consensus, result_.proposed, std::ceil(wanted)));
+    PlaceProposals proposals(a_, b_, o_.matching);
+    for (size_t i = 0; i < a_.views.size(); ++i)
+      for (size_t j = 0; j < b_.views.size(); ++j)
+        if (i == 0 || j == 0) proposals.compare(i, j);
+    if (!agree(proposals.ranked(), o_.min_consensus, 0)) return false;
+    for (size_t i = 1; i < a_.views.size(); ++i)
+      for (size_t j = 1; j < b_.views.size(); ++j) proposals.compare(i, j);
+    const auto best = agree(proposals.ranked(), o_.min_consensus, o_.min_consensus_ratio);
+    if (!best) return false;
     inliers_ = best->members;
     result_.b_from_a = best->b_from_a;
 
+    const std::vector<int> among = all();
     std::vector<int> rest;
     std::set_difference(among.begin(), among.end(), inliers_.begin(), inliers_.end(), std::back_inserter(rest));
     if (const auto rival = consensus(rest)) result_.rival = static_cast<int>(rival->members.size());
@@ -62,6 +61,29 @@ class PlaceAligner {
       return refuse(fmt::format("another similarity explains {} landmarks, this one {}: something repeats",
                                 result_.rival, result_.consensus));
     return true;
+  }
+
+  // The similarity that most of them agree with, if those are enough.
+  std::optional<Consensus> agree(const std::vector<PlaceMatch>& matches, int least, double least_ratio) {
+    result_.proposed = static_cast<int>(matches.size());
+    if (result_.proposed < o_.min_proposed) {
+      refuse(fmt::format("{} landmarks look alike, {} wanted", result_.proposed, o_.min_proposed));
+      return std::nullopt;
+    }
+    equations_ = make_equations(a_, b_, matches, o_.matching.octave_scale);
+    auto best = consensus(all());
+    result_.consensus = best ? static_cast<int>(best->members.size()) : 0;
+    const double wanted = std::max<double>(least, least_ratio * result_.proposed);
+    if (best && result_.consensus >= wanted) return best;
+    refuse(fmt::format("{} of {} landmarks that look alike agree on a similarity, {:.0f} wanted", result_.consensus,
+                       result_.proposed, std::ceil(wanted)));
+    return std::nullopt;
+  }
+
+  std::vector<int> all() const {  // equations
+    std::vector<int> indices(equations_.size());
+    std::iota(indices.begin(), indices.end(), 0);
+    return indices;
   }
 
   std::optional<Consensus> consensus(const std::vector<int>& among) const {
@@ -75,8 +97,7 @@ class PlaceAligner {
       matches_ = guided_matches(a_, b_, result_.b_from_a, radius, o_.matching);
       result_.guided = static_cast<int>(matches_.size());
       equations_ = make_equations(a_, b_, matches_, o_.matching.octave_scale);
-      inliers_.resize(equations_.size());
-      std::iota(inliers_.begin(), inliers_.end(), 0);
+      inliers_ = all();
       if (!refine()) return false;
     }
     inliers_.clear();

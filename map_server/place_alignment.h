@@ -24,7 +24,7 @@ struct PlaceAlignmentOptions {
   int min_proposed = 15;              // landmark pairs by descriptor
   int ransac_iterations = 1000;       // at most
   double consensus_px = 6.0;          // in both directions, at octave 0; landmarks themselves are off by some pixels
-  int min_consensus = 10;             // of the proposed pairs, and ...
+  int min_consensus = 10;             // of the proposed pairs (those of the two keyframes alone, too), and ...
   double min_consensus_ratio = 0.25;  // ... of them
   double max_rival_ratio = 0.5;       // what another similarity explains of the rest, over the consensus
 
@@ -70,7 +70,7 @@ struct PlaceAlignment {
 };
 
 // `a` and `b` may be one submap: a loop. Lengths of sigma and extent are relative, so that the unit does not matter.
-// Deterministic. Some 15 ms for 1000 keypoints a keyframe, 50 at most.
+// Deterministic. Some 15 ms for 1000 keypoints a keyframe, 50 at most, a third of it where nothing is in common.
 //
 // No image tells two places apart that are alike as far as all the keyframes here can see. Before it joins submaps for
 // good, the caller should have several alignments of different keyframes that say the same.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <tuple>
 
@@ -88,36 +87,30 @@ class Projector {
 
 }  // namespace
 
-std::vector<PlaceMatch> propose_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
-                                        const PlaceMatchOptions& options) {
-  struct Votes {
-    int count = 0;
-    PlaceMatch best;
-  };
-  std::map<std::pair<int, int>, Votes> votes;
-  for (size_t i = 0; i < a.views.size(); ++i)
-    for (size_t j = 0; j < b.views.size(); ++j) {
-      const PlaceView &from = a.views[i], &to = b.views[j];
-      if (from.known.empty() || to.known.empty()) continue;  // an empty selection would mean all
-      for (const Match& m : match_features(*from.keyframe->features, from.known, *to.keyframe->features, to.known,
-                                           {options.max_distance, options.max_ratio, 0, true})) {
-        const PlaceMatch match{from.landmark_index[m.first],
-                               to.landmark_index[m.second],
-                               {static_cast<int>(i), m.first},
-                               {static_cast<int>(j), m.second},
-                               m.distance};
-        Votes& v = votes[{match.a, match.b}];
-        if (v.count++ == 0 || match.distance < v.best.distance) v.best = match;
-      }
-    }
+void PlaceProposals::compare(size_t view_a, size_t view_b) {
+  const PlaceView &from = a_.views[view_a], &to = b_.views[view_b];
+  if (from.known.empty() || to.known.empty()) return;  // an empty selection would mean all
+  for (const Match& m : match_features(*from.keyframe->features, from.known, *to.keyframe->features, to.known,
+                                       {options_.max_distance, options_.max_ratio, 0, true})) {
+    const PlaceMatch match{from.landmark_index[m.first],
+                           to.landmark_index[m.second],
+                           {static_cast<int>(view_a), m.first},
+                           {static_cast<int>(view_b), m.second},
+                           m.distance};
+    Votes& v = votes_[{match.a, match.b}];
+    if (v.count++ == 0 || match.distance < v.best.distance) v.best = match;
+  }
+}
+
+std::vector<PlaceMatch> PlaceProposals::ranked() const {
   std::vector<Votes> ranked;
-  for (const auto& [pair, v] : votes) ranked.push_back(v);
+  for (const auto& [pair, v] : votes_) ranked.push_back(v);
   std::stable_sort(ranked.begin(), ranked.end(), [](const Votes& x, const Votes& y) {
     return std::tuple(-x.count, x.best.distance) < std::tuple(-y.count, y.best.distance);
   });
   std::vector<PlaceMatch> matches;
   for (const Votes& v : ranked) matches.push_back(v.best);
-  return one_to_one(matches, a.landmarks.size(), b.landmarks.size());
+  return one_to_one(matches, a_.landmarks.size(), b_.landmarks.size());
 }
 
 std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const Sim3& b_from_a,

@@ -2,6 +2,8 @@
 // Landmarks of two places that may be the same point: by descriptor alone, or near where a similarity puts them.
 #pragma once
 
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "map_server/place_neighbourhood.h"
@@ -24,10 +26,27 @@ struct PlaceMatch {
   int distance = 0;  // Hamming
 };
 
-// Every view of a against every view of b (match_features); the landmark pairs that most of them found come first, each
-// landmark once.
-std::vector<PlaceMatch> propose_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
-                                        const PlaceMatchOptions& options);
+// Landmark pairs by descriptor alone: views of a against views of b (match_features), which vote for them.
+class PlaceProposals {
+ public:
+  // Keeps references.
+  PlaceProposals(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const PlaceMatchOptions& options)
+      : a_(a), b_(b), options_(options) {}
+
+  void compare(size_t view_a, size_t view_b);
+  // Those that most comparisons found come first, each landmark once.
+  std::vector<PlaceMatch> ranked() const;
+
+ private:
+  struct Votes {
+    int count = 0;
+    PlaceMatch best;
+  };
+  const PlaceNeighbourhood& a_;
+  const PlaceNeighbourhood& b_;
+  const PlaceMatchOptions& options_;
+  std::map<std::pair<int, int>, Votes> votes_;  // by landmarks
+};
 
 // Landmarks of a projected into the views of b and back, within radius_px at octave 0; each landmark once.
 std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const Sim3& b_from_a,

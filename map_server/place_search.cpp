@@ -8,7 +8,7 @@
 namespace rumi {
 namespace {
 
-using Submaps = std::map<SubmapKey, const Submap*>;
+using Submaps = PlaceSearch::Submaps;
 
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
   return {.a = a.submap,
@@ -54,11 +54,19 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
   std::vector<Place> fresh;
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes)
-      if (searched_.insert({key, id}).second) {
+      if (seen_.insert({key, id}).second) {
         index_.add(key, keyframe);
         fresh.push_back({key, id, keyframe.utime_us});
       }
-  for (const Place& place : fresh) search(place, submaps, joined);
+  for (const Place& place : fresh) {
+    std::vector<Place>& same_image = searched_for_[place.utime_us];
+    // What the image shows has been looked for by its other keyframe, where that tells of this one too.
+    const bool known =
+        std::any_of(same_image.begin(), same_image.end(), [&](const Place& other) { return joined(place, other); });
+    if (known) continue;
+    same_image.push_back(place);
+    search(place, submaps, joined);
+  }
 }
 
 bool PlaceSearch::is_known(const Place& a, const Place& b) const {
@@ -69,6 +77,13 @@ bool PlaceSearch::is_known(const Place& a, const Place& b) const {
     return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||
            (near(known.link.a, known.utime_a_us, b) && near(known.link.b, known.utime_b_us, a));
   });
+}
+
+void PlaceSearch::refuse(int found, const std::string& doubt) {
+  Link link = found_[found].link;
+  found_.erase(found_.begin() + found);
+  link.doubt = doubt;
+  refused_[std::minmax(link.a, link.b)] = link;
 }
 
 // With what it is confirmed by, if it is.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -43,26 +44,31 @@ struct PlaceLink {
 
 class PlaceSearch {
  public:
+  using Submaps = std::map<SubmapKey, const Submap*>;
+
   explicit PlaceSearch(const PlaceSearchOptions& options) : o_(options) {}
 
-  // Searches for the keyframes that are new. `joined`: the map knows already how these two lie to each other.
-  void search(const std::map<SubmapKey, const Submap*>& submaps,
-              const std::function<bool(const Place&, const Place&)>& joined);
+  // Searches for the keyframes that are new, once for those of one image that are joined. `joined`: the map knows
+  // already how these two lie to each other.
+  void search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined);
 
   const std::vector<PlaceLink>& found() const { return found_; }
+  // This one of them turned out to be wrong.
+  void refuse(int found, const std::string& doubt);
   // The last refusal between two submaps that nothing joins, for whoever wonders.
   const std::map<std::pair<SubmapKey, SubmapKey>, Link>& refused() const { return refused_; }
 
  private:
-  void search(const Place& place, const std::map<SubmapKey, const Submap*>& submaps,
+  void search(const Place& place, const Submaps& submaps,
               const std::function<bool(const Place&, const Place&)>& joined);
   bool is_known(const Place& a, const Place& b) const;
-  void take(PlaceLink link, const std::map<SubmapKey, const Submap*>& submaps);
-  bool agree(const PlaceLink& x, const PlaceLink& y, const std::map<SubmapKey, const Submap*>& submaps) const;
+  void take(PlaceLink link, const Submaps& submaps);
+  bool agree(const PlaceLink& x, const PlaceLink& y, const Submaps& submaps) const;
 
   PlaceSearchOptions o_;
   PlaceIndex index_;
-  std::set<std::pair<SubmapKey, int>> searched_;
+  std::set<std::pair<SubmapKey, int>> seen_;
+  std::map<int64_t, std::vector<Place>> searched_for_;  // by utime_us
   std::vector<PlaceLink> found_;
   std::vector<PlaceLink> unconfirmed_;
   std::map<std::pair<SubmapKey, SubmapKey>, Link> refused_;

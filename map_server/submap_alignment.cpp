@@ -7,7 +7,9 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
+#include "map_server/bent_end.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/geometry/median.h"
 #include "slam/optimization/sim3_refinement.h"
@@ -193,11 +195,35 @@ class Aligner {
   std::vector<Pair> pairs_;
 };
 
+// Told of all that is common: outside the run nothing agrees.
+Alignment spread(Alignment part, const SharedRun& run, const Correspondences& common) {
+  const auto in_run = [&](size_t shared) { return shared >= run.first && shared < run.first + run.count; };
+  std::vector<char> keyframe_inlier, inlier;
+  auto next_keyframe = part.keyframe_inlier.begin(), next_landmark = part.inlier.begin();
+  for (size_t k = 0; k < common.keyframes.size(); ++k) keyframe_inlier.push_back(in_run(k) ? *next_keyframe++ : 0);
+  for (const LandmarkMatch& match : common.landmarks)
+    inlier.push_back(in_run(static_cast<size_t>(match.shared)) ? *next_landmark++ : 0);
+  part.keyframe_inlier = std::move(keyframe_inlier);
+  part.inlier = std::move(inlier);
+  part.keyframes = static_cast<int>(common.keyframes.size());
+  part.landmarks = static_cast<int>(common.landmarks.size());
+  return part;
+}
+
 }  // namespace
 
 Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
                         const AlignmentOptions& options) {
-  return Aligner(a, b, common, options).run();
+  Alignment whole = Aligner(a, b, common, options).run();
+  if (whole.doubt.empty()) return whole;
+  for (const SharedRun& run : runs_beside_bent_end(a, b, common)) {
+    Alignment part = Aligner(a, b, part_of(common, run), options).run();
+    if (!part.doubt.empty()) continue;
+    const bool holds =
+        back_submap_holds(a, b, common, options.min_landmarks, options.min_inlier_ratio, options.max_reprojection_px);
+    return holds ? spread(std::move(part), run, common) : whole;
+  }
+  return whole;
 }
 
 }  // namespace rumi

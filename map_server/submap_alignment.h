@@ -42,7 +42,9 @@ struct Alignment {
   std::string doubt;                                   // empty, or why it is not to be believed
 };
 
-// Nothing but a doubt where there is too little in common to propose anything.
+// Where that is in doubt, the part beside a bent end of a front submap is tried (bent_end.h), under the same
+// conditions; then the keyframes and landmarks of the end count as such that do not agree. Nothing but a doubt where
+// there is too little in common to propose anything.
 Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
                         const AlignmentOptions& options);
 

@@ -253,6 +253,15 @@ Pair bad_end(unsigned seed) {
   return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
 }
 
+// The same, of the last half of them: what it knows of the other half is to be had.
+Pair bent_end(unsigned seed) {
+  Recipes r(seed, 8 + static_cast<int>(seed % 3));
+  const World world = make_room(seed);
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
+  r.front.distortion = drift(images, r.front.last - kEvery * 4, 0.05, 0.05);
+  return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
+}
+
 // Its scale drifts a little, as that of all monocular maps does.
 Pair drifting(unsigned seed) {
   Recipes r(seed, shared_keyframes(seed));
@@ -263,9 +272,9 @@ Pair drifting(unsigned seed) {
           r.front.distortion.at((r.back.first + r.front.last) / 2)};
 }
 
-constexpr Kind kRight[] = {{"typical", typical},   {"fisheye", fisheye},  {"wrong landmarks", wrong_landmarks},
-                           {"sideways", sideways}, {"ahead", ahead},      {"turning on the spot", turning},
-                           {"bad end", bad_end},   {"drifting", drifting}};
+constexpr Kind kRight[] = {{"typical", typical},   {"fisheye", fisheye},   {"wrong landmarks", wrong_landmarks},
+                           {"sideways", sideways}, {"ahead", ahead},       {"turning on the spot", turning},
+                           {"bad end", bad_end},   {"bent end", bent_end}, {"drifting", drifting}};
 
 struct Errors {
   std::vector<double> rotation_deg, log_scale, translation;
@@ -308,7 +317,7 @@ TEST(TrueMerge, AlmostAll) {
                 Errors::median_and_worst(errors.log_scale, 100).c_str(),
                 Errors::median_and_worst(errors.translation, 100).c_str(), doubt.c_str());
   }
-  EXPECT_GE(accepted_of_all, 190);
+  EXPECT_GE(accepted_of_all, 210);
 }
 
 }  // namespace

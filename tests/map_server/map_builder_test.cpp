@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -106,6 +107,13 @@ TEST_F(MapBuilderTest, JoinsAChain) {
   EXPECT_LT(e.rmse, 0.04);
   EXPECT_LT(e.worst, 0.1);
   EXPECT_TRUE(finite(map.placements));
+}
+
+TEST_F(MapBuilderTest, ACancelledSearchEndsSoon) {
+  const std::atomic<bool> cancel = true;
+  MapBuilder builder({}, &cancel);
+  builder.find_links(submaps());
+  EXPECT_TRUE(builder.links().empty());
 }
 
 TEST_F(MapBuilderTest, EqualInputGivesAnEqualMapToTheBit) {
@@ -220,6 +228,36 @@ TEST_F(MapBuilderTest, ATornSubmapIsNotJoinedByLikenessEither) {
       EXPECT_NE(std::minmax(link.a, link.b), std::minmax(front1_, back1_));
     }
   EXPECT_FALSE(builder.build(submaps(), {}).placements.contains(front1_));
+}
+
+// The front submap goes wrong half way, where nobody sees it: to the back submap of its end all seems to fit. Another
+// back submap knows its beginning too.
+TEST_F(MapBuilderTest, ALinkThatTheRestContradictsIsTakenOut) {
+  recipes_[front1_].distortion = jump(18, Sim3(1.4, so3_exp({0, 0.2, 0}), {0.3, 0, 0}));
+  made_[front1_] = make_submap(world_, images_, recipes_[front1_]);
+  add({kSession, -3}, 0, 69, 0);
+  const auto doubt = [](const MapBuilder& builder, SubmapKey a, SubmapKey b) {
+    for (const Link& link : builder.links())
+      if (link.kind == Link::Kind::kSameImages && std::minmax(link.a, link.b) == std::minmax(a, b)) return link.doubt;
+    return std::string("no link");
+  };
+  MapBuilder builder({});
+  builder.find_links(submaps());
+  EXPECT_EQ(doubt(builder, front1_, back1_), "");
+  EXPECT_EQ(doubt(builder, front1_, {kSession, -3}), "") << "its beginning is right";
+  const BuiltMap map = builder.build(submaps(), {});
+  print("one link wrong", map, error(map.placements));
+  EXPECT_NE(doubt(builder, front1_, back1_).find("contradicts"), std::string::npos) << doubt(builder, front1_, back1_);
+  EXPECT_EQ(map.placements.size(), 6u);
+  EXPECT_LT(error(map.placements).rmse, 0.04);
+
+  MapBuilderOptions trusting;
+  trusting.max_joint_chi2 = 1e9;
+  MapBuilder other(trusting);
+  other.find_links(submaps());
+  const BuiltMap wrong = other.build(submaps(), {});
+  print("the same, believed", wrong, error(wrong.placements));
+  EXPECT_EQ(doubt(other, front1_, back1_), "");
 }
 
 TEST_F(MapBuilderTest, ASubmapThatGrows) {

@@ -245,6 +245,18 @@ TEST(PlaceAlignment, KeyframesThatHadNoPartInItMustBearItOut) {
   EXPECT_GE(found.witnesses_a, 2);
 }
 
+TEST(PlaceAlignment, WhereTheKeyframesThemselvesShowNothingNobodyElseIsAsked) {
+  Pair pair = same_place(9, 1);
+  PlaceScene scene(10);
+  for (Submap* submap : {&pair.a, &pair.b}) {
+    Keyframe& keyframe = *submap->keyframe(kMiddle);
+    auto other = std::make_shared<Features>(*keyframe.features);
+    for (Descriptor& d : other->descriptors) d = scene.descriptor();
+    keyframe.features = other;
+  }
+  EXPECT_EQ(pair.align().doubt, "0 landmarks look alike, 15 wanted");
+}
+
 TEST(PlaceAlignment, WhatIsNotFiniteIsLeftOut) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   Pair pair = same_place(11, 2);
