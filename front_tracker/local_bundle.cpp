@@ -37,9 +37,7 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
     problem_.views.push_back({map.keyframe(id)->cam_from_submap, fixed});
     keyframe_ids_.push_back(id);
   };
-  // A young submap is in the window as a whole: its scale is nobody else's, and holding two keyframes would hold on to
-  // what little the two that began it knew.
-  size_t to_fix = anchors.empty() ? 1 : anchors.size() == 1 ? 1 : 0;
+  size_t to_fix = anchors.size() >= 2 ? 0 : 2 - anchors.size();
   for (int id : free) {
     const bool fixed = to_fix > 0 && id != keyframe_id;  // the oldest, ids being in order of time
     if (fixed) --to_fix;
