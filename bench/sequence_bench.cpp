@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The front's part of the work on a recording, with nothing else running: what a frame costs beside cv::ORB on the same
-// frames, how long it takes to begin at many places of the recording, and how true what it begins is.
+// frames, how long it takes to begin at many places of the recording, how true what it begins is, and whether it finds
+// the camera again where it is carried off to.
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -8,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/features2d.hpp>
 #include <random>
@@ -72,9 +74,14 @@ struct SubmapResult {
   double scale_drift = 1;  // of the halves' scales to the truth, the larger over the smaller
 };
 
+std::vector<TimedPose> poses_of(const Submap& map) {
+  std::vector<TimedPose> poses;
+  for (const auto& [utime, frame] : map.frames) poses.push_back({utime, map.cam_from_submap(frame).inverse()});
+  return poses;
+}
+
 SubmapResult evaluate(const Submap& map, const std::vector<TimedPose>& truth) {
-  std::vector<TimedPose> estimate;
-  for (const auto& [utime, frame] : map.frames) estimate.push_back({utime, map.cam_from_submap(frame).inverse()});
+  const std::vector<TimedPose> estimate = poses_of(map);
   SubmapResult result;
   result.frames = estimate.size();
   const TrajectoryMetrics metrics = evaluate_trajectory(estimate, truth);
@@ -198,10 +205,67 @@ void bench_starts(const Recording& r, const FrontTrackerOptions& options, int st
              quantile(ms, 0.95), quantile(ms, 1));
 }
 
+// Maps the whole recording, then carries the camera off to random places of it, one after the other, for a second each.
+void bench_kidnaps(const Recording& r, const FrontTrackerOptions& options, int jumps) {
+  constexpr double kWrong_m = 0.3;
+  Tracker tracker(r.camera, options, 1);
+  int64_t utime_us = 0;
+  const int64_t period_us = (r.utime_us.back() - r.utime_us.front()) / static_cast<int64_t>(r.utime_us.size() - 1);
+  const auto give = [&](size_t frame) {
+    auto result = tracker.process(utime_us += period_us, r.grey[frame]);
+    tracker.wait_for_mapping();
+    return result;
+  };
+  std::vector<TimedPose> truth;  // at the times given
+  for (size_t i = 0; i < r.grey.size(); ++i) {
+    give(i);
+    const auto at = std::lower_bound(r.truth.begin(), r.truth.end(), r.utime_us[i] - period_us / 2,
+                                     [](const TimedPose& pose, int64_t utime) { return pose.utime_us < utime; });
+    if (at == r.truth.end()) throw std::runtime_error("the truth ends before the recording");
+    truth.push_back({utime_us, at->map_from_cam});
+  }
+  std::map<int, Sim3> truth_from_submap;
+  for (const auto& submap : tracker.submaps())
+    if (const auto aligned = evaluate_trajectory(poses_of(submap->map), truth).truth_from_estimate)
+      truth_from_submap[submap->map.key.id] = *aligned;
+
+  const size_t second = static_cast<size_t>(1'000'000 / period_us);
+  std::mt19937 rng(11);
+  int found = 0, wrong = 0, wrong_jumps = 0, elsewhere = 0;
+  std::vector<double> after_s, error_m;
+  for (int jump = 0; jump < jumps; ++jump) {
+    const size_t first = rng() % (r.grey.size() - second);
+    bool is_found = false, is_wrong = false;
+    for (size_t i = 0; i < second; ++i) {
+      const auto result = give(first + i);
+      if (!result || result->submap_id == kNoSubmap) continue;
+      const auto aligned = truth_from_submap.find(result->submap_id);
+      if (aligned == truth_from_submap.end()) {
+        ++elsewhere;
+        continue;
+      }
+      const Eigen::Vector3d center = aligned->second * result->cam_from_submap.center();
+      error_m.push_back((center - truth[first + i].map_from_cam.translation).norm());
+      wrong += error_m.back() > kWrong_m;
+      is_wrong |= error_m.back() > kWrong_m;
+      if (!is_found) after_s.push_back(1e-6 * static_cast<double>(period_us) * static_cast<double>(i));
+      is_found = true;
+    }
+    found += is_found;
+    wrong_jumps += is_wrong;
+  }
+  fmt::print(
+      "{} of {} jumps found within a second, after median {:.3f} s, 90 % {:.3f} s\n{} of {} poses more than {} m off, "
+      "in "
+      "{} jumps; error median {:.3f} m, worst {:.3f} m; {} poses in submaps begun meanwhile\n",
+      found, jumps, quantile(after_s, 0.5), quantile(after_s, 0.9), wrong, error_m.size(), kWrong_m, wrong_jumps,
+      quantile(error_m, 0.5), quantile(error_m, 1), elsewhere);
+}
+
 int main_of(int argc, char** argv) {
   CLI::App app("Speed and starts of the front tracker on a recording; without one, on a rendered walk.");
   std::string folder;
-  int starts = 0;
+  int starts = 0, jumps = 0;
   size_t frames = 120;
   bool verbose = false;
   FrontTrackerOptions options;
@@ -211,6 +275,7 @@ int main_of(int argc, char** argv) {
   app.add_option("recording", folder, "as for `rumi replay`, with a groundtruth.txt");
   app.add_option("--starts", starts, "begin at so many random frames instead of running the whole");
   app.add_option("--frames", frames, "of each start")->capture_default_str();
+  app.add_option("--kidnap", jumps, "map the whole, then jump to so many random places of it");
   app.add_option("--set", settings, "key=value of an option");
   app.add_flag("-v", verbose, "say every start, and what the tracker does");
   CLI11_PARSE(app, argc, argv);
@@ -221,6 +286,8 @@ int main_of(int argc, char** argv) {
   const Recording recording = folder.empty() ? rendered_recording() : read_recording(folder);
   if (starts > 0)
     bench_starts(recording, options, starts, frames, verbose);
+  else if (jumps > 0)
+    bench_kidnaps(recording, options, jumps);
   else
     bench_whole(recording, options);
   rusage usage{};

@@ -12,7 +12,7 @@ class OptionTable;
 struct InitializerOptions {
   int keypoints = 2000;   // per image while there is no submap to track
   int min_matches = 100;  // with the reference image; fewer: a later reference
-  int max_frames = 60;    // buffered; they get their poses once the submap stands
+  int max_frames = 120;   // buffered; they get their poses once the submap stands
   int max_keyframes = 6;  // of the first bundle adjustment
   double min_motion_px =
       4.5;  // median, beyond what a rotation explains, for images 640 px wide; less: nothing is tried
