@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rumi/synth/sequence_renderer.h"
+#include "rumi/trajectory.h"
 
 namespace rumi {
 
@@ -12,6 +13,7 @@ struct RenderedImages {
   Camera camera;
   std::vector<int64_t> utime_us;
   std::vector<cv::Mat> grey;
+  std::vector<TimedPose> truth;
 };
 
 // A few seconds of the default walk, 640x480 at 30 Hz, rendered once.
@@ -26,6 +28,7 @@ inline const RenderedImages& rendered_images() {
     for (int i = 0; i < renderer.frames(); ++i) {
       made.utime_us.push_back(renderer.utime_us(i));
       made.grey.push_back(renderer.render(i));
+      made.truth.push_back({renderer.utime_us(i), renderer.map_from_cam(i)});
     }
     return made;
   }();

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Begins a submap: watches frames until two of them, with what lies between, allow a structure that can be trusted.
+//
+// Several frames are kept as references and their keypoints followed from frame to frame. While the motion since a
+// reference is no more than a rotation would make, nothing else is done; where it is, two views are reconstructed, and
+// what comes of it is judged by the frames between.
 #pragma once
 
 #include <deque>
@@ -8,32 +12,18 @@
 #include <vector>
 
 #include "front_tracker/frame.h"
+#include "front_tracker/initial_structure.h"
 #include "front_tracker/options.h"
+#include "front_tracker/reference_tracks.h"
 
 namespace rumi {
-
-// A first structure, in the frame of its first view, scaled to a median depth of 1.
-struct InitialMap {
-  struct View {
-    size_t frame = 0;  // index into `frames`
-    SE3 cam_from_submap;
-    bool keyframe = false;
-  };
-  struct Point {
-    Eigen::Vector3d position;
-    std::vector<std::pair<size_t, int>> observations;  // index into `views` (keyframes only), keypoint
-  };
-  std::vector<Frame> frames;  // all that were buffered, in time order; those without a view have no pose yet
-  std::vector<View> views;
-  std::vector<Point> points;
-};
 
 class Initializer {
  public:
   Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& octave_scales);
 
   void clear();
-  // Keeps the frame for later without trying.
+  // Keeps the frame, and follows the references into it, without trying to begin.
   void buffer(Frame frame);
   // Buffers the frame and tries to begin with it.
   std::optional<InitialMap> add(Frame frame);
@@ -41,20 +31,23 @@ class Initializer {
   const std::string& refusal() const { return refusal_; }
 
  private:
-  struct Structure;
+  struct Reference {
+    size_t frame = 0;  // index into frames_
+    ReferenceTracks tracks;
+    int misses = 0;             // frames in a row in which too little of it was found
+    double next_motion_px = 0;  // from which another try is worth its while
+  };
+  void follow();
   void trim();
-  std::vector<std::pair<int, int>> match_with_reference(const Frame& frame);
-  std::vector<Structure> reconstruct(const std::vector<std::pair<int, int>>& matches);
-  void add_views_between(Structure* structure) const;
-  // False, and refusal_ set, if the structure does not hold; else its error is known.
-  bool adjust(Structure* structure);
-  InitialMap finish(Structure structure);
+  Reference* most_promising();
+  std::optional<InitialMap> begin_with(Reference* reference);
+  bool refuse(const TwoViewResult& pair, int matches, Reference* reference);
 
   Camera camera_;
   InitializerOptions options_;
   std::vector<double> scales_;
   std::deque<Frame> frames_;
-  size_t reference_ = 0;  // index into frames_
+  std::vector<Reference> references_;  // oldest first
   std::string refusal_;
 };
 

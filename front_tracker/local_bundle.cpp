@@ -2,6 +2,7 @@
 #include "front_tracker/local_bundle.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -54,8 +55,12 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
       const auto at = view.find(o.keyframe_id);
       if (at == view.end()) continue;
       const Features& features = *map.keyframe(o.keyframe_id)->features;
-      problem_.observations.push_back({at->second, point, features.undistorted[o.keypoint_index].cast<double>(),
-                                       submap.octave_scales[features.keypoints[o.keypoint_index].octave]});
+      const BundleProblem::Observation observation{at->second, point,
+                                                   features.undistorted[o.keypoint_index].cast<double>(),
+                                                   submap.octave_scales[features.keypoints[o.keypoint_index].octave]};
+      // From behind the camera nothing leads back, and the solver would refuse to begin.
+      const bool behind = std::isinf(reprojection_chi2(camera_, problem_, observation));
+      (behind ? impossible_ : problem_.observations).push_back(observation);
     }
   }
 }
@@ -64,6 +69,8 @@ bool LocalBundle::solve() { return solve_bundle(camera_, {options_.bundle_iterat
 
 void LocalBundle::apply(FrontSubmap& submap) const {
   Submap& map = submap.map;
+  for (const BundleProblem::Observation& o : impossible_)
+    map.remove_observation(landmark_ids_[o.point], keyframe_ids_[o.view]);
   for (size_t v = 0; v < problem_.views.size(); ++v) {
     Keyframe* kf = map.keyframe(keyframe_ids_[v]);
     if (!kf || problem_.views[v].fixed) continue;

@@ -23,8 +23,9 @@ class LocalBundle {
   Camera camera_;
   MappingOptions options_;
   BundleProblem problem_;
-  std::vector<int> keyframe_ids_;  // of the views
-  std::vector<int> landmark_ids_;  // of the points
+  std::vector<BundleProblem::Observation> impossible_;  // of points behind the camera: left out, and removed by apply()
+  std::vector<int> keyframe_ids_;                       // of the views
+  std::vector<int> landmark_ids_;                       // of the points
 };
 
 }  // namespace rumi

@@ -16,9 +16,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   InitializerOptions& i = o.initializer;
   t.add(s + "init_keypoints", &i.keypoints, "", "keypoints per image while there is no submap to track", 200, 20000);
   t.add(s + "init_min_matches", &i.min_matches, "", "between the two images that begin a submap", 20, 10000);
-  t.add(s + "init_max_shift", &i.max_shift, "of image width", "largest shift of a match", 0.02, 1.0);
   t.add(s + "init_max_frames", &i.max_frames, "frames", "buffered until a submap stands; they get poses afterwards", 3,
         1000);
+  t.add(s + "init_min_motion", &i.min_motion_px, "px",
+        "median motion beyond a rotation, for images 640 px wide, from which a pair is tried", 0.1, 100.0);
   t.add(s + "init_accept_parallax", &i.accept_parallax_deg, "deg", "median parallax at which a pair is taken at once",
         0.1, 30.0);
   t.add(s + "init_min_parallax", &i.min_parallax_deg, "deg", "median parallax below which a pair is refused", 0.1,

@@ -10,11 +10,12 @@ namespace rumi {
 class OptionTable;
 
 struct InitializerOptions {
-  int keypoints = 2000;              // per image while there is no submap to track
-  int min_matches = 100;             // with the reference image; fewer: a later reference
-  double max_shift = 0.3;            // of a match, as a fraction of the image width
-  int max_frames = 60;               // buffered; they get their poses once the submap stands
-  int max_keyframes = 6;             // of the first bundle adjustment
+  int keypoints = 2000;   // per image while there is no submap to track
+  int min_matches = 100;  // with the reference image; fewer: a later reference
+  int max_frames = 120;   // buffered; they get their poses once the submap stands
+  int max_keyframes = 6;  // of the first bundle adjustment
+  double min_motion_px =
+      4.5;  // median, beyond what a rotation explains, for images 640 px wide; less: nothing is tried
   double accept_parallax_deg = 2.5;  // median, at which the first good pair is taken at once
   double min_parallax_deg = 1.5;  // below it a pair is refused; between the two it is taken if no better one can come
   double max_rmse_px = 1.2;       // after the first bundle adjustment

@@ -104,10 +104,17 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
       if (keyframes.size() >= wanted) break;
       keyframes.insert(id);
     }
-  std::set<int> ids;
+  // Neighbours share most of their landmarks: mark them, rather than sort them all.
+  std::vector<bool> known(map.landmarks.empty() ? 0 : map.landmarks.rbegin()->first + 1, false);
+  for (int id : matched) known[id] = true;
+  std::vector<int> ids;
   for (int id : keyframes)
-    for (int lm : map.keyframe(id)->landmark_ids)
-      if (lm != kNone && !matched.contains(lm)) ids.insert(lm);
+    for (int lm : map.keyframe(id)->landmark_ids) {
+      if (lm == kNone || known[lm]) continue;
+      known[lm] = true;
+      ids.push_back(lm);
+    }
+  std::sort(ids.begin(), ids.end());
   std::vector<const Landmark*> landmarks;
   landmarks.reserve(ids.size());
   for (int id : ids) landmarks.push_back(map.landmark(id));

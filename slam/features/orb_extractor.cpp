@@ -9,8 +9,10 @@
 namespace rumi {
 namespace {
 
-constexpr int kPatchRadius = 15;  // of the intensity centroid and of BRIEF's pattern
-constexpr int kBorder = 19;       // the rotated pattern reaches this far, in pixels of the level
+constexpr int kPatchRadius = 15;     // of the intensity centroid and of BRIEF's pattern
+constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold is for images with little to see
+constexpr double kPlenty = 2.5;      // corners for each that is wanted
+constexpr int kBorder = 19;          // the rotated pattern reaches this far, in pixels of the level
 
 // Half width of the circular patch in each row.
 const std::array<int, kPatchRadius + 1>& circle() {
@@ -42,31 +44,32 @@ float centroid_angle(const cv::Mat& image, const cv::Point2f& at) {
   return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
 }
 
-bool stronger(const cv::KeyPoint& a, const cv::KeyPoint& b) {
-  if (a.response != b.response) return a.response > b.response;
-  if (a.pt.y != b.pt.y) return a.pt.y < b.pt.y;
-  return a.pt.x < b.pt.x;
-}
-
 // The strongest of every cell in turns (first each cell's best, then each cell's second, ...) until there are `wanted`.
-std::vector<cv::KeyPoint> spread(std::vector<cv::KeyPoint> corners, int wanted, int cell_px, const cv::Size& size) {
-  if (static_cast<int>(corners.size()) <= wanted) return corners;
-  const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
-  std::sort(corners.begin(), corners.end(), stronger);
-  std::vector<int> taken(static_cast<size_t>(columns) * rows, 0);
-  // rank of a corner within its cell; a stable sort by rank keeps strength as the second criterion
-  std::vector<std::pair<int, int>> order(corners.size());
+// Corners are sorted as numbers: strongest first, then by row and column.
+std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, int wanted, int cell_px,
+                                 const cv::Size& size) {
+  std::vector<std::pair<uint64_t, int>> strongest;
+  strongest.reserve(corners.size());
   for (size_t i = 0; i < corners.size(); ++i) {
-    const int cell =
-        static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px;
-    order[i] = {taken[cell]++, static_cast<int>(i)};
+    const cv::KeyPoint& k = corners[i];
+    strongest.emplace_back((255 - static_cast<uint64_t>(k.response)) << 32 | static_cast<uint64_t>(k.pt.y) << 16 |
+                               static_cast<uint64_t>(k.pt.x),
+                           static_cast<int>(i));
   }
-  std::nth_element(order.begin(), order.begin() + wanted, order.end());
-  order.resize(wanted);
-  std::sort(order.begin(), order.end());
+  std::sort(strongest.begin(), strongest.end());
+  const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
+  std::vector<size_t> taken(static_cast<size_t>(columns) * rows, 0);
+  std::vector<std::vector<int>> turns;
+  for (const auto& [order, i] : strongest) {
+    const size_t turn =
+        taken[static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px]++;
+    if (turn == turns.size()) turns.emplace_back();
+    turns[turn].push_back(i);
+  }
   std::vector<cv::KeyPoint> kept;
-  kept.reserve(wanted);
-  for (const auto& [rank, index] : order) kept.push_back(corners[index]);
+  for (const std::vector<int>& turn : turns)
+    for (int i : turn)
+      if (static_cast<int>(kept.size()) < wanted) kept.push_back(corners[i]);
   return kept;
 }
 
@@ -100,8 +103,11 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted)
   const int inset = kBorder - 3;  // FAST itself leaves 3 pixels
   const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
   std::vector<cv::KeyPoint> corners;
-  cv::FAST(level(inner), corners, options_.fast_threshold, true);
-  corners = spread(std::move(corners), wanted, options_.cell_px, inner.size());
+  // Where there is plenty the faint ones are left over in the end, and finding them costs most.
+  cv::FAST(level(inner), corners, std::max(kClearThreshold, options_.fast_threshold), true);
+  if (static_cast<double>(corners.size()) < kPlenty * wanted && options_.fast_threshold < kClearThreshold)
+    cv::FAST(level(inner), corners, options_.fast_threshold, true);
+  corners = spread(corners, wanted, options_.cell_px, inner.size());
   for (cv::KeyPoint& k : corners) {
     k.pt += cv::Point2f(static_cast<float>(inset), static_cast<float>(inset));
     k.octave = 0;

@@ -8,11 +8,13 @@
 #include <opencv2/core/eigen.hpp>
 
 #include "slam/geometry/median.h"
+#include "slam/geometry/relative_pose.h"
 #include "slam/geometry/triangulation.h"
-#include "slam/optimization/bundle_adjustment.h"
 
 namespace rumi {
 namespace {
+
+constexpr int kMostSamples = 200;  // of RANSAC: enough where half of the pairs are right, and no more is accepted
 
 std::vector<cv::Point2d> normalized(const Camera& camera, const std::vector<Eigen::Vector2f>& pixels) {
   std::vector<cv::Point2d> points;
@@ -31,7 +33,8 @@ SE3 pose_from(const cv::Mat& rotation, const cv::Mat& translation) {
 }
 
 void add_essential_poses(const cv::Mat& first, const cv::Mat& second, double threshold, std::vector<SE3>* poses) {
-  const cv::Mat e = cv::findEssentialMat(first, second, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC, 0.999, threshold);
+  const cv::Mat e =
+      cv::findEssentialMat(first, second, cv::Mat::eye(3, 3, CV_64F), cv::RANSAC, 0.999, threshold, kMostSamples);
   if (e.rows < 3 || e.cols != 3) return;
   cv::Mat r1, r2, t;
   cv::decomposeEssentialMat(e.rowRange(0, 3), r1, r2, t);
@@ -40,7 +43,7 @@ void add_essential_poses(const cv::Mat& first, const cv::Mat& second, double thr
 }
 
 void add_homography_poses(const cv::Mat& first, const cv::Mat& second, double threshold, std::vector<SE3>* poses) {
-  const cv::Mat h = cv::findHomography(first, second, cv::RANSAC, threshold);
+  const cv::Mat h = cv::findHomography(first, second, cv::RANSAC, threshold, cv::noArray(), kMostSamples);
   if (h.empty()) return;
   std::vector<cv::Mat> rotations, translations, normals;
   cv::decomposeHomographyMat(h, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
@@ -75,30 +78,45 @@ TwoViewHypothesis judge(const Camera& camera, const SE3& second_from_first, cons
   return result;
 }
 
-// A pose from a minimal sample is off by a degree or so: fit it, and the points, to all that agree with it.
-TwoViewHypothesis refine(const Camera& camera, const TwoViewHypothesis& rough,
-                         const std::vector<Eigen::Vector2f>& first, const std::vector<Eigen::Vector2f>& second,
-                         const TwoViewOptions& options) {
-  BundleProblem bundle;
-  bundle.views = {{SE3(), true}, {rough.second_from_first, false}};
+// A pose from a minimal sample is off by a degree or so: fit it to all that agree with it.
+TwoViewHypothesis refine(const Camera& camera, const TwoViewHypothesis& rough, const std::vector<cv::Point2d>& first,
+                         const std::vector<cv::Point2d>& second, const TwoViewOptions& options) {
+  std::vector<Eigen::Vector2d> a, b;
   for (size_t i = 0; i < first.size(); ++i) {
     if (!rough.points[i]) continue;
-    const int point = static_cast<int>(bundle.points.size());
-    bundle.points.push_back(*rough.points[i]);
-    bundle.observations.push_back({0, point, first[i].cast<double>(), 1.0});
-    bundle.observations.push_back({1, point, second[i].cast<double>(), 1.0});
+    a.emplace_back(first[i].x, first[i].y);
+    b.emplace_back(second[i].x, second[i].y);
   }
-  if (!solve_bundle(camera, {10}, &bundle).usable) return rough;
-  SE3 pose = bundle.views[1].cam_from_submap;
-  pose.translation.normalize();
-  if (!pose.is_finite()) return rough;
-  TwoViewHypothesis refined = judge(camera, pose, normalized(camera, first), normalized(camera, second), options);
+  SE3 pose = rough.second_from_first;
+  refine_relative_pose(a, b, 2.0 / (camera.fx + camera.fy), &pose);
+  TwoViewHypothesis refined = judge(camera, pose, first, second, options);
   return refined.inliers >= rough.inliers ? refined : rough;
 }
 
 bool same_pose(const SE3& a, const SE3& b) {
   const double direction = std::acos(std::clamp(a.translation.dot(b.translation), -1.0, 1.0));
   return (a * b.inverse()).angle_rad() < 0.03 && direction < 0.35;
+}
+
+// The best first, each only once.
+void keep_different(std::vector<TwoViewHypothesis>* hypotheses) {
+  std::stable_sort(hypotheses->begin(), hypotheses->end(),
+                   [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
+  std::vector<TwoViewHypothesis> kept;
+  for (TwoViewHypothesis& h : *hypotheses)
+    if (std::none_of(kept.begin(), kept.end(),
+                     [&h](const TwoViewHypothesis& k) { return same_pose(h.second_from_first, k.second_from_first); }))
+      kept.push_back(std::move(h));
+  *hypotheses = std::move(kept);
+}
+
+// Minimal samples need no more than so many pairs; taken at even steps.
+std::vector<cv::Point2d> sample(const std::vector<cv::Point2d>& points) {
+  constexpr size_t kMost = 400;
+  if (points.size() <= kMost) return points;
+  std::vector<cv::Point2d> some;
+  for (size_t i = 0; i < kMost; ++i) some.push_back(points[i * points.size() / kMost]);
+  return some;
 }
 
 }  // namespace
@@ -113,18 +131,23 @@ TwoViewResult reconstruct_two_views(const Camera& camera, const std::vector<Eige
   const std::vector<cv::Point2d> first = normalized(camera, first_px), second = normalized(camera, second_px);
   const double threshold = options.max_error_px / (0.5 * (camera.fx + camera.fy));
   std::vector<SE3> poses;
-  add_essential_poses(cv::Mat(first), cv::Mat(second), threshold, &poses);
-  add_homography_poses(cv::Mat(first), cv::Mat(second), 1.5 * threshold, &poses);
+  const std::vector<cv::Point2d> some_first = sample(first), some_second = sample(second);
+  add_essential_poses(cv::Mat(some_first), cv::Mat(some_second), threshold, &poses);
+  add_homography_poses(cv::Mat(some_first), cv::Mat(some_second), 1.5 * threshold, &poses);
 
   std::vector<TwoViewHypothesis> all;
   int most = 0;
   for (const SE3& pose : poses) {
-    all.push_back(judge(camera, pose, first, second, options));
+    all.push_back(judge(camera, pose, some_first, some_second, options));
     most = std::max(most, all.back().inliers);
   }
   std::erase_if(all, [&](const TwoViewHypothesis& h) { return h.inliers < options.max_rival_ratio * most; });
-  for (TwoViewHypothesis& h : all) h = refine(camera, h, first_px, second_px, options);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.inliers > b.inliers; });
+  keep_different(&all);
+  for (TwoViewHypothesis& h : all) {
+    h = refine(camera, h, some_first, some_second, options);
+    h = judge(camera, h.second_from_first, first, second, options);
+  }
+  keep_different(&all);
 
   if (most == 0) {
     result.refusal = "neither an essential matrix nor a homography fits";
@@ -137,12 +160,9 @@ TwoViewResult reconstruct_two_views(const Camera& camera, const std::vector<Eige
         fmt::format("parallax {:.2f} deg, {:.2f} needed", best.median_parallax_deg, options.min_median_parallax_deg);
   }
   if (!result.ok()) return result;
-  for (TwoViewHypothesis& h : all) {
-    const bool known =
-        std::any_of(result.hypotheses.begin(), result.hypotheses.end(),
-                    [&h](const TwoViewHypothesis& k) { return same_pose(h.second_from_first, k.second_from_first); });
-    if (!known && h.inliers >= options.max_rival_ratio * all.front().inliers) result.hypotheses.push_back(std::move(h));
-  }
+  const double enough = options.max_rival_ratio * all.front().inliers;
+  for (TwoViewHypothesis& h : all)
+    if (h.inliers >= enough) result.hypotheses.push_back(std::move(h));
   return result;
 }
 

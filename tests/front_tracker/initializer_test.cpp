@@ -61,6 +61,21 @@ TEST(Initializer, NeverBeginsFromPureRotation) {
   }
 }
 
+TEST(Initializer, TriesNothingWhileTheCameraOnlyTurns) {
+  FeatureScene scene(2, 1500);
+  std::string refusal;
+  EXPECT_FALSE(run(
+      scene, [](int i) { return SyntheticScene::pose(0, 0, 0, 0.008 * i); }, 12, &refusal));
+  EXPECT_NE(refusal.find("beyond a rotation"), std::string::npos) << refusal;
+}
+
+TEST(Initializer, APairAloneIsNoStart) {
+  FeatureScene scene(2);
+  const auto far_apart = [](int i) { return SyntheticScene::pose(0.4 * i, 0, 0, -0.05 * i); };
+  EXPECT_FALSE(run(scene, far_apart, 2)) << "no frame between to judge by";
+  EXPECT_TRUE(run(scene, far_apart, 4));
+}
+
 TEST(Initializer, NeverBeginsFromAStillCamera) {
   FeatureScene scene(1);
   std::string refusal;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "feature_scene.h"
 #include "front_tracker/mapper.h"
 #include "front_tracker/projection_search.h"
@@ -84,6 +86,32 @@ TEST(Mapper, MakesTrueLandmarksAndImprovesWhatIsThere) {
     wrong += nearest > 0.25;  // half a pixel at the least parallax allowed, 1 degree, is 8 % of the depth
   }
   EXPECT_LT(wrong, 0.02 * static_cast<double>(s->map.landmarks.size()));
+}
+
+// A point behind a camera that is said to see it: the solver would not begin, in this and every later adjustment.
+TEST(Mapper, PointBehindACameraIsPutRightAndStopsNothing) {
+  FeatureScene scene(6);
+  const std::vector<SE3> poses = walk(5);
+  auto s = scene.submap(poses);
+  SyntheticScene random(7);
+  for (auto& [id, kf] : s->map.keyframes) {
+    if (id < 2) continue;
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = random.uniform(-0.01, 0.01);
+    kf.cam_from_submap = SE3::exp(twist) * kf.cam_from_submap;
+  }
+  const int lost = s->map.landmarks.begin()->first;
+  s->map.landmark(lost)->position = {0, 0, -5};
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  const Mapper mapper(test_camera(), options);
+  std::mutex mutex;
+  mapper.process(*s, 4, mutex);
+  for (int id = 2; id < 5; ++id) {
+    EXPECT_LT(rotation_error_deg(s->map.keyframe(id)->cam_from_submap, poses[id]), 0.1);
+    EXPECT_LT((s->map.keyframe(id)->cam_from_submap.center() - poses[id].center()).norm(), 0.01);
+  }
+  EXPECT_FALSE(s->map.landmark(lost)) << "nothing sees it";
 }
 
 TEST(Mapper, DropsRedundantKeyframesAndKeepsTheirFrames) {

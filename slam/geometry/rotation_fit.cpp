@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/geometry/rotation_fit.h"
+
+#include <Eigen/Dense>
+
+#include "slam/geometry/median.h"
+
+namespace rumi {
+
+std::optional<RotationFit> fit_rotation(std::vector<Eigen::Vector3d> a, std::vector<Eigen::Vector3d> b) {
+  constexpr int kRounds = 10;
+  constexpr double kSmallest = 5e-4;  // rad: below it residuals are noise and weigh the same
+  if (a.size() < 3 || a.size() != b.size()) return std::nullopt;
+  for (Eigen::Vector3d& ray : a) ray.normalize();
+  for (Eigen::Vector3d& ray : b) ray.normalize();
+  RotationFit fit;
+  std::vector<double> residuals(a.size(), kSmallest);
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+    for (size_t i = 0; i < a.size(); ++i) correlation += b[i] * a[i].transpose() / std::max(residuals[i], kSmallest);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+    fit.b_from_a = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+    for (size_t i = 0; i < a.size(); ++i) residuals[i] = (fit.b_from_a * a[i] - b[i]).norm();
+  }
+  if (!fit.b_from_a.allFinite()) return std::nullopt;
+  fit.median_residual_rad = median(&residuals);
+  return fit;
+}
+
+}  // namespace rumi
