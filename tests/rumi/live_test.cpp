@@ -67,7 +67,7 @@ TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
 
 TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
   const WorkFolder work;
-  const fs::path sequence = render(work, "--seconds 6 --hard rotation --at 3 --for 1.5");
+  const fs::path sequence = render(work, "--seconds 6 --hard blur --at 3 --for 1.5");
   const fs::path out = work.path / "out", log = work.path / "log", spool = work.path / "spool";
   const Outcome outcome =
       shell("$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence.string() + "' --snapshot '" + out.string() +
