@@ -64,29 +64,28 @@ void FrontTrackerNode::refuse(const std::string& kind, const std::string& proble
   if (refused_[kind]++ == 0) spdlog::warn("image not used: {} (further images like it are only counted)", problem);
 }
 
-bool FrontTrackerNode::begin_session(const image_t& image) {
-  Camera camera;
-  if (camera_from_file_) {
-    camera = *camera_from_file_;
-  } else {
-    const std::string text = metadata(image, kCalibrationKey);
-    if (text.empty()) {
-      refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
-      return false;
-    }
-    const CameraFileResult parsed = parse_camera(text, "calibration of the image");
-    if (!parsed.ok()) {
-      refuse("calibration", parsed.error);
-      return false;
-    }
-    camera = parsed.camera;
+std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
+  if (tracker_) return image_camera_;
+  if (camera_from_file_) return camera_from_file_;
+  const std::string text = metadata(image, kCalibrationKey);
+  if (text.empty()) {
+    refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
+    return std::nullopt;
   }
+  const CameraFileResult parsed = parse_camera(text, "calibration of the image");
+  if (!parsed.ok()) {
+    refuse("calibration", parsed.error);
+    return std::nullopt;
+  }
+  return parsed.camera;
+}
+
+void FrontTrackerNode::begin_session(const Camera& camera) {
   image_camera_ = camera;
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   without_pose_.clear();
   tracker_ = std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_);
-  return true;
 }
 
 void FrontTrackerNode::retire_session() {
@@ -114,10 +113,14 @@ bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
 
 cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   if (!time_is_usable(image.utime)) return {};
-  if (!tracker_ && !begin_session(image)) return {};
+  const std::optional<Camera> camera = camera_of(image);
+  if (!camera) return {};
   std::string error;
-  cv::Mat grey = decode_working_image(image, image_camera_, tracker_->camera(), &error);
-  if (grey.empty()) refuse("image", error);
+  cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
+  if (grey.empty())
+    refuse("image", error);
+  else if (!tracker_)
+    begin_session(*camera);
   return grey;
 }
 

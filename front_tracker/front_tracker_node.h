@@ -36,7 +36,9 @@ class FrontTrackerNode : public Node {
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
   cv::Mat usable_image(const image_t& image);
   void retire_session();
-  bool begin_session(const image_t& image);
+  // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell.
+  std::optional<Camera> camera_of(const image_t& image);
+  void begin_session(const Camera& camera);
   bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_posed_afterwards();

@@ -101,6 +101,16 @@ TEST_F(Fixture, DamagedImagesAreCountedAndPassedOver) {
   EXPECT_NE(node_->status().detail.find("2 images refused: image"), std::string::npos) << node_->status().detail;
 }
 
+TEST_F(Fixture, AnImageThatCannotBeUsedBeginsNoSession) {
+  const cv::Mat large(480, 640, CV_8U, cv::Scalar(9));
+  give(image(1000, large));  // calibrated for another size, until somebody puts that right
+  EXPECT_FALSE(node_->tracker());
+  camera_ = default_synth_camera(640, 480);
+  give(image(2000, large));
+  ASSERT_EQ(tracks_.size(), 1u);
+  EXPECT_EQ(node_->tracker()->camera().width, 640);
+}
+
 TEST_F(Fixture, LargeImagesAreWorkedOnSmaller) {
   MemoryBus bus;
   FrontTrackerOptions options;
