@@ -15,21 +15,15 @@
 #include <random>
 
 #include "bench/rendered_images.h"
+#include "bus/cpu_clock.h"
 #include "bus/image_codec.h"
 #include "bus/options.h"
-#include "bus/thread_cpu.h"
 #include "camera_driver/image_source.h"
 #include "front_tracker/tracker.h"
 #include "rumi/metrics.h"
 
 namespace rumi {
 namespace {
-
-double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 double quantile(std::vector<double> values, double q) {
   if (values.empty()) return NAN;

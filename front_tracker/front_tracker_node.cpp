@@ -9,9 +9,9 @@
 #include <stdexcept>
 
 #include "bus/camera_file.h"
+#include "bus/cpu_clock.h"
 #include "bus/image_codec.h"
 #include "bus/submap_update.h"
-#include "bus/thread_cpu.h"
 #include "bus/working_image.h"
 
 namespace rumi {

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "bus/thread_cpu.h"
+#include "bus/cpu_clock.h"
 
 namespace rumi {
 namespace {

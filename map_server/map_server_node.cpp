@@ -10,8 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bus/cpu_clock.h"
 #include "bus/submap_update.h"
-#include "bus/thread_cpu.h"
 #include "map_server/map_messages.h"
 
 namespace rumi {

@@ -2,18 +2,10 @@
 // One component's view of a shared bus: it measures the CPU time that the component's handlers take.
 #pragma once
 
-#include <ctime>
-
 #include "bus/bus.h"
+#include "bus/cpu_clock.h"
 
 namespace rumi {
-
-// CPU seconds of the whole process so far, its threads included.
-inline double process_cpu_s() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 // Adds the CPU time of its own life to a sum.
 class CpuTimer {

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "bus/thread_cpu.h"
+#include "bus/cpu_clock.h"
 #include "bus/working_image.h"
 #include "ruminator/back_landmarks.h"
 #include "ruminator/window_model.h"
