@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/projection_search.h"
 
+#include "slam/features/matching.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -26,27 +27,20 @@ int find_keypoint(const Frame& frame, const Prediction& at, const Descriptor& de
                   const ProjectionSearch& search, const std::vector<double>& scales) {
   const float radius = static_cast<float>(search.radius_px * scales[at.octave]);
   const int lowest = at.octave - search.octaves_below, highest = at.octave + search.octaves_above;
-  int best = kNone, best_distance = 257, second_distance = 257;
+  BestMatch best;
   const Features& features = *frame.features;
   frame.grid.for_each_near(at.pixel, radius, [&](int i) {
     const int octave = features.keypoints[i].octave;
     if (octave < lowest || octave > highest || frame.landmark_ids[i] != kNone) return;
     if ((features.undistorted[i] - at.pixel).squaredNorm() > radius * radius) return;
-    const int distance = hamming_distance(descriptor, features.descriptors[i]);
-    if (distance < best_distance) {
-      second_distance = best_distance;
-      best_distance = distance;
-      best = i;
-    } else if (distance < second_distance) {
-      second_distance = distance;
-    }
+    best.offer(hamming_distance(descriptor, features.descriptors[i]), i);
   });
-  if (best == kNone || best_distance > search.max_distance) return kNone;
+  if (best.index == kNone || best.distance > search.max_distance) return kNone;
   // The same corner found at two octaves is no ambiguity.
-  if (best_distance > search.max_ratio * second_distance && second_distance <= search.max_distance &&
-      best_distance > search.max_distance / 2)
+  if (best.distance > search.max_ratio * best.second_distance && best.second_distance <= search.max_distance &&
+      best.distance > search.max_distance / 2)
     return kNone;
-  return best;
+  return best.index;
 }
 
 int search_by_projection(const Camera& camera, const std::vector<const Landmark*>& landmarks,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/features/matching.h"
 #include "slam/geometry/rotation_fit.h"
 
 namespace rumi {
@@ -48,26 +47,19 @@ FrameMotion estimate_motion(const Camera& camera, const Features& a, const Featu
 ReferenceTracks::ReferenceTracks(std::shared_ptr<const Features> reference)
     : reference_(std::move(reference)), expected_(reference_->undistorted), unseen_(reference_->size(), 0) {}
 
-// The keypoint that looks most like one of the reference, near where it is expected; kNone if there is none or two do.
-int ReferenceTracks::find(size_t keypoint, const Frame& frame, float radius_px, int* distance) const {
+// The keypoint that looks most like one of the reference, near where it is expected; none if two do.
+BestMatch ReferenceTracks::find(size_t keypoint, const Frame& frame, float radius_px) const {
   const Features& now = *frame.features;
   const int octave = reference_->keypoints[keypoint].octave;
   const Descriptor& descriptor = reference_->descriptors[keypoint];
-  int best = kNone, best_distance = 257, second_distance = 257;
+  BestMatch best;
   frame.grid.for_each_near(expected_[keypoint], radius_px, [&](int i) {
     if (std::abs(now.keypoints[i].octave - octave) > 1) return;
     if ((now.undistorted[i] - expected_[keypoint]).squaredNorm() > radius_px * radius_px) return;
-    const int d = hamming_distance(descriptor, now.descriptors[i]);
-    if (d < best_distance) {
-      second_distance = best_distance;
-      best_distance = d;
-      best = i;
-    } else if (d < second_distance) {
-      second_distance = d;
-    }
+    best.offer(hamming_distance(descriptor, now.descriptors[i]), i);
   });
-  *distance = best_distance;
-  return best_distance > kMaxDistance || best_distance > kMaxRatio * second_distance ? kNone : best;
+  const bool is_match = best.distance <= kMaxDistance && best.distance <= kMaxRatio * best.second_distance;
+  return is_match ? best : BestMatch();
 }
 
 void ReferenceTracks::follow(const Camera& camera, const FrameMotion& motion, const Frame& frame) {
@@ -76,11 +68,11 @@ void ReferenceTracks::follow(const Camera& camera, const FrameMotion& motion, co
   std::vector<Match> claims(now.size(), {kNone, kNone, 257});  // per keypoint of the frame, the best that wants it
   for (size_t i = 0; i < expected_.size(); ++i) {
     expected_[i] = turn(camera, motion.b_from_a, expected_[i]);
-    int distance = 0;
     const double radius = std::min(farthest_px, motion.radius_px * (1 + unseen_[i]));
-    const int at = find(i, frame, static_cast<float>(radius), &distance);
+    const BestMatch match = find(i, frame, static_cast<float>(radius));
     ++unseen_[i];
-    if (at != kNone && distance < claims[at].distance) claims[at] = {static_cast<int>(i), at, distance};
+    if (match.index != kNone && match.distance < claims[match.index].distance)
+      claims[match.index] = {static_cast<int>(i), match.index, match.distance};
   }
   std::erase_if(claims, [](const Match& m) { return m.first == kNone; });
   keep_consistent_rotations(*reference_, now, &claims);

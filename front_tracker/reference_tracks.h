@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "front_tracker/frame.h"
+#include "slam/features/matching.h"
 
 namespace rumi {
 
@@ -35,7 +36,7 @@ class ReferenceTracks {
   double motion_px() const { return motion_px_; }
 
  private:
-  int find(size_t keypoint, const Frame& frame, float radius_px, int* distance) const;
+  BestMatch find(size_t keypoint, const Frame& frame, float radius_px) const;
   void measure_motion(const Camera& camera, const Features& now);
   std::shared_ptr<const Features> reference_;
   std::vector<Eigen::Vector2f> expected_;  // undistorted pixel of each keypoint in the newest frame

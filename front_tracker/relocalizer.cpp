@@ -43,8 +43,7 @@ bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* 
   found.clear_matches();
   std::vector<PointObservation> observations;
   std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
-  for (const Match& m :
-       match_features(*kf->features, known, *frame->features, {}, {options_.max_distance, 0.85, 0, true})) {
+  for (const Match& m : match_features(*kf->features, known, *frame->features, {}, {options_.max_distance, 0.85})) {
     const Landmark* lm = submap.map.landmark(kf->landmark_ids[m.first]);
     if (!lm) continue;
     observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),

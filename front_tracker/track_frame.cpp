@@ -67,7 +67,7 @@ bool Tracker::match_by_brute_force(Frame* frame) {
   std::vector<PointObservation> observations;
   std::vector<std::pair<int, int>> pairs;
   for (const Match& m :
-       match_features(*last_.features, known, *frame->features, {}, {options_.tracking.max_distance, 0.85, 0, true})) {
+       match_features(*last_.features, known, *frame->features, {}, {options_.tracking.max_distance, 0.85})) {
     const Landmark* lm = active().map.landmark(last_.landmark_ids[m.first]);
     observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
                             scales_[frame->features->keypoints[m.second].octave]});

@@ -27,9 +27,9 @@ bool observes(const Submap& submap, const Landmark& landmark, const Observation&
   const Keyframe& keyframe = *submap.keyframe(o.keyframe_id);
   const Eigen::Vector3d in_cam = keyframe.cam_from_submap * landmark.position;
   if (!(in_cam.z() > 1e-9)) return false;
-  const size_t octave = std::min<size_t>(keyframe.features->keypoints[o.keypoint_index].octave, scales.size() - 1);
+  const double scale = scale_of(keyframe.features->keypoints[o.keypoint_index].octave, scales);
   const Eigen::Vector2d seen = keyframe.features->undistorted[o.keypoint_index].cast<double>();
-  return (submap.camera.project_undistorted(in_cam) - seen).norm() <= max_error_px * scales[octave];
+  return (submap.camera.project_undistorted(in_cam) - seen).norm() <= max_error_px * scale;
 }
 
 // Does the submap hang together between the keyframes before `utime_us` and those from it on?

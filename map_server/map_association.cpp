@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slam/features/keypoint_grid.h"
+#include "slam/features/matching.h"
 #include "slam/features/orb_extractor.h"
 
 namespace rumi {
@@ -39,8 +40,8 @@ class Associator {
       const MapModel::View& view = model_.views[o.view];
       const Eigen::Vector3d ray = point.position - view.cam_from_map.center();
       look.direction += ray.normalized();
-      const size_t octave = std::min<size_t>(view.features->keypoints[o.keypoint].octave, scales_.size() - 1);
-      look.octave0_distance = std::max(look.octave0_distance, ray.norm() * scales_[octave]);
+      const double scale = scale_of(view.features->keypoints[o.keypoint].octave, scales_);
+      look.octave0_distance = std::max(look.octave0_distance, ray.norm() * scale);
     }
     if (!point.observations.empty()) look.direction.normalize();
     return look;
@@ -80,20 +81,14 @@ class Associator {
            const Eigen::Vector2d& pixel, double octave) const {
     const int nearest = std::clamp(static_cast<int>(std::lround(octave)), 0, static_cast<int>(scales_.size()) - 1);
     const double radius = o_.radius_px * scales_[nearest];
-    int best = kNone, best_distance = 257, second_distance = 257;
+    BestMatch best;
     grid.for_each_near(pixel.cast<float>(), static_cast<float>(radius), [&](int i) {
       if (std::abs(view.features->keypoints[i].octave - octave) > 1.6) return;
       if ((view.features->undistorted[i].cast<double>() - pixel).norm() > radius) return;
-      const int distance = hamming_distance(descriptor, view.features->descriptors[i]);
-      if (distance < best_distance) {
-        second_distance = best_distance;
-        best_distance = distance;
-        best = i;
-      } else {
-        second_distance = std::min(second_distance, distance);
-      }
+      best.offer(hamming_distance(descriptor, view.features->descriptors[i]), i);
     });
-    return best_distance <= o_.max_distance && best_distance <= o_.max_ratio * second_distance ? best : kNone;
+    return best.distance <= o_.max_distance && best.distance <= o_.max_ratio * best.second_distance ? best.index
+                                                                                                    : kNone;
   }
 
   // Two points that one image sees at different keypoints are different things.

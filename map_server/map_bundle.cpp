@@ -72,7 +72,7 @@ class Bundle {
       // All in the pixels of one camera.
       const Eigen::Vector2d in_camera(camera_.fx * (pixel.x() - view.camera.cx) / view.camera.fx + camera_.cx,
                                       camera_.fy * (pixel.y() - view.camera.cy) / view.camera.fy + camera_.cy);
-      const double sigma_px = scales_[std::min<size_t>(keypoint.octave, scales_.size() - 1)];
+      const double sigma_px = scale_of(keypoint.octave, scales_);
       problem_.observations.push_back(
           {index_of_view_[o.view], index, in_camera, sigma_px * camera_.fx / view.camera.fx});
     }

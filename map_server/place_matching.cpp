@@ -91,7 +91,7 @@ void PlaceProposals::compare(size_t view_a, size_t view_b) {
   const PlaceView &from = a_.views[view_a], &to = b_.views[view_b];
   if (from.known.empty() || to.known.empty()) return;  // an empty selection would mean all
   for (const Match& m : match_features(*from.keyframe->features, from.known, *to.keyframe->features, to.known,
-                                       {options_.max_distance, options_.max_ratio, 0, true})) {
+                                       {options_.max_distance, options_.max_ratio, true})) {
     const PlaceMatch match{from.landmark_index[m.first],
                            to.landmark_index[m.second],
                            {static_cast<int>(view_a), m.first},

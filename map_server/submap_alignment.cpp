@@ -36,10 +36,9 @@ class Aligner {
       const Keyframe& in_a = *a.keyframe(shared.a);
       const Keyframe& in_b = *b.keyframe(shared.b);
       const Eigen::Vector3d point_a = a.landmark(match.a)->position, point_b = b.landmark(match.b)->position;
-      const size_t octave = in_b.features->keypoints[match.keypoint_b].octave;
       pairs_.push_back({point_a, point_b, in_b.features->undistorted[match.keypoint_b].cast<double>(),
                         (in_a.cam_from_submap * point_a).z(), (in_b.cam_from_submap * point_b).z(),
-                        scales[std::min<size_t>(octave, scales.size() - 1)], &in_a.cam_from_submap,
+                        scale_of(in_b.features->keypoints[match.keypoint_b].octave, scales), &in_a.cam_from_submap,
                         &in_b.cam_from_submap});
     }
   }

@@ -23,39 +23,24 @@ std::vector<Match> match_features(const Features& first, const std::vector<int>&
                                   const MatchOptions& options) {
   const std::vector<int> rows = all_if_empty(first_selection, first.size());
   const std::vector<int> columns = all_if_empty(second_selection, second.size());
-  const float max_shift2 = static_cast<float>(options.max_shift_px * options.max_shift_px);
-  struct Best {
-    int distance = 257, second_distance = 257, index = kNone;
-    void offer(int d, int i) {
-      if (d < distance) {
-        second_distance = distance;
-        distance = d;
-        index = i;
-      } else if (d < second_distance) {
-        second_distance = d;
-      }
-    }
-  };
   // Whatever is farther can be neither a match nor the second best that refuses one.
   const double refusing = options.max_ratio > 0 ? options.max_distance / options.max_ratio : 256;
   const int farthest = std::max(options.max_distance, static_cast<int>(std::min(256.0, std::ceil(refusing))));
   std::vector<Descriptor> column_descriptors;
   for (int column : columns) column_descriptors.push_back(second.descriptors[column]);
-  std::vector<Best> best_row(rows.size()), best_column(columns.size());
+  std::vector<BestMatch> best_row(rows.size()), best_column(columns.size());
   for (size_t r = 0; r < rows.size(); ++r) {
     const Descriptor d = first.descriptors[rows[r]];
     for (size_t c = 0; c < columns.size(); ++c) {
       const int distance = hamming_distance(d, column_descriptors[c]);
       if (distance > farthest) continue;
-      if (max_shift2 > 0 && (first.undistorted[rows[r]] - second.undistorted[columns[c]]).squaredNorm() > max_shift2)
-        continue;
       best_row[r].offer(distance, static_cast<int>(c));
       best_column[c].offer(distance, static_cast<int>(r));
     }
   }
   std::vector<Match> matches;
   for (size_t r = 0; r < rows.size(); ++r) {
-    const Best& b = best_row[r];
+    const BestMatch& b = best_row[r];
     if (b.index == kNone || b.distance > options.max_distance) continue;
     if (b.distance > options.max_ratio * b.second_distance) continue;
     if (best_column[b.index].index != static_cast<int>(r)) continue;

@@ -10,10 +10,24 @@
 
 namespace rumi {
 
+// The nearest of the candidates for one descriptor, and how near the next one is.
+struct BestMatch {
+  int distance = 257, second_distance = 257;  // Hamming; 257: none
+  int index = kNone;
+  void offer(int offered_distance, int offered_index) {
+    if (offered_distance < distance) {
+      second_distance = distance;
+      distance = offered_distance;
+      index = offered_index;
+    } else if (offered_distance < second_distance) {
+      second_distance = offered_distance;
+    }
+  }
+};
+
 struct MatchOptions {
   int max_distance = 60;       // Hamming, of 256 bits
   double max_ratio = 0.8;      // best over second best distance
-  double max_shift_px = 0;     // between the two undistorted pixels; 0 = anywhere
   bool check_rotation = true;  // keep only the matches whose keypoints turned as most did
 };
 

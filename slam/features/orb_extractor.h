@@ -3,6 +3,7 @@
 // spread evenly over the image: the strongest corners of every grid cell rather than the strongest of all.
 #pragma once
 
+#include <algorithm>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/features2d.hpp>
 #include <vector>
@@ -21,6 +22,10 @@ struct OrbOptions {
 
 // Size of a pixel of each pyramid level in pixels of the full image: the standard deviation of a keypoint there, too.
 std::vector<double> octave_scales(const OrbOptions& options);
+// The same of one level; keypoints from elsewhere may have more levels than we: then of our highest.
+inline double scale_of(int octave, const std::vector<double>& scales) {
+  return scales[std::min<size_t>(static_cast<size_t>(octave), scales.size() - 1)];
+}
 
 class OrbExtractor {
  public:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/features/orb_extractor.h"
 #include "slam/geometry/median.h"
 
 namespace rumi {
@@ -39,8 +40,8 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& scale
     const double d = ray.norm();
     if (!(d > 0)) continue;
     direction += ray / d;
-    const size_t octave = std::min<size_t>(kf->features->keypoints[o->keypoint_index].octave, scales.size() - 1);
-    distance = d * scales[octave];  // in the end that of the oldest observation, which made the landmark
+    distance = d * scale_of(kf->features->keypoints[o->keypoint_index].octave,
+                            scales);  // in the end that of the oldest observation, which made the landmark
     if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
   }
   if (descriptors.empty()) return;
