@@ -85,10 +85,15 @@ bool InitialStructure::add_views_between() {
   return false;
 }
 
-double InitialStructure::error_px() const {
+BundleProblem InitialStructure::as_it_is() const {
   BundleProblem problem;
   problem.points = points_;
   for (const View& view : views_) problem.views.push_back({view.cam_from_reference, false});
+  return problem;
+}
+
+double InitialStructure::error_px() const {
+  const BundleProblem problem = as_it_is();
   double sum = 0;
   size_t count = 0;
   for (size_t v = 0; v < views_.size(); ++v)
@@ -119,9 +124,7 @@ bool InitialStructure::solve(const std::vector<size_t>& chosen, int iterations) 
 }
 
 void InitialStructure::sort_out() {
-  BundleProblem problem;
-  problem.points = points_;
-  for (const View& view : views_) problem.views.push_back({view.cam_from_reference, false});
+  const BundleProblem problem = as_it_is();
   for (size_t v = 0; v < views_.size(); ++v)
     for (size_t p = 0; p < points_.size(); ++p)
       views_[v].agrees[p] = views_[v].keypoints[p] != kNone &&
@@ -148,9 +151,7 @@ bool InitialStructure::adjust() {
   }
   sort_out();
 
-  BundleProblem problem;
-  problem.points = points_;
-  for (const View& view : views_) problem.views.push_back({view.cam_from_reference, false});
+  const BundleProblem problem = as_it_is();
   double sum = 0;
   size_t count = 0;
   std::vector<double> parallaxes;

@@ -71,6 +71,8 @@ class InitialStructure {
   View make_view(size_t frame, const SE3& cam_from_reference) const;
   BundleProblem::Observation observation(size_t view, size_t point) const;
   std::optional<SE3> resect_frame(size_t frame, const SE3& neighbour) const;
+  // All views and points, without observations.
+  BundleProblem as_it_is() const;
   bool solve(const std::vector<size_t>& chosen, int iterations);
   void sort_out();
 

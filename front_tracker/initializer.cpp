@@ -127,37 +127,48 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   const double motion_px = tracks.motion_px();
   reference->next_motion_px = 1.1 * motion_px;
   const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
-  std::vector<InitialStructure> structures;
+  struct Rival {
+    InitialStructure structure;
+    double error_px = 0;
+  };
+  std::vector<Rival> rivals;
+  double best_px = 1e9;
   for (const TwoViewHypothesis& hypothesis : pair.hypotheses) {
     InitialStructure structure(input, hypothesis, keypoints);
-    if (structure.add_views_between())
-      structures.push_back(std::move(structure));
-    else
+    if (!structure.add_views_between()) {
       refusal_ = structure.refusal();
+      continue;
+    }
+    const double error_px = structure.error_px();
+    best_px = std::min(best_px, error_px);
+    rivals.push_back({std::move(structure), error_px});
   }
   // Bundle adjustment makes a right structure better by half, not more: rivals beyond that need none.
   constexpr double kHopeless = 2.0;
-  double best_px = 1e9;
-  for (const InitialStructure& s : structures) best_px = std::min(best_px, s.error_px());
-  std::erase_if(structures, [&](InitialStructure& s) {
-    if (s.error_px() > kHopeless * best_px) return true;
-    if (s.adjust()) return false;
-    refusal_ = s.refusal();
-    return true;
+  std::erase_if(rivals, [&](Rival& rival) {
+    if (rival.error_px > kHopeless * best_px) return true;
+    if (!rival.structure.adjust()) {
+      refusal_ = rival.structure.refusal();
+      return true;
+    }
+    rival.error_px = rival.structure.error_px();
+    return false;
   });
-  if (structures.empty()) return std::nullopt;
-  std::stable_sort(structures.begin(), structures.end(),
-                   [](const InitialStructure& a, const InitialStructure& b) { return a.error_px() < b.error_px(); });
-  const double error_px = structures[0].error_px();
-  for (const InitialStructure& rival : structures) {
-    if (rival.same_as(structures[0]) || error_px <= options_.max_rival_rmse_ratio * rival.error_px()) continue;
-    refusal_ = fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", error_px, rival.error_px());
+  if (rivals.empty()) return std::nullopt;
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const Rival& a, const Rival& b) { return a.error_px < b.error_px; });
+  const Rival& best = rivals.front();
+  for (const Rival& rival : rivals) {
+    if (rival.structure.same_as(best.structure)) continue;
+    if (best.error_px <= options_.max_rival_rmse_ratio * rival.error_px) continue;
+    refusal_ =
+        fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px, rival.error_px);
     return std::nullopt;
   }
   spdlog::debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
                 pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame,
-                frames_.size(), error_px);
-  return structures.front().finish();
+                frames_.size(), best.error_px);
+  return best.structure.finish();
 }
 
 }  // namespace rumi
