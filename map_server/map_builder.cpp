@@ -233,16 +233,22 @@ bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, con
   for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
   // What is wrong pulls at what is right: the worst goes first.
   double worst = options_.max_joint_chi2;
-  const auto is_worst = [&](double value) { return value > worst && ((worst = value), true); };
   Pair* wrong_pair = nullptr;
   int wrong_place = kNone;
   for (auto& [keys, pair] : pairs_) {
     std::vector<double> all;
     for (const KeyframeJoint& joint : pair.joints) all.push_back(chi2_of[name_of(joint)]);
-    if (!all.empty() && is_worst(median(&all))) wrong_pair = &pair;
+    const double value = all.empty() ? 0 : median(&all);
+    if (!(value > worst)) continue;
+    worst = value;
+    wrong_pair = &pair;
   }
-  for (size_t i = 0; i < places_.found().size(); ++i)
-    if (is_worst(chi2_of[name_of(places_.found()[i].joint)])) wrong_place = static_cast<int>(i);
+  for (size_t i = 0; i < places_.found().size(); ++i) {
+    const double value = chi2_of[name_of(places_.found()[i].joint)];
+    if (!(value > worst)) continue;
+    worst = value;
+    wrong_place = static_cast<int>(i);
+  }
   const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", worst);
   if (wrong_place != kNone) {
     places_.refuse(wrong_place, doubt);
@@ -262,7 +268,6 @@ bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, con
 std::optional<SubmapKey> MapBuilder::arrange(const Submaps& submaps, const Placements& placed,
                                              std::set<SubmapKey>* members, Placed* result) {
   for (;;) {
-    *members = choose_members(submaps, placed);
     const SubmapKey anchor = choose_anchor(submaps, *members, placed);
     if (!members->contains(anchor) || cancelled()) return std::nullopt;
     *result = place_members(submaps, *members, anchor, placed);
@@ -270,6 +275,7 @@ std::optional<SubmapKey> MapBuilder::arrange(const Submaps& submaps, const Place
     if (known.empty()) return std::nullopt;
     const MapGraphReport bent = bend(known, anchor, options_.graph, result);
     if (!drop_contradicted(known, bent.joint_chi2)) return anchor;
+    *members = choose_members(submaps, placed);
   }
 }
 

@@ -102,8 +102,8 @@ class MapBuilder {
   Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,
                        const Placements& placed) const;
   std::vector<KeyframeJoint> joints(const Placed& submaps) const;
-  // Places the members and bends them; again without what the others contradict, until nothing does. The first is the
-  // anchor; nothing: none of them has a frame, or nothing joins them.
+  // Places the members and bends them; again without what the others contradict, and with the members that this leaves,
+  // until nothing does. Returns the anchor; nothing: none of them has a frame, or nothing joins them.
   std::optional<SubmapKey> arrange(const Submaps& submaps, const Placements& placed, std::set<SubmapKey>* members,
                                    Placed* result);
   // Of the link that is farthest out of what the map says, all of its joints; if there is none, every joint that is.
