@@ -28,7 +28,7 @@ class CameraNode : public Node {
   void publish_next();
 
   const ImageSource& source() const { return *source_; }
-  void set_controls(const CameraOptions& options) { source_->set_controls(options); }
+  void set_controls(const CameraControls& controls) { source_->set_controls(controls); }
 
  private:
   int64_t due_us() const;

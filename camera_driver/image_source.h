@@ -48,8 +48,8 @@ class ImageSource {
   // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
   // yet, unless it has ended; utime is when the image was taken, on the system clock.
   virtual const LiveState* live() const { return nullptr; }
-  // A camera's controls (exposure, gain, ...) are from now on what these options say.
-  virtual void set_controls(const CameraOptions& /*options*/) {}
+  // A camera's controls are from now on these.
+  virtual void set_controls(const CameraControls& /*controls*/) {}
 };
 
 struct OpenedSource {

@@ -8,7 +8,18 @@
 
 namespace rumi {
 
-struct CameraOptions {
+// Of a camera, and what may change while it runs. Empty leaves a control as it is.
+struct CameraControls {
+  std::string exposure;       // auto, or ms
+  std::string gain;           // auto, or the camera's number
+  std::string white_balance;  // auto, or kelvin
+  std::string focus;          // auto, or the camera's number
+  std::string power_line;     // off, 50, 60 (Hz) or auto
+  std::string controls;       // any others by name: "brightness=10, sharpness=0"
+  double lock_auto_s = 0;     // exposure, gain and white balance stay as they are so long after the start, 0: never
+};
+
+struct CameraOptions : CameraControls {
   std::string camera_file;  // calibration; empty: beside the data, or in the log
   int every = 1;            // frames: publish every Nth
   double start_s = 0;       // skipped at the beginning
@@ -22,16 +33,9 @@ struct CameraOptions {
   int jpeg_quality = 90;
   std::string log_channel = "CAMERA";  // of the images in an lcm log
 
-  // Cameras only. Controls: empty leaves them as they are.
+  // Cameras only.
   int width = 0, height = 0;    // pixels, 0: those of the calibration, without one 640 x 480
   std::string format = "auto";  // see pixel_formats(); auto: what reaches the rate with least work and loss
-  std::string exposure;         // auto, or ms
-  std::string gain;             // auto, or the camera's number
-  std::string white_balance;    // auto, or kelvin
-  std::string focus;            // auto, or the camera's number
-  std::string power_line;       // off, 50, 60 (Hz) or auto
-  std::string controls;         // any others by name: "brightness=10, sharpness=0"
-  double lock_auto_s = 0;       // exposure, gain and white balance stay as they are so long after the start, 0: never
   double stall_s = 3;           // without an image: the camera is opened again
 
   // What is wrong with it, naming the field and its value; empty if nothing.

@@ -104,14 +104,8 @@ void V4l2Source::set_up_controls() {
                  input_);
 }
 
-void V4l2Source::set_controls(const CameraOptions& options) {
-  options_.exposure = options.exposure;
-  options_.gain = options.gain;
-  options_.white_balance = options.white_balance;
-  options_.focus = options.focus;
-  options_.power_line = options.power_line;
-  options_.controls = options.controls;
-  options_.lock_auto_s = options.lock_auto_s;
+void V4l2Source::set_controls(const CameraControls& controls) {
+  static_cast<CameraControls&>(options_) = controls;
   if (!stream_) return;
   set_up_controls();
   locked_ = false;

@@ -25,7 +25,7 @@ class V4l2Source : public ImageSource {
   int64_t total() const override { return -1; }
   const SkippedFrames& skipped() const override { return skipped_; }
   const LiveState* live() const override { return &live_; }
-  void set_controls(const CameraOptions& options) override;
+  void set_controls(const CameraControls& controls) override;
 
  private:
   std::string open();

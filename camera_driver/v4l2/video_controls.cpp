@@ -143,16 +143,17 @@ std::optional<int32_t> read_control(const VideoDevice& device, uint32_t id) {
   return request.value;
 }
 
-std::vector<std::string> apply_controls(const VideoDevice& device, const CameraOptions& options) {
+std::vector<std::string> apply_controls(const VideoDevice& device, const CameraControls& controls) {
   Setter setter(device);
-  if (!options.exposure.empty()) set_exposure(setter, options.exposure);
-  if (!options.gain.empty()) set_either(setter, "gain", options.gain, V4L2_CID_AUTOGAIN, V4L2_CID_GAIN);
-  if (!options.white_balance.empty())
-    set_either(setter, "white_balance", options.white_balance, V4L2_CID_AUTO_WHITE_BALANCE,
+  if (!controls.exposure.empty()) set_exposure(setter, controls.exposure);
+  if (!controls.gain.empty()) set_either(setter, "gain", controls.gain, V4L2_CID_AUTOGAIN, V4L2_CID_GAIN);
+  if (!controls.white_balance.empty())
+    set_either(setter, "white_balance", controls.white_balance, V4L2_CID_AUTO_WHITE_BALANCE,
                V4L2_CID_WHITE_BALANCE_TEMPERATURE);
-  if (!options.focus.empty()) set_either(setter, "focus", options.focus, V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE);
-  if (!options.power_line.empty()) {
-    const std::string& choice = options.power_line;
+  if (!controls.focus.empty())
+    set_either(setter, "focus", controls.focus, V4L2_CID_FOCUS_AUTO, V4L2_CID_FOCUS_ABSOLUTE);
+  if (!controls.power_line.empty()) {
+    const std::string& choice = controls.power_line;
     const int value = choice == "off"  ? V4L2_CID_POWER_LINE_FREQUENCY_DISABLED
                       : choice == "50" ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
                       : choice == "60" ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
@@ -160,7 +161,7 @@ std::vector<std::string> apply_controls(const VideoDevice& device, const CameraO
     setter.set(V4L2_CID_POWER_LINE_FREQUENCY, value, "power_line");
   }
   std::string ignored;  // the options were checked
-  for (const auto& [name, value] : parse_control_list(options.controls, &ignored)) setter.set_named(name, value);
+  for (const auto& [name, value] : parse_control_list(controls.controls, &ignored)) setter.set_named(name, value);
   return setter.problems;
 }
 

@@ -22,9 +22,9 @@ std::vector<VideoControl> controls_of(const VideoDevice& device);
 // Nothing if it cannot be read.
 std::optional<int32_t> read_control(const VideoDevice& device, uint32_t id);
 
-// Sets what the options name. Returns what could not be done, one line for each: a camera that lacks one of its
+// Sets what they name. Returns what could not be done, one line for each: a camera that lacks one of its
 // controls is still a camera.
-std::vector<std::string> apply_controls(const VideoDevice& device, const CameraOptions& options);
+std::vector<std::string> apply_controls(const VideoDevice& device, const CameraControls& controls);
 // Exposure, gain and white balance stay from now on as the camera has them. Returns what was done, or could not be.
 std::string lock_automatic(const VideoDevice& device);
 
