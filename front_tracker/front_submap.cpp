@@ -6,6 +6,26 @@
 
 namespace rumi {
 
+FrontSubmap::FrontSubmap(Submap known, SubmapKey key, const std::vector<double>& scales)
+    : map(std::move(known)), octave_scales(scales) {
+  map.key = key;
+  map.kind = SubmapKind::kFront;
+  map.closed = false;
+  map.revision = 1;
+  map.removed_keyframes.clear();
+  map.removed_landmarks.clear();
+  for (auto& [id, kf] : map.keyframes) {
+    kf.revision = kf.created_revision = map.revision;
+    grids[id] = KeypointGrid(kf.features->undistorted, map.camera.width, map.camera.height);
+    next_keyframe_ = id + 1;
+  }
+  for (auto& [id, lm] : map.landmarks) {
+    lm.revision = map.revision;
+    next_landmark_ = id + 1;
+  }
+  for (auto& [utime_us, frame] : map.frames) frame.revision = map.revision;
+}
+
 Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   const int id = next_keyframe_++;
   Keyframe& kf = map.keyframes[id];

@@ -12,6 +12,10 @@ namespace rumi {
 
 // A submap under construction: the submap itself and what only its maker needs.
 struct FrontSubmap {
+  FrontSubmap() = default;
+  // One that goes on from what another submap knows, as front submap `key`. Everything is new in it.
+  FrontSubmap(Submap known, SubmapKey key, const std::vector<double>& octave_scales);
+
   Submap map;
   std::vector<double> octave_scales;
   std::map<int, KeypointGrid> grids;                  // of the keyframes, over undistorted pixels

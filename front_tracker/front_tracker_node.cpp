@@ -49,6 +49,14 @@ float latency_ms(const image_t& image, int64_t now_us) {
 
 FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
     : bus_(bus), options_(options), publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s) {
+  if (const int most = options.tracking.back_keyframes; most > 0) {
+    const auto take = [this](Submap submap) { return tracker_ ? tracker_->add_back_submap(std::move(submap)) : ""; };
+    const auto forget = [this](int id) {
+      if (tracker_) tracker_->remove_back_submap(id);
+    };
+    back_submaps_.emplace(bus, unique_process_name("front_tracker"), most,
+                          BackSubmapFetcher::Handlers{.take = take, .forget = forget});
+  }
   cv::setNumThreads(1);  // more would take COLMAP's core, and make runs differ
   if (!options.camera_file.empty()) {
     const CameraFileResult file = read_camera_file(options.camera_file);
@@ -85,6 +93,7 @@ void FrontTrackerNode::begin_session(const Camera& camera) {
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   without_pose_.clear();
+  if (back_submaps_) back_submaps_->begin_session(session_);
   tracker_ = std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_);
 }
 
@@ -199,10 +208,12 @@ void FrontTrackerNode::on_map_status(const map_status_t& status) {
     const auto map_from_submap = from_wire(s.map_from_submap);
     if (s.in_map && map_from_submap) map_from_submap_[{s.session, s.submap_id}] = *map_from_submap;
   }
+  if (back_submaps_ && tracker_) back_submaps_->on_map_status(status);
 }
 
 void FrontTrackerNode::tick(int64_t now_us) {
   publisher_.tick(now_us);
+  if (back_submaps_) back_submaps_->tick(now_us);
   std::erase_if(retired_, [&](const std::unique_ptr<Tracker>& tracker) {
     if (publisher_.complete(*tracker)) return true;
     publisher_.publish(*tracker, now_us, true);
@@ -224,6 +235,10 @@ NodeStatus FrontTrackerNode::status() {
   cpu_ms_ = 0;
   cpu_count_ = 0;
   s.detail = fmt::format("{}, {} submaps", name_of(state_), tracker_ ? tracker_->submaps().size() : 0);
+  if (tracker_ && tracker_->back_submaps().submaps() > 0)
+    s.detail += fmt::format(", {} back submaps to relocalize in", tracker_->back_submaps().submaps());
+  if (back_submaps_ && back_submaps_->refused() > 0)
+    s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
   for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
   if (!publisher_.failure().empty()) {
     s.detail += ", map_server: " + publisher_.failure();

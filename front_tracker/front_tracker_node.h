@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus/process.h"
+#include "front_tracker/back_submap_fetcher.h"
 #include "front_tracker/submap_publisher.h"
 #include "front_tracker/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
@@ -16,7 +17,8 @@
 
 namespace rumi {
 
-// CAMERA and RUMI_MAP_STATUS in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP and RUMI_SUBMAP out. The calibration comes
+// CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_SUBMAP and
+// RUMI_MAP_REQUEST out. The calibration comes
 // with the images unless an option names a file; a camera_file that cannot be read throws std::runtime_error.
 class FrontTrackerNode : public Node {
  public:
@@ -53,7 +55,8 @@ class FrontTrackerNode : public Node {
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;
-  std::map<SubmapKey, Sim3> map_from_submap_;  // of the submaps in the served map
+  std::optional<BackSubmapFetcher> back_submaps_;  // unless none are to be kept
+  std::map<SubmapKey, Sim3> map_from_submap_;      // of the submaps in the served map
   int64_t session_ = 0;
   int64_t sequence_ = 0;
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime

@@ -34,8 +34,8 @@ std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) 
   return result;
 }
 
-bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* frame) const {
-  const Keyframe* kf = submap.map.keyframe(keyframe_id);
+bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame) const {
+  const Keyframe* kf = submap.keyframe(keyframe_id);
   if (!kf) return false;  // culled since
   const std::vector<int> known = keypoints_with_landmarks(*kf);
   if (known.empty()) return false;
@@ -44,10 +44,10 @@ bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* 
   std::vector<PointObservation> observations;
   std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
   for (const Match& m : match_features(*kf->features, known, *frame->features, {}, {options_.max_distance, 0.85})) {
-    const Landmark* lm = submap.map.landmark(kf->landmark_ids[m.first]);
+    const Landmark* lm = submap.landmark(kf->landmark_ids[m.first]);
     if (!lm) continue;
     observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
-                            submap.octave_scales[frame->features->keypoints[m.second].octave]});
+                            scales_[frame->features->keypoints[m.second].octave]});
     pairs.emplace_back(m.second, lm->id);
   }
   const auto pose = resect(camera_, observations);
@@ -59,12 +59,12 @@ bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* 
   // More landmarks of the neighbourhood settle whether it is true.
   std::set<int> near;
   const auto collect = [&](int id) {
-    for (int lm : submap.map.keyframe(id)->landmark_ids)
+    for (int lm : submap.keyframe(id)->landmark_ids)
       if (lm != kNone) near.insert(lm);
   };
   collect(keyframe_id);
   int neighbours = 0;
-  for (const auto& [id, shared] : submap.map.covisible_keyframes(keyframe_id)) {
+  for (const auto& [id, shared] : submap.covisible_keyframes(keyframe_id)) {
     if (neighbours++ == 10) break;
     collect(id);
   }
@@ -74,12 +74,12 @@ bool Relocalizer::relocalize(const FrontSubmap& submap, int keyframe_id, Frame* 
     matched.erase(kNone);
     std::vector<const Landmark*> landmarks;
     for (int id : near)
-      if (!matched.contains(id)) landmarks.push_back(submap.map.landmark(id));
+      if (!matched.contains(id)) landmarks.push_back(submap.landmark(id));
     std::vector<int> visible;
-    search_by_projection(camera_, landmarks, {.radius_px = radius, .max_distance = options_.max_distance},
-                         submap.octave_scales, &found, &visible);
+    search_by_projection(camera_, landmarks, {.radius_px = radius, .max_distance = options_.max_distance}, scales_,
+                         &found, &visible);
     in_view = matched.size() + visible.size();
-    if (refine_pose(camera_, submap.map, submap.octave_scales, &found) == 0) return false;
+    if (refine_pose(camera_, submap, scales_, &found) == 0) return false;
   }
   const int inliers = found.matches();
   if (inliers < options_.relocalization_min_inliers) return false;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "front_tracker/front_submap.h"
+#include "front_tracker/frame.h"
 #include "front_tracker/options.h"
 #include "slam/features/keyframe_index.h"
 
@@ -12,7 +12,9 @@ namespace rumi {
 
 class Relocalizer {
  public:
-  Relocalizer(const Camera& camera, const TrackingOptions& options) : camera_(camera), options_(options) {}
+  // octave_scales: size of a pixel per octave, see OrbExtractor.
+  Relocalizer(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales)
+      : camera_(camera), options_(options), scales_(octave_scales) {}
 
   void add_keyframe(size_t submap_index, const Keyframe& keyframe);
 
@@ -25,11 +27,12 @@ class Relocalizer {
 
   // Matches the frame against the landmarks of one keyframe and its neighbours. On success the frame has a pose in that
   // submap and its matches; else it is as before.
-  bool relocalize(const FrontSubmap& submap, int keyframe_id, Frame* frame) const;
+  bool relocalize(const Submap& submap, int keyframe_id, Frame* frame) const;
 
  private:
   Camera camera_;
   TrackingOptions options_;
+  std::vector<double> scales_;
   KeyframeIndex index_;
 };
 

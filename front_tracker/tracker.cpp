@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -15,7 +16,8 @@ Tracker::Tracker(const Camera& camera, const FrontTrackerOptions& options, int64
       extractor_(options.orb),
       scales_(octave_scales(options.orb)),
       initializer_(camera, options.initializer, scales_),
-      relocalizer_(camera, options.tracking),
+      relocalizer_(camera, options.tracking, scales_),
+      back_submaps_(camera, options.tracking, scales_),
       mapper_(camera, options.mapping),
       mapping_(mapper_, map_mutex_, options.mapping_thread) {}
 
@@ -51,28 +53,55 @@ void Tracker::lose(const Frame& frame) {
                frame.utime_us);
 }
 
+std::string Tracker::add_back_submap(Submap submap) {
+  const std::scoped_lock lock(map_mutex_);
+  return back_submaps_.add(std::move(submap), [this](int64_t utime_us) {
+    return std::any_of(submaps_.begin(), submaps_.end(),
+                       [utime_us](const auto& front) { return front->map.frame(utime_us) != nullptr; });
+  });
+}
+
 // Finds the camera again: first where it was last seen, then wherever it looks alike.
 bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
-  const auto found_in = [&](size_t submap_index) {
-    if (submap_index != active_) initializer_.clear();
-    active_ = submap_index;
-    ++active().map.revision;
-    state_ = TrackingState::kTracking;
-    velocity_ = SE3();
-    velocity_dt_us_ = 0;
-    spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
-                 frame->matches());
-    return true;
-  };
   if (state_ == TrackingState::kRecentlyLost) {
-    if (relocalizer_.relocalize(active(), last_.reference_keyframe, frame)) return found_in(active_);
+    if (relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) {
+      go_on_in(active_, *frame);
+      return true;
+    }
     const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - lost_since_us_);
     if (lost_s > options_.tracking.recently_lost_s) state_ = TrackingState::kLost;
   }
-  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame))
-    if (relocalizer_.relocalize(*submaps_[c.submap_index], c.keyframe_id, frame)) return found_in(c.submap_index);
-  return false;
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame)) {
+    if (!relocalizer_.relocalize(submaps_[c.submap_index]->map, c.keyframe_id, frame)) continue;
+    go_on_in(c.submap_index, *frame);
+    return true;
+  }
+  std::optional<Submap> back = back_submaps_.relocalize(frame);
+  if (!back) return false;
+  const int back_id = back->key.id;
+  const FrontSubmap& submap = open_submap(std::move(*back));
+  for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, kf);
+  spdlog::info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
+               submap.map.keyframes.size(), submap.map.landmarks.size());
+  go_on_in(submaps_.size() - 1, *frame);
+  return true;
+}
+
+void Tracker::go_on_in(size_t submap_index, const Frame& frame) {
+  if (submap_index != active_) initializer_.clear();
+  active_ = submap_index;
+  ++active().map.revision;
+  state_ = TrackingState::kTracking;
+  velocity_ = SE3();
+  velocity_dt_us_ = 0;
+  spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame.utime_us, frame.matches());
+}
+
+FrontSubmap& Tracker::open_submap(Submap known) {
+  const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
+  known.camera = camera_;
+  return *submaps_.emplace_back(std::make_unique<FrontSubmap>(std::move(known), key, scales_));
 }
 
 bool Tracker::begin_submap(Frame* frame) {
@@ -85,12 +114,7 @@ bool Tracker::begin_submap(Frame* frame) {
     spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
     return false;
   }
-  auto submap = std::make_unique<FrontSubmap>();
-  submap->map.key = {session_, static_cast<int32_t>(submaps_.size()) + 1};
-  submap->map.camera = camera_;
-  submap->map.revision = 1;
-  submap->octave_scales = scales_;
-  submaps_.push_back(std::move(submap));
+  open_submap({});
   active_ = submaps_.size() - 1;
   add_initial_map(std::move(*initial), &active());
   *frame = last_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "front_tracker/back_submaps.h"
 #include "front_tracker/front_submap.h"
 #include "front_tracker/initializer.h"
 #include "front_tracker/mapping_worker.h"
@@ -40,6 +41,13 @@ class Tracker {
   // Earlier frames that got their poses because the last image began a submap, in order of time; else empty.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
 
+  // A back submap of this session, to relocalize in where no front submap has been. Found in it, tracking goes on in a
+  // new front submap that begins as a copy of it: same unit, same images. Returns why it was refused, or an empty
+  // string.
+  std::string add_back_submap(Submap submap);
+  void remove_back_submap(int id) { back_submaps_.remove(id); }
+  const BackSubmaps& back_submaps() const { return back_submaps_; }
+
   // All submaps, oldest first; the pointers stay valid. Hold the mutex while looking at them.
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
@@ -57,6 +65,8 @@ class Tracker {
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
   bool recover(Frame* frame);
+  void go_on_in(size_t submap_index, const Frame& frame);
+  FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
   void add_initial_map(InitialMap map, FrontSubmap* submap);
   void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap);
@@ -73,6 +83,7 @@ class Tracker {
   std::vector<double> scales_;
   Initializer initializer_;
   Relocalizer relocalizer_;
+  BackSubmaps back_submaps_;
   Mapper mapper_;
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;

@@ -137,7 +137,7 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     FeatureScene scene(seed), elsewhere(seed + 50);
     const auto s = scene.submap(walk(5));
-    Relocalizer relocalizer(test_camera(), {});
+    Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
     for (const auto& [id, kf] : s->map.keyframes) relocalizer.add_keyframe(0, kf);
     SyntheticScene random(seed);
     for (int i = 0; i < 5; ++i) {
@@ -146,13 +146,13 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
       Frame frame = scene.frame(1, truth), foreign = elsewhere.frame(1, truth);
       ++tried;
       for (const auto& c : relocalizer.candidates(frame))
-        if (relocalizer.relocalize(*s, c.keyframe_id, &frame)) {
+        if (relocalizer.relocalize(s->map, c.keyframe_id, &frame)) {
           ++found;
           EXPECT_LT(rotation_error_deg(frame.cam_from_submap, truth), 0.3);
           EXPECT_LT((frame.cam_from_submap.center() - truth.center()).norm(), 0.03);
           break;
         }
-      for (const auto& [id, kf] : s->map.keyframes) EXPECT_FALSE(relocalizer.relocalize(*s, id, &foreign));
+      for (const auto& [id, kf] : s->map.keyframes) EXPECT_FALSE(relocalizer.relocalize(s->map, id, &foreign));
       EXPECT_EQ(foreign.matches(), 0) << "a failed try leaves the frame as it was";
     }
   }

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/back_submap_fetcher.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "bus/submap_update.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
+
+namespace rumi {
+namespace {
+
+constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
+// Of one submap: some three thousand keyframes of a thousand keypoints.
+constexpr TransferOptions kTransfer{.max_payload_bytes = int64_t{128} << 20};
+
+}  // namespace
+
+BackSubmapFetcher::BackSubmapFetcher(Bus& bus, const std::string& process_name, int max_keyframes, Handlers handlers)
+    : bus_(bus),
+      name_(process_name),
+      max_keyframes_(max_keyframes),
+      handlers_(std::move(handlers)),
+      receiver_(
+          bus, channels::kMapChunk, channels::kMapAck, process_name, false,
+          [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }, kTransfer) {}
+
+void BackSubmapFetcher::begin_session(int64_t session) {
+  session_ = session;
+  listed_.clear();
+  settled_.clear();
+  asked_for_ = kNoSubmap;
+}
+
+void BackSubmapFetcher::on_map_status(const map_status_t& status) {
+  listed_.clear();
+  for (const submap_summary_t& s : status.submaps) {
+    const bool is_ours = s.session == session_ && s.submap_id < 0 && s.kind == static_cast<int8_t>(SubmapKind::kBack);
+    if (!is_ours || !s.in_map || !s.closed) continue;
+    listed_[s.submap_id] = s.revision;
+    if (s.keyframes <= max_keyframes_ || settled_.contains(s.submap_id)) continue;
+    settled_[s.submap_id] = s.revision;
+    refuse(fmt::format("back submap {}: it has {} keyframes, {} are kept at most", s.submap_id, s.keyframes,
+                       max_keyframes_));
+  }
+  std::erase_if(settled_, [this](const auto& settled) {
+    if (listed_.contains(settled.first)) return false;
+    handlers_.forget(settled.first);
+    return true;
+  });
+  ask(bus_.now_us());
+}
+
+void BackSubmapFetcher::tick(int64_t now_us) {
+  receiver_.tick(now_us);
+  const bool waited = now_us >= next_try_us_ || next_try_us_ - now_us > kAskAgainUs;  // or the clock was set back
+  if (waited && asked_for_ != kNoSubmap && !receiver_.progress(last_request_)) asked_for_ = kNoSubmap;
+  if (waited) ask(now_us);
+}
+
+// One at a time, the oldest first (their ids count down).
+void BackSubmapFetcher::ask(int64_t now_us) {
+  if (asked_for_ != kNoSubmap) return;
+  for (auto it = listed_.rbegin(); it != listed_.rend(); ++it) {
+    const auto& [id, revision] = *it;
+    if (const auto settled = settled_.find(id); settled != settled_.end() && settled->second >= revision) continue;
+    asked_for_ = id;
+    next_try_us_ = now_us + kAskAgainUs;
+    map_request_t request{};
+    request.utime = now_us;
+    request.requester = name_;
+    request.request_id = ++last_request_;
+    request.what = map_request_t::SUBMAP;
+    request.session = session_;
+    request.submap_id = id;
+    bus_.publish(channels::kMapRequest, request);
+    return;
+  }
+}
+
+ChunkReceiver::Verdict BackSubmapFetcher::on_payload(const ChunkReceiver::Payload& payload) {
+  if (asked_for_ == kNoSubmap || payload.request_id != last_request_) return {.ok = false, .reason = "not asked for"};
+  if (payload.kind != chunk_t::SUBMAP_UPDATE) {  // map_server cannot now: asked again in time
+    asked_for_ = kNoSubmap;
+    return {};
+  }
+  const int id = std::exchange(asked_for_, kNoSubmap);
+  if (!listed_.contains(id)) return {};  // no longer part of the map
+  settled_[id] = listed_.at(id);
+  submap_update_t update;
+  Submap submap;
+  std::string why;
+  if (!Bus::decode(payload.bytes, &update))
+    why = fmt::format("back submap {}: {} bytes that are no submap update", id, payload.bytes.size());
+  else if (update.session != session_ || update.submap_id != id)
+    why = fmt::format("back submap {}: submap {} of session {} came instead", id, update.submap_id, update.session);
+  else
+    why = apply_submap_update(update, &submap);
+  if (why.empty()) why = handlers_.take(std::move(submap));
+  if (!why.empty()) refuse(why);
+  ask(bus_.now_us());
+  return {.ok = why.empty(), .reason = why};
+}
+
+void BackSubmapFetcher::refuse(const std::string& why) {
+  ++refused_;
+  problem_ = why;
+  spdlog::warn("not used for relocalization: {}", why);
+}
+
+}  // namespace rumi

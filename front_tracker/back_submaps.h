@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Back submaps as places to relocalize in: what rumination rebuilt where no front submap has a pose.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "front_tracker/relocalizer.h"
+
+namespace rumi {
+
+class BackSubmaps {
+ public:
+  // The camera is that of the frames, octave_scales those of their keypoints. At most options.back_keyframes keyframes
+  // are kept; the submaps of the oldest images go first.
+  BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales);
+
+  // is_known: does a front submap have a pose for the image of that time? Such keyframes are no places to look at: the
+  // front submap is. Replaces the submap of the same id. Returns why it was refused, or an empty string, and then the
+  // submap is kept, if there is anything in it that is not known.
+  std::string add(Submap submap, const std::function<bool(int64_t utime_us)>& is_known);
+  // Nothing happens where there is none of that id.
+  void remove(int id);
+
+  // The submap in which the frame was found: the frame has a pose in it then, and its matches. It is not kept any
+  // longer. Its keyframes and landmarks are numbered from 0 on, the keyframes in order of time.
+  std::optional<Submap> relocalize(Frame* frame);
+
+  size_t submaps() const { return submaps_.size(); }
+  int keyframes() const;
+
+ private:
+  struct Entry {
+    size_t number = 0;  // in the relocalizer
+    Submap submap;
+    std::vector<int> places;  // keyframes whose images no front submap has
+  };
+  void make_places(const Entry& entry);
+  void remove(std::vector<Entry>::iterator entry);
+
+  Camera camera_;
+  TrackingOptions options_;
+  std::vector<double> scales_;
+  std::vector<Entry> submaps_;  // in order of time
+  size_t next_number_ = 0;
+  Relocalizer relocalizer_;
+};
+
+}  // namespace rumi
