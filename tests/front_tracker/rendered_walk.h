@@ -22,8 +22,10 @@ struct RenderedWalk {
   Camera camera;
 };
 
-inline RenderedWalk render_walk(double seconds, double rate_hz) {
+// seed: of the room and the path.
+inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1) {
   SynthOptions options;
+  options.seed = seed;
   options.seconds = seconds;
   options.rate_hz = rate_hz;
   options.grey = true;
