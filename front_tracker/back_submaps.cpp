@@ -89,14 +89,12 @@ int64_t first_utime_us(const Submap& submap) { return submap.frames.begin()->fir
 BackSubmaps::BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& scales)
     : camera_(camera), options_(options), scales_(scales), relocalizer_(camera, options, scales) {}
 
-std::string BackSubmaps::add(Submap submap, const std::function<bool(int64_t utime_us)>& is_known) {
+std::string BackSubmaps::add(Submap submap) {
   std::string problem = problem_of(submap, camera_, scales_.size(), options_.back_keyframes);
   if (!problem.empty()) return fmt::format("back submap {}: {}", submap.key.id, problem);
   remove(submap.key.id);
-  Entry entry{next_number_++, tidy(submap, scales_), {}};
-  for (const auto& [id, kf] : entry.submap.keyframes)
-    if (!is_known(kf.utime_us)) entry.places.push_back(id);
-  if (entry.places.empty()) return {};
+  if (submap.keyframes.empty()) return {};
+  Entry entry{next_number_++, tidy(submap, scales_)};
   make_places(entry);
   const auto later = std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& other) {
     return first_utime_us(other.submap) > first_utime_us(entry.submap);
@@ -107,7 +105,7 @@ std::string BackSubmaps::add(Submap submap, const std::function<bool(int64_t uti
 }
 
 void BackSubmaps::make_places(const Entry& entry) {
-  for (int id : entry.places) relocalizer_.add_keyframe(entry.number, *entry.submap.keyframe(id));
+  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, kf);
 }
 
 void BackSubmaps::remove(int id) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Back submaps as places to relocalize in: what rumination rebuilt where no front submap has a pose.
+// Back submaps as places to relocalize in. They know places where no front submap has been, and where both have been
+// they often have more landmarks: all images of a window are matched with each other.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,10 +17,8 @@ class BackSubmaps {
   // are kept; the submaps of the oldest images go first.
   BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales);
 
-  // is_known: does a front submap have a pose for the image of that time? Such keyframes are no places to look at: the
-  // front submap is. Replaces the submap of the same id. Returns why it was refused, or an empty string, and then the
-  // submap is kept, if there is anything in it that is not known.
-  std::string add(Submap submap, const std::function<bool(int64_t utime_us)>& is_known);
+  // Replaces the submap of the same id. Returns why it was refused, or an empty string.
+  std::string add(Submap submap);
   // Nothing happens where there is none of that id.
   void remove(int id);
 
@@ -35,7 +33,6 @@ class BackSubmaps {
   struct Entry {
     size_t number = 0;  // in the relocalizer
     Submap submap;
-    std::vector<int> places;  // keyframes whose images no front submap has
   };
   void make_places(const Entry& entry);
   void remove(std::vector<Entry>::iterator entry);

@@ -53,15 +53,7 @@ void Tracker::lose(const Frame& frame) {
                frame.utime_us);
 }
 
-std::string Tracker::add_back_submap(Submap submap) {
-  const std::scoped_lock lock(map_mutex_);
-  return back_submaps_.add(std::move(submap), [this](int64_t utime_us) {
-    return std::any_of(submaps_.begin(), submaps_.end(),
-                       [utime_us](const auto& front) { return front->map.frame(utime_us) != nullptr; });
-  });
-}
-
-// Finds the camera again: first where it was last seen, then wherever it looks alike.
+// Finds the camera again: first where it was last seen, then wherever it looks alike, in back submaps last.
 bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {

@@ -41,10 +41,10 @@ class Tracker {
   // Earlier frames that got their poses because the last image began a submap, in order of time; else empty.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
 
-  // A back submap of this session, to relocalize in where no front submap has been. Found in it, tracking goes on in a
+  // A back submap of this session, to relocalize in where front submaps do not tell. Found in it, tracking goes on in a
   // new front submap that begins as a copy of it: same unit, same images. Returns why it was refused, or an empty
   // string.
-  std::string add_back_submap(Submap submap);
+  std::string add_back_submap(Submap submap) { return back_submaps_.add(std::move(submap)); }
   void remove_back_submap(int id) { back_submaps_.remove(id); }
   const BackSubmaps& back_submaps() const { return back_submaps_; }
 

@@ -41,9 +41,7 @@ class BackSubmapsTest : public testing::Test {
     options.back_keyframes = kMostKeyframes;
     back_ = std::make_unique<BackSubmaps>(test_camera(), options, test_octave_scales());
   }
-  std::string add(Submap submap) {
-    return back_->add(std::move(submap), [](int64_t) { return false; });
-  }
+  std::string add(Submap submap) { return back_->add(std::move(submap)); }
   const SE3 truth_ = SyntheticScene::pose(0.2, 0.05, 0.05, -0.05);
   std::unique_ptr<BackSubmaps> back_;
 };
@@ -64,19 +62,6 @@ TEST_F(BackSubmapsTest, TheCameraIsFoundInItsRoomAndInNoOther) {
   Frame again = view_of(2, truth_), other = view_of(1, truth_);
   EXPECT_FALSE(back_->relocalize(&again));
   EXPECT_TRUE(back_->relocalize(&other)) << "the other one is still there";
-}
-
-TEST_F(BackSubmapsTest, WhatFrontSubmapsHaveIsNoPlace) {
-  const Submap submap = back_submap(1, -1);
-  EXPECT_EQ(back_->add(submap, [](int64_t) { return true; }), "");
-  EXPECT_EQ(back_->submaps(), 0u);
-  // One keyframe is enough to be found by, and all of its neighbours help.
-  EXPECT_EQ(back_->add(submap, [](int64_t utime_us) { return utime_us != 300'000; }), "");
-  Frame here = view_of(1, truth_);
-  const auto found = back_->relocalize(&here);
-  ASSERT_TRUE(found);
-  EXPECT_EQ(found->keyframes.size(), 5u);
-  EXPECT_EQ(found->keyframe(here.reference_keyframe)->utime_us, 300'000);
 }
 
 TEST_F(BackSubmapsTest, TheOldestGo) {

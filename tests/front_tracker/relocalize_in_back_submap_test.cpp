@@ -108,7 +108,7 @@ TEST(BackSubmapOfTheGap, NearlyEveryOtherViewOfItIsFoundWhereItIs) {
   ASSERT_TRUE(room_from_submap);
   const FrontTrackerOptions options = replay_options();
   BackSubmaps back(walk.camera, options.tracking, octave_scales(options.orb));
-  ASSERT_EQ(back.add(submap, [](int64_t) { return false; }), "");
+  ASSERT_EQ(back.add(submap), "");
   const OrbExtractor extractor(options.orb);
   int tried = 0, found = 0;
   for (size_t i = kGapBegin; i < kGapEnd; ++i) {
