@@ -53,7 +53,7 @@ void Tracker::lose(const Frame& frame) {
                frame.utime_us);
 }
 
-// Finds the camera again: first where it was last seen, then wherever it looks alike, in back submaps last.
+// Finds the camera again: first where it was last seen, then wherever it looks alike.
 bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {
@@ -69,6 +69,11 @@ bool Tracker::recover(Frame* frame) {
     go_on_in(c.submap_index, *frame);
     return true;
   }
+  return false;
+}
+
+// A beginning, too: of a submap that knows already what rumination found out.
+bool Tracker::go_on_in_back_submap(Frame* frame) {
   std::optional<Submap> back = back_submaps_.relocalize(frame);
   if (!back) return false;
   const int back_id = back->key.id;
@@ -101,6 +106,7 @@ bool Tracker::begin_submap(Frame* frame) {
     initializer_.buffer(*frame);
     return false;
   }
+  if (go_on_in_back_submap(frame)) return true;
   auto initial = initializer_.add(*frame);
   if (!initial) {
     spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());

@@ -65,6 +65,7 @@ class Tracker {
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
   bool recover(Frame* frame);
+  bool go_on_in_back_submap(Frame* frame);
   void go_on_in(size_t submap_index, const Frame& frame);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);

@@ -137,6 +137,23 @@ TEST_F(ReturnToTheGap, WhatTheFrontSawItFindsInItsOwnSubmap) {
   EXPECT_EQ(tracker_.back_submaps().submaps(), 1u);
 }
 
+// It would begin a submap; a moment after the loss the old one may yet be found.
+TEST(RecentlyLost, NoBackSubmapIsTaken) {
+  const RenderedWalk& walk = rendered_walk();
+  const FrontTrackerOptions options = replay_options();
+  Tracker tracker(walk.camera, options, 1);
+  for (size_t i = 0; i < 30; ++i) tracker.process(walk.utime_us[i], walk.images[i]);
+  ASSERT_EQ(tracker.add_back_submap(rebuilt(walk)), "");
+  const int64_t lost_us = walk.utime_us[30];
+  tracker.process(lost_us, cv::Mat(walk.images[0].size(), CV_8U, cv::Scalar(0)));
+  for (int64_t later_us = 100'000; later_us <= 1'200'000; later_us += 100'000) {
+    const auto result = tracker.process(lost_us + later_us, walk.images[kBackFrom + later_us / 100'000]);
+    const bool recently = 1e-6 * static_cast<double>(later_us) <= options.tracking.recently_lost_s;
+    EXPECT_EQ(result->state, recently ? TrackingState::kRecentlyLost : TrackingState::kTracking) << later_us;
+    EXPECT_EQ(result->submap_id, recently ? kNoSubmap : 2);
+  }
+}
+
 TEST_F(ReturnToTheGap, RepeatsItself) {
   const Submap back = rebuilt(rendered_walk());
   const auto run = [&] {
@@ -144,7 +161,7 @@ TEST_F(ReturnToTheGap, RepeatsItself) {
     for (size_t i = 0; i < 30; ++i) tracker.process(rendered_walk().utime_us[i], rendered_walk().images[i]);
     const cv::Mat black(rendered_walk().images[0].size(), CV_8U, cv::Scalar(0));
     tracker.process(rendered_walk().utime_us[kGapBegin], black);
-    tracker.add_back_submap(back);
+    EXPECT_EQ(tracker.add_back_submap(back), "");
     std::vector<Eigen::Vector3d> path;
     for (size_t i = kBackFrom; i < kGapEnd; ++i)
       path.push_back(tracker.process(rendered_walk().utime_us[i] + kLaterUs, rendered_walk().images[i])
