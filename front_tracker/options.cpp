@@ -39,9 +39,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         10, 1000);
   t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
   t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
-  t.add(s + "back_keyframes", &r.back_keyframes, "keyframes",
-        "of back submaps, kept to relocalize in (about 70 kB each); the oldest submaps go first; 0: front submaps only",
-        0, 100000);
+  t.add(
+      s + "back_keyframes", &r.back_keyframes, "keyframes",
+      "of back submaps, kept to relocalize in (about 140 kB each); the oldest submaps go first; 0: front submaps only",
+      0, 100000);
   t.add(s + "local_keyframes", &r.local_keyframes, "", "whose landmarks are looked for in a frame", 1, 200);
 
   KeyframeOptions& k = o.keyframes;

@@ -35,7 +35,7 @@ struct TrackingOptions {
   int relocalization_min_inliers = 40;
   double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view
   int relocalization_candidates = 5;      // keyframes that are compared in full, per frame
-  int back_keyframes = 400;               // of back submaps, kept to relocalize in: the oldest submaps go; 0: none
+  int back_keyframes = 200;               // of back submaps, kept to relocalize in: the oldest submaps go; 0: none
 };
 
 struct KeyframeOptions {
