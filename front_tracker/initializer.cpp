@@ -154,15 +154,17 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   if (rivals.empty()) return std::nullopt;
   std::stable_sort(rivals.begin(), rivals.end(),
                    [](const Rival& a, const Rival& b) { return a.error_px < b.error_px; });
-  const Rival& best = rivals.front();
-  // One that cannot be begun with, for want of parallax, may be true all the same: those that fit worse are not.
-  if (!best.holds) {
-    refusal_ = best.structure.refusal();
+  const auto holding = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
+  if (holding == rivals.end()) {
+    refusal_ = rivals.front().structure.refusal();
     return std::nullopt;
   }
+  const Rival& best = *holding;
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
-    if (best.error_px <= options_.max_rival_rmse_ratio * rival.error_px) continue;
+    // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
+    const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
+    if (best.error_px <= ratio * rival.error_px) continue;
     refusal_ =
         fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px, rival.error_px);
     return std::nullopt;

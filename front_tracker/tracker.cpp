@@ -149,7 +149,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
   last_ = initial.frames.back();
   frames_since_keyframe_ = 0;
   for (const auto& [id, kf] : submap->map.keyframes) {
-    relocalizer_.add_keyframe(active_, kf);
+    relocalizer_.add_keyframe(active_, submap->map, kf);
     tasks_.emplace_back(submap, id);
   }
 }
@@ -190,7 +190,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
     if (needs_keyframe(frame)) {
       const Keyframe& kf = submap.add_keyframe(&frame);
-      relocalizer_.add_keyframe(active_, kf);
+      relocalizer_.add_keyframe(active_, submap.map, kf);
       tasks_.emplace_back(&submap, kf.id);
       frames_since_keyframe_ = 0;
       result->is_keyframe = true;
