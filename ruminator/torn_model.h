@@ -14,7 +14,8 @@ namespace rumi {
 
 struct TearOptions {
   int min_matches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hang together
-  double max_severed = 0.15;         // of the matches that it has points of: more is torn
+  double max_severed = 0.15;         // of the matches that it has points of: more is torn,
+  double max_severed_ratio = 2.5;    // if it is more than that times the part in the whole model: noise severs too
   double regrow_parallax_deg = 0.5;  // of the points that what is torn off is tied to the rest with
   int regrow_images = 3;             // from one adjustment to the next
 };
@@ -29,8 +30,10 @@ struct ImageLink {
 // Of all pairs of the model's images, in their order.
 std::vector<ImageLink> model_links(const std::vector<ColmapPair>& pairs, const ColmapModel& model);
 
-// Images that are torn off from the largest part of the model: in its other parts (of images that hang together over
-// links that are not torn), where a torn link leads out of them. Empty for a sound model.
+// Images that are torn off from the largest part of the model. Parts are images that hang together over sound links,
+// the strongest first, unless what they have in common is torn as a whole: so a few matches around a loop do not hold
+// what is torn at its neighbours, and a tear that few matches of any one pair cross shows in all of them together.
+// Empty for a sound model.
 std::set<int> torn_off(const std::vector<ImageLink>& links, const TearOptions& options, const ColmapModel& model);
 
 }  // namespace rumi

@@ -59,6 +59,44 @@ TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   EXPECT_TRUE(torn_off(links, kOptions, model).empty());
 }
 
+// Images 0 to 4 and 5 to 7 hang together, strongly.
+std::vector<ImageLink> two_groups() { return {{0, 1, 80}, {1, 2, 80}, {2, 3, 80}, {3, 4, 80}, {5, 6, 80}, {6, 7, 80}}; }
+
+ColmapModel of_images(int count) {
+  ColmapModel model;
+  for (int image = 0; image < count; ++image) model.cam_from_world[image] = SE3();
+  return model;
+}
+
+TEST(TornModel, AFewMatchesElsewhereDoNotHoldWhatIsTorn) {
+  std::vector<ImageLink> links = two_groups();
+  links.push_back({4, 5, 8, 47});
+  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  links.push_back({0, 7, 18, 1});
+  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+}
+
+TEST(TornModel, ManyPairsTogetherTellATearThatFewMatchesOfAnyOneCross) {
+  std::vector<ImageLink> links = two_groups();
+  links.insert(links.end(), {{4, 5, 16, 2}, {3, 5, 14, 6}, {4, 6, 13, 5}, {3, 6, 15, 5}});
+  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+}
+
+TEST(TornModel, OneSpoiledPairAmongManyIsNoTear) {
+  std::vector<ImageLink> links = two_groups();
+  links.insert(links.end(), {{4, 5, 60, 15}, {3, 5, 50, 2}, {4, 6, 70, 3}, {3, 6, 40, 4}});
+  EXPECT_TRUE(torn_off(links, kOptions, of_images(8)).empty());
+}
+
+TEST(TornModel, WhereNoiseSeversEverywhereATearSeversMore) {
+  std::vector<ImageLink> links = two_groups();
+  for (ImageLink& link : links) link.severed = 12;
+  links.push_back({4, 5, 60, 20});
+  EXPECT_TRUE(torn_off(links, kOptions, of_images(8)).empty());
+  links.back().severed = 120;
+  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+}
+
 TEST(TornModel, OfNothingIsNothing) {
   EXPECT_TRUE(model_links({}, {}).empty());
   EXPECT_TRUE(torn_off({}, kOptions, {}).empty());
