@@ -81,12 +81,10 @@ SubmapResult evaluate(const Submap& map, const std::vector<TimedPose>& truth) {
   const TrajectoryMetrics metrics = evaluate_trajectory(estimate, truth);
   if (!metrics.ate_rmse_m) return result;
   result.ate_m = *metrics.ate_rmse_m;
+  result.path_m = metrics.path_m;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const PoseError& e : metrics.errors) mean += e.truth_m / static_cast<double>(metrics.errors.size());
-  for (size_t i = 0; i < metrics.errors.size(); ++i) {
-    result.spread_m += (metrics.errors[i].truth_m - mean).squaredNorm();
-    if (i > 0) result.path_m += (metrics.errors[i].truth_m - metrics.errors[i - 1].truth_m).norm();
-  }
+  for (const PoseError& e : metrics.errors) result.spread_m += (e.truth_m - mean).squaredNorm();
   result.spread_m = std::sqrt(result.spread_m / static_cast<double>(metrics.errors.size()));
   const auto middle = estimate.begin() + static_cast<std::ptrdiff_t>(estimate.size() / 2);
   const auto first = evaluate_trajectory({estimate.begin(), middle}, truth).truth_from_estimate;

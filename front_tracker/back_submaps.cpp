@@ -105,7 +105,7 @@ std::string BackSubmaps::add(Submap submap) {
 }
 
 void BackSubmaps::make_places(const Entry& entry) {
-  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, kf);
+  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, entry.submap, kf);
 }
 
 void BackSubmaps::remove(int id) {

@@ -130,6 +130,7 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   struct Rival {
     InitialStructure structure;
     double error_px = 0;
+    bool holds = false;
   };
   std::vector<Rival> rivals;
   double best_px = 1e9;
@@ -141,26 +142,29 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
     }
     const double error_px = structure.error_px();
     best_px = std::min(best_px, error_px);
-    rivals.push_back({std::move(structure), error_px});
+    rivals.push_back({std::move(structure), error_px, false});
   }
   // Bundle adjustment makes a right structure better by half, not more: rivals beyond that need none.
   constexpr double kHopeless = 2.0;
-  std::erase_if(rivals, [&](Rival& rival) {
-    if (rival.error_px > kHopeless * best_px) return true;
-    if (!rival.structure.adjust()) {
-      refusal_ = rival.structure.refusal();
-      return true;
-    }
+  std::erase_if(rivals, [&](const Rival& rival) { return rival.error_px > kHopeless * best_px; });
+  for (Rival& rival : rivals) {
+    rival.holds = rival.structure.adjust();
     rival.error_px = rival.structure.error_px();
-    return false;
-  });
+  }
   if (rivals.empty()) return std::nullopt;
   std::stable_sort(rivals.begin(), rivals.end(),
                    [](const Rival& a, const Rival& b) { return a.error_px < b.error_px; });
-  const Rival& best = rivals.front();
+  const auto holding = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
+  if (holding == rivals.end()) {
+    refusal_ = rivals.front().structure.refusal();
+    return std::nullopt;
+  }
+  const Rival& best = *holding;
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
-    if (best.error_px <= options_.max_rival_rmse_ratio * rival.error_px) continue;
+    // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
+    const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
+    if (best.error_px <= ratio * rival.error_px) continue;
     refusal_ =
         fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px, rival.error_px);
     return std::nullopt;

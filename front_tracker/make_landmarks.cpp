@@ -17,6 +17,23 @@ std::vector<int> free_keypoints(const Keyframe& kf) {
   return free;
 }
 
+// A keypoint that may be matched, and how far from the epipolar line, px².
+struct Candidate {
+  float x = 0, y = 0;  // undistorted
+  float max_off2 = 0;  // negative once it is taken
+  int keypoint = kNone;
+};
+
+std::vector<Candidate> candidates_in(const Keyframe& kf, const std::vector<double>& scales) {
+  std::vector<Candidate> candidates;
+  for (int i : free_keypoints(kf)) {
+    const Eigen::Vector2f& pixel = kf.features->undistorted[i];
+    const float sigma = static_cast<float>(scales[kf.features->keypoints[i].octave]);
+    candidates.push_back({pixel.x(), pixel.y(), 3.84f * sigma * sigma, i});
+  }
+  return candidates;
+}
+
 bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
   return (camera.project_undistorted(point_cam) - pixel.cast<double>()).squaredNorm() < 5.991 * sigma * sigma;
 }
@@ -39,31 +56,30 @@ void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
 void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
   const std::vector<double>& scales = submap.octave_scales;
   const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
-  const std::vector<int> free_b = free_keypoints(b);
-  std::vector<char> taken(b.landmark_ids.size(), 0);
+  std::vector<Candidate> candidates = candidates_in(b, scales);
   const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
   const Eigen::Vector3d center_a = a.cam_from_submap.center(), center_b = b.cam_from_submap.center();
   for (int i : free_keypoints(a)) {
     const Eigen::Vector2f pa = a.features->undistorted[i];
     Eigen::Vector3f line = f * Eigen::Vector3f(pa.x(), pa.y(), 1);
     line /= line.head<2>().norm();
-    int best = kNone, best_distance = options_.max_distance + 1;
-    for (int j : free_b) {
-      const Eigen::Vector2f& pb = b.features->undistorted[j];
-      const float off = line.x() * pb.x() + line.y() * pb.y() + line.z();
-      const float sigma = static_cast<float>(scales[b.features->keypoints[j].octave]);
-      if (off * off > 3.84f * sigma * sigma || taken[j]) continue;
-      const int distance = hamming_distance(a.features->descriptors[i], b.features->descriptors[j]);
+    Candidate* best = nullptr;
+    int best_distance = options_.max_distance + 1;
+    for (Candidate& candidate : candidates) {
+      const float off = line.x() * candidate.x + line.y() * candidate.y + line.z();
+      if (!(off * off <= candidate.max_off2)) continue;
+      const int distance = hamming_distance(a.features->descriptors[i], b.features->descriptors[candidate.keypoint]);
       if (distance < best_distance) {
         best_distance = distance;
-        best = j;
+        best = &candidate;
       }
     }
-    if (best == kNone) continue;
-    const Eigen::Vector2f pb = b.features->undistorted[best];
+    if (!best) continue;
+    const Eigen::Vector2f pb(best->x, best->y);
     const auto point = triangulate(a.cam_from_submap, camera_.ray(pa), b.cam_from_submap, camera_.ray(pb));
     if (!point) continue;
-    const double sa = scales[a.features->keypoints[i].octave], sb = scales[b.features->keypoints[best].octave];
+    const double sa = scales[a.features->keypoints[i].octave],
+                 sb = scales[b.features->keypoints[best->keypoint].octave];
     const Eigen::Vector3d to_a = *point - center_a, to_b = *point - center_b;
     if (to_a.normalized().dot(to_b.normalized()) > max_cosine) continue;
     if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
@@ -73,8 +89,8 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     if (distance_ratio * slack < octave_ratio || distance_ratio > octave_ratio * slack) continue;
     Landmark& lm = submap.add_landmark(*point);
     submap.map.add_observation(lm.id, a.id, i);
-    submap.map.add_observation(lm.id, b.id, best);
-    taken[best] = 1;
+    submap.map.add_observation(lm.id, b.id, best->keypoint);
+    best->max_off2 = -1;
     update_landmark_view(submap.map, scales, &lm);
     submap.recent_landmarks.emplace_back(lm.id, a.id);
   }

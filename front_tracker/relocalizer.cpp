@@ -17,11 +17,16 @@ std::vector<int> keypoints_with_landmarks(const Keyframe& kf) {
   return indices;
 }
 
-constexpr int kSubmapShift = 32;  // a keyframe's number in the index: submap above, keyframe below
+// A keyframe's number in the index: submap above, keyframe below.
+constexpr int kSubmapShift = 32;
+size_t submap_of(int64_t number) { return static_cast<size_t>(number >> kSubmapShift); }
+int keyframe_of(int64_t number) { return static_cast<int>(number & 0xffffffff); }
 
 }  // namespace
 
-void Relocalizer::add_keyframe(size_t submap_index, const Keyframe& keyframe) {
+void Relocalizer::add_keyframe(size_t submap_index, const Submap& submap, const Keyframe& keyframe) {
+  index_.remove_if(
+      [&](int64_t number) { return submap_of(number) == submap_index && !submap.keyframe(keyframe_of(number)); });
   std::vector<Descriptor> descriptors;
   for (int i : keypoints_with_landmarks(keyframe)) descriptors.push_back(keyframe.features->descriptors[i]);
   index_.add(static_cast<int64_t>(submap_index) << kSubmapShift | keyframe.id, descriptors);
@@ -30,7 +35,7 @@ void Relocalizer::add_keyframe(size_t submap_index, const Keyframe& keyframe) {
 std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) const {
   std::vector<Candidate> result;
   for (const auto& c : index_.query(frame.features->descriptors, options_.relocalization_candidates))
-    result.push_back({static_cast<size_t>(c.keyframe >> kSubmapShift), static_cast<int>(c.keyframe & 0xffffffff)});
+    result.push_back({submap_of(c.keyframe), keyframe_of(c.keyframe)});
   return result;
 }
 

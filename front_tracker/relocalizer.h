@@ -16,7 +16,8 @@ class Relocalizer {
   Relocalizer(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales)
       : camera_(camera), options_(options), scales_(octave_scales) {}
 
-  void add_keyframe(size_t submap_index, const Keyframe& keyframe);
+  // Forgets keyframes that were culled from the submap since.
+  void add_keyframe(size_t submap_index, const Submap& submap, const Keyframe& keyframe);
 
   struct Candidate {
     size_t submap_index = 0;
@@ -24,6 +25,7 @@ class Relocalizer {
   };
   // Keyframes that look like the frame, best first.
   std::vector<Candidate> candidates(const Frame& frame) const;
+  size_t size() const { return index_.size(); }
 
   // Matches the frame against the landmarks of one keyframe and its neighbours. On success the frame has a pose in that
   // submap and its matches; else it is as before.

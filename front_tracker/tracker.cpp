@@ -78,7 +78,7 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
   if (!back) return false;
   const int back_id = back->key.id;
   const FrontSubmap& submap = open_submap(std::move(*back));
-  for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, kf);
+  for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, submap.map, kf);
   spdlog::info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
                submap.map.keyframes.size(), submap.map.landmarks.size());
   go_on_in(submaps_.size() - 1, *frame);
@@ -171,7 +171,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
   last_ = initial.frames.back();
   frames_since_keyframe_ = 0;
   for (const auto& [id, kf] : submap->map.keyframes) {
-    relocalizer_.add_keyframe(active_, kf);
+    relocalizer_.add_keyframe(active_, submap->map, kf);
     tasks_.emplace_back(submap, id);
   }
 }
@@ -212,7 +212,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
     if (needs_keyframe(frame)) {
       const Keyframe& kf = submap.add_keyframe(&frame);
-      relocalizer_.add_keyframe(active_, kf);
+      relocalizer_.add_keyframe(active_, submap.map, kf);
       tasks_.emplace_back(&submap, kf.id);
       frames_since_keyframe_ = 0;
       result->is_keyframe = true;

@@ -113,6 +113,7 @@ ordered_json to_json(const Evaluation& evaluation) {
                                   {"frames", submap.metrics.poses},
                                   {"frames_with_truth", submap.metrics.associated},
                                   {"ate_rmse_m", or_null(submap.metrics.ate_rmse_m)},
+                                  {"path_m", submap.metrics.path_m},
                                   {"reason", submap.metrics.reason}});
   }
   return json;
@@ -139,8 +140,8 @@ void print_report(const ordered_json& json) {
              json["frames"].get<int>(), json["frames_with_truth"].get<int>());
   fmt::print("{:<44}{}\n", "submaps", json["submaps"].get<int>());
   for (const auto& submap : json["per_submap"]) {
-    fmt::print("  submap {:<35}{} frames, ATE {}\n", submap["name"].get<std::string>(), submap["frames"].get<int>(),
-               number(submap["ate_rmse_m"], " m"));
+    fmt::print("  submap {:<35}{} frames, ATE {}, path {}\n", submap["name"].get<std::string>(),
+               submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"), number(submap["path_m"], " m"));
   }
   if (const auto reason = json["reason"].get<std::string>(); !reason.empty()) fmt::print("note: {}\n", reason);
 }

@@ -98,6 +98,7 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
     estimated.push_back(estimate[e].map_from_cam.translation);
     actual.push_back(truth[t].map_from_cam.translation);
   }
+  for (size_t i = 1; i < actual.size(); ++i) metrics.path_m += (actual[i] - actual[i - 1]).norm();
   const std::optional<Sim3> similarity = umeyama(estimated, actual, true);
   const std::optional<Sim3> rigid = umeyama(estimated, actual, false);
   if (!similarity || !rigid) {

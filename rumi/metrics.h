@@ -40,6 +40,7 @@ struct TrajectoryMetrics {
   std::optional<double> rpe_trans_m;     // RMSE of the relative translation over the interval, scale aligned
   std::optional<double> rpe_rot_deg;     // RMSE of the relative rotation over the interval
   std::optional<Sim3> truth_from_estimate;
+  double path_m = 0;  // length of the true path from one associated pose to the next
   std::vector<PoseError> errors;
   std::string reason;  // why figures are absent
 };

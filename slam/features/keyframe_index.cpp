@@ -19,34 +19,39 @@ KeyframeIndex::KeyframeIndex() {
   }
 }
 
-uint32_t KeyframeIndex::hash(const Descriptor& d, int table) const {
+uint16_t KeyframeIndex::hash(const Descriptor& d, int table) const {
   uint32_t h = 0;
   for (uint8_t bit : bits_[table]) h = h << 1 | static_cast<uint32_t>(d[bit >> 6] >> (bit & 63) & 1);
-  return h;
+  return static_cast<uint16_t>(h);
 }
 
 void KeyframeIndex::add(int64_t keyframe, const std::vector<Descriptor>& descriptors) {
-  sizes_[keyframe] = descriptors.size();
+  Words& words = words_[keyframe];
   for (int t = 0; t < kTables; ++t)
     for (const Descriptor& d : descriptors) {
-      std::vector<int64_t>& bucket = buckets_[t][hash(d, t)];
+      words[t].push_back(hash(d, t));
+      std::vector<int64_t>& bucket = buckets_[t][words[t].back()];
       if (bucket.empty() || bucket.back() != keyframe) bucket.push_back(keyframe);
     }
 }
 
 void KeyframeIndex::remove(int64_t keyframe) {
-  if (sizes_.erase(keyframe) == 0) return;
-  for (auto& table : buckets_)
-    for (auto it = table.begin(); it != table.end();) {
-      std::erase(it->second, keyframe);
-      it = it->second.empty() ? table.erase(it) : std::next(it);
+  const auto words = words_.find(keyframe);
+  if (words == words_.end()) return;
+  for (int t = 0; t < kTables; ++t)
+    for (uint16_t word : words->second[t]) {
+      const auto bucket = buckets_[t].find(word);
+      if (bucket == buckets_[t].end()) continue;  // the keyframe had the word twice
+      std::erase(bucket->second, keyframe);
+      if (bucket->second.empty()) buckets_[t].erase(bucket);
     }
+  words_.erase(words);
 }
 
 std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Descriptor>& descriptors,
                                                            size_t count) const {
   std::unordered_map<int64_t, double> votes;
-  const double all = static_cast<double>(sizes_.size()) + 1;
+  const double all = static_cast<double>(words_.size()) + 1;
   for (int t = 0; t < kTables; ++t)
     for (const Descriptor& d : descriptors) {
       const auto bucket = buckets_[t].find(hash(d, t));
@@ -57,7 +62,8 @@ std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Des
     }
   std::vector<Candidate> candidates;
   for (const auto& [keyframe, score] : votes) {
-    const double norm = std::sqrt(static_cast<double>(sizes_.at(keyframe)) * static_cast<double>(descriptors.size()));
+    const double norm =
+        std::sqrt(static_cast<double>(words_.at(keyframe)[0].size()) * static_cast<double>(descriptors.size()));
     candidates.push_back({keyframe, score / norm});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {

@@ -19,7 +19,15 @@ class KeyframeIndex {
   // `keyframe` is any number the caller chooses, once.
   void add(int64_t keyframe, const std::vector<Descriptor>& descriptors);
   void remove(int64_t keyframe);
-  size_t size() const { return sizes_.size(); }
+  // Removes all for which gone(keyframe) is true.
+  template <class Gone>
+  void remove_if(Gone gone) {
+    for (auto it = words_.begin(); it != words_.end();) {
+      const int64_t keyframe = (it++)->first;
+      if (gone(keyframe)) remove(keyframe);
+    }
+  }
+  size_t size() const { return words_.size(); }
 
   struct Candidate {
     int64_t keyframe = 0;
@@ -31,10 +39,11 @@ class KeyframeIndex {
  private:
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
-  uint32_t hash(const Descriptor& d, int table) const;
+  uint16_t hash(const Descriptor& d, int table) const;
   std::array<std::array<uint8_t, kBits>, kTables> bits_;  // sampled positions
-  std::array<std::unordered_map<uint32_t, std::vector<int64_t>>, kTables> buckets_;
-  std::map<int64_t, size_t> sizes_;  // descriptors per keyframe
+  std::array<std::unordered_map<uint16_t, std::vector<int64_t>>, kTables> buckets_;
+  using Words = std::array<std::vector<uint16_t>, kTables>;  // hashes of the descriptors
+  std::map<int64_t, Words> words_;                           // by keyframe
 };
 
 }  // namespace rumi

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace rumi {
@@ -14,53 +16,66 @@ constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold 
 constexpr double kPlenty = 2.5;      // corners for each that is wanted
 constexpr int kBorder = 19;          // the rotated pattern reaches this far, in pixels of the level
 
-// Half width of the circular patch in each row.
-const std::array<int, kPatchRadius + 1>& circle() {
-  static const std::array<int, kPatchRadius + 1> half_width = [] {
-    std::array<int, kPatchRadius + 1> u{};
-    for (int v = 0; v <= kPatchRadius; ++v)
-      u[v] = static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - v * v)) + 0.5);
-    return u;
+// What a pixel of the patch weighs in its moments: its coordinates, or nothing outside the circle. The last column is
+// always outside: a row is 32 pixels, whole vectors.
+struct PatchRow {
+  std::array<int16_t, 2 * kPatchRadius + 2> x{}, y{};
+};
+
+// By distance from the centre's row.
+const std::array<PatchRow, kPatchRadius + 1>& patch_rows() {
+  static const std::array<PatchRow, kPatchRadius + 1> rows = [] {
+    std::array<PatchRow, kPatchRadius + 1> weights{};
+    for (int v = 0; v <= kPatchRadius; ++v) {
+      const int half_width =
+          static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - v * v)) + 0.5);
+      for (int u = -half_width; u <= half_width; ++u) {
+        weights[v].x[kPatchRadius + u] = static_cast<int16_t>(u);
+        weights[v].y[kPatchRadius + u] = static_cast<int16_t>(v);
+      }
+    }
+    return weights;
   }();
-  return half_width;
+  return rows;
 }
 
 // Direction from the corner to the intensity centroid of the patch around it (Rosin 1999; ORB section 3.2).
 float centroid_angle(const cv::Mat& image, const cv::Point2f& at) {
-  const uchar* center = image.ptr<uchar>(cvRound(at.y)) + cvRound(at.x);
-  const int stride = static_cast<int>(image.step1());
-  int m01 = 0, m10 = 0;
-  for (int u = -kPatchRadius; u <= kPatchRadius; ++u) m10 += u * center[u];
-  for (int v = 1; v <= kPatchRadius; ++v) {
-    const uchar *below = center + v * stride, *above = center - v * stride;
-    const int d = circle()[v];
-    int row_difference = 0;
-    for (int u = -d; u <= d; ++u) {
-      row_difference += below[u] - above[u];
-      m10 += u * (below[u] + above[u]);
+  const uchar* left = image.ptr<uchar>(cvRound(at.y)) + cvRound(at.x) - kPatchRadius;
+  const auto stride = static_cast<std::ptrdiff_t>(image.step1());
+  const std::array<PatchRow, kPatchRadius + 1>& rows = patch_rows();
+  const auto pixels = [](const uchar* row) { return cv::v_reinterpret_as_s16(cv::v_load_expand(row)); };
+  cv::v_int32x4 m10 = cv::v_setzero_s32(), m01 = cv::v_setzero_s32();
+  for (int u = 0; u < static_cast<int>(rows[0].x.size()); u += cv::v_int16x8::nlanes) {
+    m10 = cv::v_dotprod(pixels(left + u), cv::v_load(&rows[0].x[u]), m10);
+    for (int v = 1; v <= kPatchRadius; ++v) {
+      const cv::v_int16x8 below = pixels(left + v * stride + u), above = pixels(left - v * stride + u);
+      m10 = cv::v_dotprod(below + above, cv::v_load(&rows[v].x[u]), m10);
+      m01 = cv::v_dotprod(below - above, cv::v_load(&rows[v].y[u]), m01);
     }
-    m01 += v * row_difference;
   }
-  return std::atan2(static_cast<float>(m01), static_cast<float>(m10));
+  return std::atan2(static_cast<float>(cv::v_reduce_sum(m01)), static_cast<float>(cv::v_reduce_sum(m10)));
+}
+
+// Indices of the corners, strongest first, those of one strength in the order given.
+std::vector<int> strongest_first(const std::vector<cv::KeyPoint>& corners) {
+  constexpr int kStrengths = 256;  // FAST's scores
+  const auto rank = [](const cv::KeyPoint& k) { return kStrengths - 1 - static_cast<int>(k.response); };
+  std::array<int, kStrengths + 1> next{};
+  for (const cv::KeyPoint& k : corners) ++next[rank(k) + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<int> order(corners.size());
+  for (size_t i = 0; i < corners.size(); ++i) order[next[rank(corners[i])]++] = static_cast<int>(i);
+  return order;
 }
 
 // The strongest of every cell in turns (first each cell's best, then each cell's second, ...) until there are `wanted`.
-// Corners are sorted as numbers: strongest first, then by row and column.
 std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, int wanted, int cell_px,
                                  const cv::Size& size) {
-  std::vector<std::pair<uint64_t, int>> strongest;
-  strongest.reserve(corners.size());
-  for (size_t i = 0; i < corners.size(); ++i) {
-    const cv::KeyPoint& k = corners[i];
-    strongest.emplace_back((255 - static_cast<uint64_t>(k.response)) << 32 | static_cast<uint64_t>(k.pt.y) << 16 |
-                               static_cast<uint64_t>(k.pt.x),
-                           static_cast<int>(i));
-  }
-  std::sort(strongest.begin(), strongest.end());
   const int columns = size.width / cell_px + 1, rows = size.height / cell_px + 1;
   std::vector<size_t> taken(static_cast<size_t>(columns) * rows, 0);
   std::vector<std::vector<int>> turns;
-  for (const auto& [order, i] : strongest) {
+  for (int i : strongest_first(corners)) {
     const size_t turn =
         taken[static_cast<int>(corners[i].pt.y) / cell_px * columns + static_cast<int>(corners[i].pt.x) / cell_px]++;
     if (turn == turns.size()) turns.emplace_back();

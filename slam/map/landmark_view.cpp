@@ -2,6 +2,7 @@
 #include "slam/map/landmark_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "slam/features/orb_extractor.h"
@@ -13,12 +14,16 @@ namespace {
 constexpr size_t kMostDescriptors = 12;  // the median needs no more, and the cost grows with the square
 
 Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
+  if (seen.size() < 3) return *seen[0];
+  std::array<std::array<int, kMostDescriptors>, kMostDescriptors> distance{};
+  for (size_t i = 1; i < seen.size(); ++i)
+    for (size_t j = 0; j < i; ++j) distance[i][j] = distance[j][i] = hamming_distance(*seen[i], *seen[j]);
   size_t best = 0;
   int best_median = 1 << 20;
-  std::vector<int> distances(seen.size());
+  std::vector<int> row;
   for (size_t i = 0; i < seen.size(); ++i) {
-    for (size_t j = 0; j < seen.size(); ++j) distances[j] = hamming_distance(*seen[i], *seen[j]);
-    if (const int middle = median(&distances); middle < best_median) {
+    row.assign(distance[i].begin(), distance[i].begin() + static_cast<std::ptrdiff_t>(seen.size()));
+    if (const int middle = median(&row); middle < best_median) {
       best_median = middle;
       best = i;
     }

@@ -123,6 +123,7 @@ BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, Bu
   ceres::Problem::Options ownership;
   ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.disable_all_safety_checks = true;  // that no block is given twice: costs a hash look-up each
   ceres::Problem ceres_problem(ownership);
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   std::vector<char> seen(poses.size(), 0);

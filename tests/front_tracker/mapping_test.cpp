@@ -138,7 +138,7 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
     FeatureScene scene(seed), elsewhere(seed + 50);
     const auto s = scene.submap(walk(5));
     Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
-    for (const auto& [id, kf] : s->map.keyframes) relocalizer.add_keyframe(0, kf);
+    for (const auto& [id, kf] : s->map.keyframes) relocalizer.add_keyframe(0, s->map, kf);
     SyntheticScene random(seed);
     for (int i = 0; i < 5; ++i) {
       const SE3 truth = SyntheticScene::pose(random.uniform(0, 0.5), random.uniform(-0.1, 0.1),
@@ -157,6 +157,24 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
     }
   }
   EXPECT_EQ(found, tried);
+}
+
+TEST(Relocalizer, ForgetsKeyframesThatWereCulled) {
+  FeatureScene scene(1);
+  FrontSubmap first, second;
+  Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
+  const auto add = [&](size_t index, FrontSubmap& submap) {
+    Frame frame = scene.frame(1, SE3());
+    relocalizer.add_keyframe(index, submap.map, submap.add_keyframe(&frame));
+  };
+  for (int i = 0; i < 3; ++i) add(0, first);
+  add(1, second);
+  EXPECT_EQ(relocalizer.size(), 4u);
+  first.remove_keyframe(1, 0);
+  add(1, second);
+  EXPECT_EQ(relocalizer.size(), 5u) << "another submap's keyframes are not looked at";
+  add(0, first);
+  EXPECT_EQ(relocalizer.size(), 5u);
 }
 
 }  // namespace

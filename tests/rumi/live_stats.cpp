@@ -1,38 +1,77 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, answers to them, and how
-// long an answer took from the arrival of the image to the arrival of its pose.
+// Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, answers to them, how
+// long an answer took from the arrival of the image to the arrival of its pose, when the first image and the first
+// answer came after front_tracker was started, and the most memory that each process had.
 #include <fmt/format.h>
+#include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "bus/process.h"
 #include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/process_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 
 namespace {
+
+// Microseconds since a process of this machine was started, in steps of 10 ms; nothing if it is gone.
+std::optional<int64_t> age_us(int pid) {
+  std::ifstream file(fmt::format("/proc/{}/stat", pid));
+  std::string stat;
+  if (!std::getline(file, stat)) return std::nullopt;
+  std::istringstream fields(stat.substr(stat.rfind(')') + 1));  // the name may contain anything
+  std::string skipped;
+  for (int field = 3; field < 22; ++field) fields >> skipped;
+  int64_t start_ticks = 0;
+  fields >> start_ticks;
+  timespec now{};
+  clock_gettime(CLOCK_BOOTTIME, &now);
+  return now.tv_sec * 1'000'000 + now.tv_nsec / 1000 - start_ticks * 1'000'000 / sysconf(_SC_CLK_TCK);
+}
+
+std::optional<double> peak_memory_mb(int pid) {
+  std::ifstream file(fmt::format("/proc/{}/status", pid));
+  for (std::string line; std::getline(file, line);)
+    if (line.starts_with("VmHWM:")) return std::stod(line.substr(6)) * 1.024e-3;
+  return std::nullopt;
+}
 
 class LiveStats : public rumi::Node {
  public:
   explicit LiveStats(rumi::Bus& bus) : bus_(bus) {
     // Deep queues: what is lost here would be taken for a loss of the system.
     bus.subscribe<rumi::image_t>(rumi::channels::kCamera, {1000}, [this](const rumi::image_t& image) {
-      ++images_;
+      if (++images_ == 1) first_image_us_ = bus_.now_us();
       image_arrived_us_[image.utime] = bus_.now_us();
     });
     bus.subscribe<rumi::track_t>(rumi::channels::kTrack, {1000},
                                  [this](const rumi::track_t& track) { on_track(track); });
+    bus.subscribe<rumi::process_status_t>(rumi::channels::kStatus, {1000},
+                                          [this](const rumi::process_status_t& status) { on_status(status); });
   }
   void tick(int64_t) override {}
   rumi::NodeStatus status() override { return {}; }
   void finish() override {
     std::sort(latencies_ms_.begin(), latencies_ms_.end());
     const nlohmann::ordered_json json{
-        {"images", images_},         {"answers", answers_},        {"answers_lost", answers_lost_},
-        {"tracked", tracked_},       {"latency_p50_ms", at(0.50)}, {"latency_p95_ms", at(0.95)},
+        {"images", images_},
+        {"answers", answers_},
+        {"answers_lost", answers_lost_},
+        {"tracked", tracked_},
+        {"latency_p50_ms", at(0.50)},
+        {"latency_p95_ms", at(0.95)},
         {"latency_max_ms", at(1.0)},
+        {"first_image_ms", after_start(first_image_us_)},
+        {"first_answer_ms", after_start(first_answer_us_)},
+        {"peak_memory_mb", peak_memory_mb_},
     };
     fmt::print("{}\n", json.dump());
   }
@@ -40,7 +79,7 @@ class LiveStats : public rumi::Node {
  private:
   void on_track(const rumi::track_t& track) {
     if (track.sequence <= last_sequence_) return;  // a frame that got its pose afterwards
-    ++answers_;
+    if (++answers_ == 1) first_answer_us_ = bus_.now_us();
     if (track.state == rumi::track_t::TRACKING) ++tracked_;
     if (last_sequence_ >= 0) answers_lost_ += track.sequence - last_sequence_ - 1;
     last_sequence_ = track.sequence;
@@ -48,6 +87,15 @@ class LiveStats : public rumi::Node {
     if (image == image_arrived_us_.end()) return;
     latencies_ms_.push_back(static_cast<double>(bus_.now_us() - image->second) * 1e-3);
     image_arrived_us_.erase(image_arrived_us_.begin(), std::next(image));
+  }
+  void on_status(const rumi::process_status_t& status) {
+    if (const auto mb = peak_memory_mb(status.pid)) peak_memory_mb_[status.process] = *mb;
+    if (status.process != "front_tracker" || tracker_started_us_) return;
+    if (const auto age = age_us(status.pid)) tracker_started_us_ = bus_.now_us() - *age;
+  }
+  nlohmann::ordered_json after_start(const std::optional<int64_t>& at_us) const {
+    if (!at_us || !tracker_started_us_) return {};
+    return static_cast<double>(*at_us - *tracker_started_us_) * 1e-3;
   }
   nlohmann::ordered_json at(double quantile) const {
     if (latencies_ms_.empty()) return {};
@@ -58,6 +106,8 @@ class LiveStats : public rumi::Node {
   int64_t images_ = 0, answers_ = 0, answers_lost_ = 0, tracked_ = 0, last_sequence_ = -1;
   std::map<int64_t, int64_t> image_arrived_us_;  // by utime
   std::vector<double> latencies_ms_;
+  std::optional<int64_t> first_image_us_, first_answer_us_, tracker_started_us_;
+  std::map<std::string, double> peak_memory_mb_;  // by process; at its last status
 };
 
 }  // namespace

@@ -68,6 +68,16 @@ TEST(Metrics, ReportsTheNoiseThatWasAdded) {
   EXPECT_LT(metrics.rpe_rot_deg.value(), 1e-5);
 }
 
+TEST(Metrics, ThePathIsTheTrueOneOfThePosesThatAreThere) {
+  std::vector<TimedPose> truth;
+  for (int i = 0; i <= 100; ++i)
+    truth.push_back({kStart + i * kPeriod, SE3(Eigen::Quaterniond::Identity(), {0.01 * i, 0.0001 * i * i, 0})});
+  const auto estimate = seen_from(kOther, {truth.begin() + 20, truth.begin() + 81});
+  double length_m = 0;
+  for (int i = 20; i < 80; ++i) length_m += std::hypot(0.01, 0.0001 * (2 * i + 1));
+  EXPECT_NEAR(evaluate_trajectory(estimate, truth).path_m, length_m, 1e-9);
+}
+
 TEST(Metrics, RelativeRotationIsThatOfTheInterval) {
   auto truth = walk(300);
   for (TimedPose& pose : truth) pose.map_from_cam.rotation.setIdentity();  // or errors in different directions add up

@@ -123,6 +123,10 @@ TEST(KeyframeIndex, RecallsThePlaceAmongMany) {
   index.remove(7);
   EXPECT_EQ(index.size(), 299u);
   for (const auto& c : index.query(places[7], 300)) EXPECT_NE(c.keyframe, 7);
+  index.remove_if([](int64_t place) { return place >= 100; });
+  EXPECT_EQ(index.size(), 99u);
+  for (const auto& c : index.query(places[200], 300)) EXPECT_LT(c.keyframe, 100);
+  EXPECT_EQ(index.query(places[8], 1).front().keyframe, 8) << "what stays is found as before";
   EXPECT_TRUE(KeyframeIndex().query(places[7], 5).empty());
   EXPECT_TRUE(index.query({}, 5).empty());
 }
