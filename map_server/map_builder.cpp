@@ -163,6 +163,17 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
   return members;
 }
 
+std::set<SubmapKey> MapBuilder::search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
+                                              const Placements& placed) {
+  std::set<SubmapKey> beside;
+  for (const auto& [key, submap] : submaps)
+    if (!members.contains(key)) beside.insert(key);
+  const auto joined = [&](const Place& a, const Place& b) {
+    return cancelled() || beside.contains(b.submap) || is_joined(a, b);
+  };
+  return places_.search_again(beside, submaps, joined) ? choose_members(submaps, placed) : members;
+}
+
 SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members,
                                     const std::map<SubmapKey, Placement>& placed) const {
   SubmapKey anchor;
@@ -281,6 +292,7 @@ std::optional<SubmapKey> MapBuilder::arrange(const Submaps& submaps, const Place
 
 BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
   std::set<SubmapKey> members = choose_members(submaps, placed);
+  if (scope == Scope::kAll) members = search_beside(members, submaps, placed);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || (scope == Scope::kWeld && members == built_)) return built;

@@ -97,6 +97,9 @@ class MapBuilder {
   bool is_joined(const Place& a, const Place& b) const;
   // The largest group, in frames, of submaps that hang together and with what is placed already.
   std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;
+  // The members, after those of all other submaps were searched for once more among the places of the members.
+  std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
+                                    const Placements& placed);
   // The front submap whose beginning stays where it is.
   SubmapKey choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members, const Placements& placed) const;
   Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,

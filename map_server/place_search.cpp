@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 namespace rumi {
 namespace {
@@ -67,6 +68,21 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
     same_image.push_back(place);
     search(place, submaps, joined);
   }
+}
+
+bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
+                               const std::function<bool(const Place&, const Place&)>& joined) {
+  std::vector<Place> places;
+  for (const SubmapKey& key : alone) {
+    const Submap& submap = *submaps.at(key);
+    if (std::exchange(searched_again_[key], submap.revision) == submap.revision) continue;
+    for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, keyframe.utime_us});
+  }
+  if (places.empty()) return false;
+  for (const auto& [key, submap] : submaps)
+    for (const auto& [id, keyframe] : submap->keyframes) index_.add(key, keyframe);
+  for (const Place& place : places) search(place, submaps, joined);
+  return true;
 }
 
 bool PlaceSearch::is_known(const Place& a, const Place& b) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Looks through the submaps for places seen twice, each keyframe once.
+// Looks through the submaps for places seen twice: each keyframe once when it is new, and where a submap hangs on
+// nothing once more when more is known of it.
 #pragma once
 
 #include <functional>
@@ -52,6 +53,11 @@ class PlaceSearch {
   // already how these two lie to each other.
   void search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined);
 
+  // Searches for all keyframes of these submaps once more, with the landmarks that all submaps have by now, unless that
+  // was done and they are as they were then. False if nothing was searched for.
+  bool search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
+                    const std::function<bool(const Place&, const Place&)>& joined);
+
   const std::vector<PlaceLink>& found() const { return found_; }
   // This one of them turned out to be wrong.
   void refuse(int found, const std::string& doubt);
@@ -68,6 +74,7 @@ class PlaceSearch {
   PlaceSearchOptions o_;
   PlaceIndex index_;
   std::set<std::pair<SubmapKey, int>> seen_;
+  std::map<SubmapKey, int64_t> searched_again_;         // at this revision
   std::map<int64_t, std::vector<Place>> searched_for_;  // by utime_us
   std::vector<PlaceLink> found_;
   std::vector<PlaceLink> unconfirmed_;

@@ -75,5 +75,28 @@ TEST_F(PlaceSearchTest, AnImageIsSearchedForOnceWhereItsSubmapsAreJoined) {
   EXPECT_GE(links_of(apart)[kBack], 2) << "what is not joined is to be found of its own";
 }
 
+TEST_F(PlaceSearchTest, WhatHangsOnNothingIsSearchedForAgainWhenMoreIsKnownOfIt) {
+  const auto apart = [](const Place&, const Place&) { return false; };
+  Submap young = later_;
+  std::vector<int> unknown_yet;
+  for (const auto& [id, landmark] : young.landmarks)
+    if (id % 30 != 0) unknown_yet.push_back(id);
+  for (int id : unknown_yet) young.remove_landmark(id);
+  PlaceSearch search({});
+  search.search({{kFront, &front_}, {kLater, &young}}, apart);
+  ASSERT_TRUE(search.found().empty());
+  EXPECT_TRUE(search.search_again({kLater}, {{kFront, &front_}, {kLater, &young}}, apart));
+  EXPECT_TRUE(search.found().empty());
+
+  later_.revision = young.revision + 1;
+  const PlaceSearch::Submaps grown{{kFront, &front_}, {kLater, &later_}};
+  search.search(grown, apart);
+  EXPECT_TRUE(search.found().empty()) << "its keyframes are not new";
+  EXPECT_TRUE(search.search_again({kLater}, grown, apart));
+  EXPECT_GE(links_of(search)[kFront], 2);
+  EXPECT_FALSE(search.search_again({kLater}, grown, apart)) << "nothing has changed since";
+  EXPECT_FALSE(search.search_again({}, grown, apart));
+}
+
 }  // namespace
 }  // namespace rumi
