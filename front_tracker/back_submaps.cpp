@@ -95,17 +95,13 @@ std::string BackSubmaps::add(Submap submap) {
   remove(submap.key.id);
   if (submap.keyframes.empty()) return {};
   Entry entry{next_number_++, tidy(submap, scales_)};
-  make_places(entry);
+  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, entry.submap, kf);
   const auto later = std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& other) {
     return first_utime_us(other.submap) > first_utime_us(entry.submap);
   });
   submaps_.insert(later, std::move(entry));
   while (keyframes() > options_.back_keyframes) remove(submaps_.begin());
   return {};
-}
-
-void BackSubmaps::make_places(const Entry& entry) {
-  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, entry.submap, kf);
 }
 
 void BackSubmaps::remove(int id) {
@@ -115,9 +111,8 @@ void BackSubmaps::remove(int id) {
 }
 
 void BackSubmaps::remove(std::vector<Entry>::iterator entry) {
+  relocalizer_.forget_submap(entry->number);
   submaps_.erase(entry);
-  relocalizer_ = Relocalizer(camera_, options_, scales_);
-  for (const Entry& other : submaps_) make_places(other);
 }
 
 std::optional<Submap> BackSubmaps::relocalize(Frame* frame) {

@@ -34,7 +34,6 @@ class BackSubmaps {
     size_t number = 0;  // in the relocalizer
     Submap submap;
   };
-  void make_places(const Entry& entry);
   void remove(std::vector<Entry>::iterator entry);
 
   Camera camera_;

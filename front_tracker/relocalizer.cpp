@@ -32,6 +32,10 @@ void Relocalizer::add_keyframe(size_t submap_index, const Submap& submap, const 
   index_.add(static_cast<int64_t>(submap_index) << kSubmapShift | keyframe.id, descriptors);
 }
 
+void Relocalizer::forget_submap(size_t submap_index) {
+  index_.remove_if([submap_index](int64_t number) { return submap_of(number) == submap_index; });
+}
+
 std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) const {
   std::vector<Candidate> result;
   for (const auto& c : index_.query(frame.features->descriptors, options_.relocalization_candidates))

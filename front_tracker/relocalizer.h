@@ -18,6 +18,7 @@ class Relocalizer {
 
   // Forgets keyframes that were culled from the submap since.
   void add_keyframe(size_t submap_index, const Submap& submap, const Keyframe& keyframe);
+  void forget_submap(size_t submap_index);
 
   struct Candidate {
     size_t submap_index = 0;
