@@ -124,6 +124,10 @@ bool is_camera(const std::string& input) {
   return names_camera(input) || fs::is_character_file(input, code);
 }
 
+OpenedReader open_frames(const std::string& input, const CameraOptions& options) {
+  return open_any(input, options).reader;
+}
+
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options) {
   if (!is_camera(input)) return open_recording(input, options);
   if (const std::string problem = options.check(); !problem.empty()) return {nullptr, problem};

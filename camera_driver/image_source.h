@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "camera_driver/frame_reader.h"
 #include "camera_driver/options.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/geometry/camera.h"
@@ -63,7 +64,11 @@ struct OpenedSource {
 // in a log from the images' metadata, else calibration.yaml beside it. Fails if the first readable image does not fit
 // it.
 OpenedSource open_recording(const std::string& input, const CameraOptions& options);
-// The same, or a camera: /dev/video0, a name in /dev/v4l/by-id, camera:NAME. Its calibration is options.camera_file.
+// The images of a recording as they are, without a calibration; of the options, log_channel and rate_hz (times of a
+// folder of images, where their names tell none) are used.
+OpenedReader open_frames(const std::string& input, const CameraOptions& options);
+// The same as open_recording(), or a camera: /dev/video0, a name in /dev/v4l/by-id, camera:NAME. Its calibration is
+// options.camera_file.
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options);
 // True for what open_image_source() takes for a camera.
 bool is_camera(const std::string& input);

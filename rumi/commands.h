@@ -21,6 +21,8 @@ void add_view_command(CLI::App& app, std::function<int()>* chosen);
 void add_cut_window_command(CLI::App& app, std::function<int()>* chosen);
 void add_draw_window_command(CLI::App& app, std::function<int()>* chosen);
 void add_export_map_command(CLI::App& app, std::function<int()>* chosen);
+void add_draw_board_command(CLI::App& app, std::function<int()>* chosen);
+void add_calibrate_command(CLI::App& app, std::function<int()>* chosen);
 void add_synth_command(CLI::App& app, std::function<int()>* chosen);
 void add_export_command(CLI::App& app, std::function<int()>* chosen);
 void add_import_command(CLI::App& app, std::function<int()>* chosen);

@@ -23,6 +23,8 @@ int main(int argc, char** argv) {
   rumi::add_cut_window_command(app, &chosen);
   rumi::add_draw_window_command(app, &chosen);
   rumi::add_export_map_command(app, &chosen);
+  rumi::add_draw_board_command(app, &chosen);
+  rumi::add_calibrate_command(app, &chosen);
   rumi::add_synth_command(app, &chosen);
   rumi::add_export_command(app, &chosen);
   rumi::add_import_command(app, &chosen);

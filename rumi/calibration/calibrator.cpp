@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/calibration/calibrator.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+
+#include "rumi/calibration/coverage.h"
+#include "rumi/calibration/lens_solver.h"
+#include "slam/geometry/median.h"
+
+namespace rumi {
+namespace {
+
+Correspondences correspondences(const Board& board, const BoardView& view) {
+  Correspondences out;
+  for (size_t i = 0; i < view.corners.size(); ++i) {
+    const cv::Point2d mm = board.corner_mm(view.corners[i]);
+    out.board_mm.emplace_back(mm.x, mm.y, 0);
+    out.pixels.emplace_back(view.pixels[i]);
+  }
+  return out;
+}
+
+std::vector<Correspondences> correspondences(const Board& board, const std::vector<BoardView>& views) {
+  std::vector<Correspondences> out;
+  for (const BoardView& view : views) out.push_back(correspondences(board, view));
+  return out;
+}
+
+// At most `count` of the views: the first, then always the one that differs most from those chosen. What is not chosen
+// goes to *rest.
+std::vector<BoardView> most_different(const std::vector<BoardView>& views, size_t count, const Board& board,
+                                      cv::Size image, std::vector<BoardView>* rest) {
+  std::vector<ViewShape> shapes;
+  for (const BoardView& view : views) shapes.push_back(shape_of(view, board, image));
+  std::vector<double> difference(views.size(), std::numeric_limits<double>::infinity());
+  std::vector<BoardView> chosen;
+  while (chosen.size() < std::min(count, views.size())) {
+    const size_t next = std::max_element(difference.begin(), difference.end()) - difference.begin();
+    chosen.push_back(views[next]);
+    for (size_t i = 0; i < views.size(); ++i)
+      difference[i] = std::min(difference[i], shapes[next].difference(shapes[i]));
+    difference[next] = -1;
+  }
+  for (size_t i = 0; i < views.size(); ++i)
+    if (difference[i] >= 0) rest->push_back(views[i]);
+  return chosen;
+}
+
+// Why these views cannot tell a camera, or an empty string.
+std::string check_views(const std::vector<BoardView>& views, const Board& board, cv::Size image,
+                        const CalibratorOptions& options) {
+  if (views.size() < options.min_views)
+    return fmt::format("{} different views of the board are too few: at least {} are needed, 20 to 50 are good",
+                       views.size(), options.min_views);
+  Coverage coverage(image, {});
+  for (const BoardView& view : views) coverage.add(view, shape_of(view, board, image));
+  const int tilted = coverage.tilted(options.min_tilt_deg);
+  if (tilted >= options.min_tilted_views) return {};
+  return fmt::format(
+      "{} of {} views show the board tilted by {} degrees or more: at least {} must, or the focal length cannot be "
+      "told "
+      "from the distance; tilt the board by 30 to 45 degrees, to the left, right, up and down",
+      tilted, views.size(), options.min_tilt_deg, options.min_tilted_views);
+}
+
+LensSolution solve(const std::vector<BoardView>& views, const Board& board, cv::Size image, Camera::Model model) {
+  const std::vector<Correspondences> data = correspondences(board, views);
+  return model == Camera::Model::kPinhole ? solve_pinhole(data, image) : solve_fisheye(data, image);
+}
+
+// Takes views out that do not fit; true if there were any.
+bool remove_outliers(const LensSolution& solution, const CalibratorOptions& options, std::vector<BoardView>* views,
+                     std::vector<std::string>* outliers) {
+  std::vector<double> errors = solution.view_rms_px;
+  const double middle = median(&errors);
+  for (double& error : errors) error = std::abs(error - middle);
+  constexpr double kStddevFromMad = 1.4826;
+  const double limit =
+      std::max(middle + options.outlier_deviations * kStddevFromMad * median(&errors), options.outlier_factor * middle);
+  std::vector<BoardView> kept;
+  for (size_t i = 0; i < views->size(); ++i) {
+    if (solution.view_rms_px[i] <= limit)
+      kept.push_back((*views)[i]);
+    else
+      outliers->push_back(fmt::format("{}: {:.2f} px", (*views)[i].where, solution.view_rms_px[i]));
+  }
+  if (kept.size() == views->size() || kept.size() < options.min_views) {
+    outliers->clear();
+    return false;
+  }
+  *views = std::move(kept);
+  return true;
+}
+
+void check_with(const std::vector<BoardView>& spare, const Board& board, size_t max_views, Calibration* calibration) {
+  const size_t stride = std::max<size_t>(1, (spare.size() + max_views - 1) / max_views);
+  double sum = 0;
+  size_t corners = 0;
+  for (size_t i = 0; i < spare.size(); i += stride) {
+    const double error = view_error_px(calibration->camera, correspondences(board, spare[i]));
+    if (error < 0) continue;
+    sum += error * error * static_cast<double>(spare[i].corners.size());
+    corners += spare[i].corners.size();
+    ++calibration->check_views;
+  }
+  if (corners > 0) calibration->check_rms_px = std::sqrt(sum / static_cast<double>(corners));
+}
+
+// Far from all corners that were seen, a polynomial may turn back: then different rays have the same pixel.
+bool holds_in_corners(const Camera& camera) {
+  constexpr double kMaxError = 0.5;  // px
+  for (const double x : {0.0, camera.width - 1.0}) {
+    for (const double y : {0.0, camera.height - 1.0}) {
+      const Eigen::Vector2d pixel(x, y);
+      const std::optional<Eigen::Vector2d> again = camera.project(camera.unproject(pixel));
+      if (!again || !((*again - pixel).norm() < kMaxError)) return false;
+    }
+  }
+  return true;
+}
+
+std::vector<std::string> find_doubts(const Calibration& calibration, const CalibratorOptions& options) {
+  std::vector<std::string> doubts;
+  const Camera& camera = calibration.camera;
+  if (const std::string problem = camera.check(); !problem.empty()) doubts.push_back(problem);
+  if (calibration.rms_px > options.max_rms_px)
+    doubts.push_back(
+        fmt::format("the reprojection error is {:.2f} px, more than {} px (--max-rms): is this the board that was "
+                    "held, is it flat, "
+                    "is it the right model (--model), is the focus fixed?",
+                    calibration.rms_px, options.max_rms_px));
+  for (const CalibratedParameter& p : calibration.parameters) {
+    if (p.name[0] != 'f' || p.stddev <= options.max_focal_stddev * p.value) continue;
+    doubts.push_back(fmt::format("{} is uncertain by {:.1f} %: more views with the board tilted are needed", p.name,
+                                 100 * p.stddev / p.value));
+  }
+  // A fisheye may see more than a plane can show; beyond that its unproject() is not defined.
+  if (camera.model == Camera::Model::kPinhole && !holds_in_corners(camera))
+    doubts.push_back(
+        "the distortion turns back within the image: show the board in the image's corners, or take --model fisheye");
+  return doubts;
+}
+
+void set_parameters(const LensSolution& solution, Calibration* calibration) {
+  const Camera& c = calibration->camera = solution.camera;
+  std::vector<CalibratedParameter> all = {{"fx", c.fx, 0}, {"fy", c.fy, 0}, {"cx", c.cx, 0},
+                                          {"cy", c.cy, 0}, {"k1", c.k1, 0}, {"k2", c.k2, 0}};
+  if (c.model == Camera::Model::kPinhole)
+    all.insert(all.end(), {{"p1", c.p1, 0}, {"p2", c.p2, 0}, {"k3", c.k3, 0}});
+  else
+    all.insert(all.end(), {{"k3", c.k3, 0}, {"k4", c.k4, 0}});
+  for (size_t i = 0; i < all.size(); ++i) {
+    all[i].stddev = solution.stddev[i];
+    if (all[i].stddev > 0) calibration->parameters.push_back(all[i]);
+  }
+}
+
+}  // namespace
+
+Calibration calibrate(const Board& board, const std::vector<BoardView>& taken, const std::vector<BoardView>& spare,
+                      cv::Size image, Camera::Model model, const CalibratorOptions& options) {
+  Calibration calibration;
+  std::vector<BoardView> rest = spare;
+  std::vector<BoardView> views = most_different(taken, options.max_views, board, image, &rest);
+  calibration.error = check_views(views, board, image, options);
+  if (!calibration.ok()) return calibration;
+  try {
+    LensSolution solution = solve(views, board, image, model);
+    if (remove_outliers(solution, options, &views, &calibration.outliers)) solution = solve(views, board, image, model);
+    set_parameters(solution, &calibration);
+    calibration.rms_px = solution.rms_px;
+  } catch (const cv::Exception& e) {
+    calibration.error =
+        fmt::format("no {} camera fits these views ({}); is it the right model (--model), and the board that was held?",
+                    model == Camera::Model::kPinhole ? "pinhole" : "fisheye", e.err);
+    return calibration;
+  }
+  calibration.views = views.size();
+  for (const BoardView& view : views) calibration.corners += view.corners.size();
+  check_with(rest, board, options.max_check_views, &calibration);
+  calibration.doubts = find_doubts(calibration, options);
+  return calibration;
+}
+
+}  // namespace rumi

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/calibration/capture.h"
+
+#include <fmt/format.h>
+
+#include "camera_driver/image_source.h"
+
+namespace rumi {
+
+std::string collect_from_recording(const std::string& input, const std::string& log_channel, int every,
+                                   const std::function<bool()>& go_on, ViewCollector* collector) {
+  if (is_camera(input))
+    return fmt::format(
+        "{}: is a camera: start `camera_driver {}` in another terminal, and `rumi calibrate` without SOURCE", input,
+        input);
+  CameraOptions options;
+  options.log_channel = log_channel;
+  options.rate_hz = 1;  // of a folder of images; their times are not used
+  const OpenedReader opened = open_frames(input, options);
+  if (!opened.error.empty()) return opened.error;
+  for (int64_t number = 0; const std::optional<FrameStamp> stamp = opened.reader->advance(); ++number) {
+    if (number % every != 0) continue;
+    std::string error;
+    std::optional<image_t> image = opened.reader->load(/*colour=*/false, &error);
+    if (!image) {
+      collector->add_unreadable(error);
+    } else {
+      image->utime = stamp->utime_us;
+      if (!collector->add(*image, stamp->where)) return collector->problem();
+    }
+    if (!go_on()) break;
+  }
+  return {};
+}
+
+void collect_from_bus(Bus& bus, ViewCollector* collector) {
+  bus.subscribe<image_t>(channels::kCamera, {1, DropPolicy::kDropOldest}, [collector](const image_t& image) {
+    if (collector->problem().empty()) collector->add(image, fmt::format("image {}", image.utime));
+  });
+}
+
+}  // namespace rumi

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Intrinsics and one pose per view that minimize the reprojection error.
+#pragma once
+
+#include <opencv2/core/types.hpp>
+#include <vector>
+
+#include "slam/geometry/camera.h"
+
+namespace rumi {
+
+// Corners of one view: where they are on the board (z = 0) and in the image.
+struct Correspondences {
+  std::vector<cv::Point3d> board_mm;
+  std::vector<cv::Point2d> pixels;
+};
+
+struct LensSolution {
+  Camera camera;
+  // Standard deviations of fx fy cx cy and then k1 k2 p1 p2 k3 or k1 k2 k3 k4, from the residuals; 0: it was fixed.
+  std::vector<double> stddev;
+  std::vector<double> view_rms_px;  // per corner
+  double rms_px = 0;
+};
+
+// k3 is left 0 where it is not told from 0 by the data. Throws cv::Exception if there is no solution.
+LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size image);
+LensSolution solve_fisheye(const std::vector<Correspondences>& views, cv::Size image);
+
+// Reprojection error of a view with a given camera, its pose being chosen for it: root mean square per corner; negative
+// if there is no pose.
+double view_error_px(const Camera& camera, const Correspondences& view);
+
+}  // namespace rumi

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/calibration/view_collector.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bus/image_codec.h"
+
+namespace rumi {
+
+std::string ImageCounts::to_string() const {
+  std::string text = fmt::format("{} images: {} views taken", images, taken);
+  const auto add = [&text](int64_t count, const char* what) {
+    if (count > 0) text += fmt::format(", {} {}", count, what);
+  };
+  add(similar, "like these");
+  add(blurred, "blurred");
+  add(too_little, "with too little of the board");
+  add(other_board, "of another board");
+  add(no_board, "without the board");
+  add(unreadable, "unreadable");
+  return text;
+}
+
+ViewCollector::ViewCollector(const Board& board, const CollectorOptions& options)
+    : board_(board), options_(options), detector_(board) {}
+
+void ViewCollector::add_unreadable(const std::string& problem) {
+  ++counts_.images;
+  if (counts_.unreadable++ == 0) first_unreadable_ = problem;
+}
+
+bool ViewCollector::add(const image_t& image, const std::string& where) {
+  std::string error;
+  const cv::Mat grey = decode_grey(image, &error);
+  if (grey.empty()) {
+    add_unreadable(where + ": " + error);
+    return true;
+  }
+  if (image_size_.empty()) image_size_ = grey.size();
+  if (grey.size() != image_size_) {
+    problem_ = fmt::format(
+        "{}: is {} x {} pixels, the images before it are {} x {}; a calibration is for one size: give the images of "
+        "one",
+        where, grey.cols, grey.rows, image_size_.width, image_size_.height);
+    return false;
+  }
+  add_pixels(grey, image.utime, where);
+  return true;
+}
+
+void ViewCollector::add_pixels(const cv::Mat& grey, int64_t utime_us, const std::string& where) {
+  using Outcome = BoardDetection::Outcome;
+  ++counts_.images;
+  BoardDetection detection = detector_.detect(grey);
+  counts_.no_board += detection.outcome == Outcome::kNone ? 1 : 0;
+  counts_.too_little += detection.outcome == Outcome::kTooLittle ? 1 : 0;
+  counts_.other_board += detection.outcome == Outcome::kOtherBoard ? 1 : 0;
+  if (detection.outcome != Outcome::kFound) return;
+  detection.view.utime_us = utime_us;
+  detection.view.where = where;
+  add_view(std::move(detection.view));
+}
+
+void ViewCollector::add_view(BoardView view) {
+  if (view.blur_px > std::max(options_.max_blur_px, options_.max_blur_part * view.square_px)) {
+    ++counts_.blurred;
+    return;
+  }
+  const ViewShape shape = shape_of(view, board_, image_size_);
+  const bool similar = std::any_of(shapes_.begin(), shapes_.end(), [&](const ViewShape& other) {
+    return shape.difference(other) < options_.min_difference;
+  });
+  if (similar) {
+    ++counts_.similar;
+    if (spare_.size() < options_.max_spare) spare_.push_back(std::move(view));
+    return;
+  }
+  ++counts_.taken;
+  shapes_.push_back(shape);
+  taken_.push_back(std::move(view));
+}
+
+Coverage ViewCollector::coverage() const {
+  Coverage coverage(image_size_, options_.goal);
+  for (size_t i = 0; i < taken_.size(); ++i) coverage.add(taken_[i], shapes_[i]);
+  return coverage;
+}
+
+}  // namespace rumi

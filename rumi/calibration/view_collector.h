@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Chooses views of a board from images: sharp ones that differ from those taken already.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lcmtypes/rumi/image_t.hpp"
+#include "rumi/calibration/coverage.h"
+
+namespace rumi {
+
+struct CollectorOptions {
+  double min_difference = 0.1;  // to every view taken, see ViewShape::difference()
+  double max_blur_px = 5;       // width of edges; or
+  double max_blur_part = 0.1;   // of the side of a square, if that is more: large images of large boards
+  size_t max_spare = 500;
+  CoverageGoal goal;
+};
+
+// Images, by what became of them.
+struct ImageCounts {
+  int64_t images = 0;      // all
+  int64_t unreadable = 0;  // missing or broken
+  int64_t no_board = 0;
+  int64_t too_little = 0;   // too little of the board
+  int64_t other_board = 0;  // markers, but not as on this board
+  int64_t blurred = 0;
+  int64_t similar = 0;  // to a view that was taken
+  int64_t taken = 0;
+  int64_t with_board() const { return blurred + similar + taken; }
+  std::string to_string() const;  // "40 images: 24 views taken, 10 like these, 2 blurred, 4 without the board"
+};
+
+class ViewCollector {
+ public:
+  ViewCollector(const Board& board, const CollectorOptions& options);
+
+  // False if the image is of another size than those before, which problem() then tells.
+  bool add(const image_t& image, const std::string& where);
+  void add_unreadable(const std::string& problem);
+
+  const Board& board() const { return board_; }
+  cv::Size image_size() const { return image_size_; }  // 0 x 0: no image yet
+  const ImageCounts& counts() const { return counts_; }
+  const std::string& problem() const { return problem_; }
+  const std::string& first_unreadable() const { return first_unreadable_; }
+  const std::vector<BoardView>& taken() const { return taken_; }
+  // Sharp views that were like those taken.
+  const std::vector<BoardView>& spare() const { return spare_; }
+  // Of the views taken.
+  Coverage coverage() const;
+
+ private:
+  void add_pixels(const cv::Mat& grey, int64_t utime_us, const std::string& where);
+  void add_view(BoardView view);
+
+  Board board_;
+  CollectorOptions options_;
+  BoardDetector detector_;
+  cv::Size image_size_;
+  ImageCounts counts_;
+  std::string problem_, first_unreadable_;
+  std::vector<BoardView> taken_, spare_;
+  std::vector<ViewShape> shapes_;  // of taken_
+};
+
+}  // namespace rumi
