@@ -29,7 +29,7 @@ struct Arguments {
   CalibratorOptions options;
 };
 
-constexpr std::chrono::milliseconds kRefresh{1000};
+constexpr std::chrono::milliseconds kRefresh{1000}, kSlowRefresh{5000};
 
 std::atomic<bool> g_stop = false;
 
@@ -42,42 +42,40 @@ void stop_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// What is seen while images come in: a picture that is drawn again in a terminal, else a line now and then.
+// What is seen while images come in: in a terminal a picture that is drawn again, else a line now and then.
 class Progress {
  public:
-  explicit Progress(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+  // live: somebody holds the board and can be told what to do with it.
+  Progress(bool quiet, bool live) : quiet_(quiet), live_(live), terminal_(isatty(STDERR_FILENO) != 0) {}
 
-  void tick(const ViewCollector& collector, const std::string& when_empty) {
+  // waiting: what is said as long as there is no image.
+  void tick(const ViewCollector& collector, const std::string& waiting) {
     const auto now = std::chrono::steady_clock::now();
-    if (quiet_ || now - last_ < kRefresh) return;
+    if (quiet_ || now - last_ < (terminal_ || live_ ? kRefresh : kSlowRefresh)) return;
     last_ = now;
-    if (terminal_)
-      show(collector, when_empty);
-    else if (collector.counts().taken != taken_ || collector.counts().images == 0)
-      fmt::print(stderr, "{}{}\n", summary(collector, when_empty), advice(collector));
-    taken_ = collector.counts().taken;
+    if (collector.counts().images == 0)
+      fmt::print(stderr, "{}\n", waiting);
+    else if (terminal_)
+      show(collector);
+    else
+      fmt::print(stderr, "{}{}\n", collector.counts().to_string(), live_ ? advice(collector) : "");
   }
 
  private:
-  static std::string summary(const ViewCollector& collector, const std::string& when_empty) {
-    return collector.counts().images == 0 ? when_empty : collector.counts().to_string();
-  }
   static std::string advice(const ViewCollector& collector) {
-    if (collector.counts().images == 0) return "";
     const std::vector<std::string> missing = collector.coverage().missing();
-    return missing.empty() ? "; enough" : "; missing: " + missing.front();
+    return missing.empty() ? "; enough" : "; " + missing.front();
   }
-  void show(const ViewCollector& collector, const std::string& when_empty) const {
+  void show(const ViewCollector& collector) const {
     constexpr const char* kClearScreen = "\x1B[H\x1B[2J";
-    fmt::print(stderr, "{}{}\n", kClearScreen, summary(collector, when_empty));
-    if (collector.counts().images == 0) return;
-    fmt::print(stderr, "{}", collector.coverage().to_text());
+    fmt::print(stderr, "{}{}\n{}", kClearScreen, collector.counts().to_string(), collector.coverage().to_text());
+    if (!live_) return;
     for (const std::string& what : collector.coverage().missing()) fmt::print(stderr, "  - {}\n", what);
+    fmt::print(stderr, "Ctrl-C: calibrate with what there is\n");
   }
 
-  bool quiet_, terminal_;
-  int64_t taken_ = 0;
-  std::chrono::steady_clock::time_point last_;
+  bool quiet_, live_, terminal_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 std::string collect_live(const Arguments& arguments, Progress& progress, ViewCollector* collector) {
@@ -97,7 +95,7 @@ std::string collect_live(const Arguments& arguments, Progress& progress, ViewCol
 
 std::string collect(const Arguments& arguments, ViewCollector* collector) {
   stop_on_signals();
-  Progress progress(arguments.quiet);
+  Progress progress(arguments.quiet, arguments.source.empty());
   if (arguments.source.empty()) return collect_live(arguments, progress, collector);
   const auto go_on = [&] {
     progress.tick(*collector, "");

@@ -28,11 +28,8 @@ struct Page {
 
 std::string place_on(const Board& board, const Paper& paper, Page* page) {
   const double across = board.width_mm() + 2 * kMarginMm, down = board.height_mm() + 2 * kMarginMm;
-  for (const Page& turned : {Page{paper.long_mm, paper.short_mm}, Page{paper.short_mm, paper.long_mm}}) {
-    if (across > turned.width_mm || down > turned.height_mm) continue;
-    *page = turned;
-    return {};
-  }
+  *page = across >= down ? Page{paper.long_mm, paper.short_mm} : Page{paper.short_mm, paper.long_mm};
+  if (across <= page->width_mm && down <= page->height_mm) return {};
   return fmt::format(
       "the board {} is {:g} x {:g} mm and does not fit on {} ({:g} x {:g} mm with {:g} mm of margin all around): "
       "take smaller or fewer squares, or larger paper (--paper)",

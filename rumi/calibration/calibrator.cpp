@@ -51,21 +51,19 @@ std::vector<BoardView> most_different(const std::vector<BoardView>& views, size_
   return chosen;
 }
 
-// Why these views cannot tell a camera, or an empty string.
-std::string check_views(const std::vector<BoardView>& views, const Board& board, cv::Size image,
-                        const CalibratorOptions& options) {
-  if (views.size() < options.min_views)
-    return fmt::format("{} different views of the board are too few: at least {} are needed, 20 to 50 are good",
-                       views.size(), options.min_views);
-  Coverage coverage(image, {});
-  for (const BoardView& view : views) coverage.add(view, shape_of(view, board, image));
-  const int tilted = coverage.tilted(options.min_tilt_deg);
+// Boards that are parallel to one another fit a camera of any focal length, at another distance (Zhang, section 4);
+// what the solution says of its own uncertainty does not show it. Returns what is wrong, or an empty string.
+std::string check_tilts(const std::vector<Eigen::Vector3d>& normals, const CalibratorOptions& options) {
+  Eigen::Vector3d mean(0, 0, 0);
+  for (const Eigen::Vector3d& normal : normals) mean += normal;
+  const double least = std::cos(options.min_tilt_deg * M_PI / 180) * mean.norm();
+  const auto tilted =
+      std::count_if(normals.begin(), normals.end(), [&](const Eigen::Vector3d& n) { return n.dot(mean) <= least; });
   if (tilted >= options.min_tilted_views) return {};
   return fmt::format(
-      "{} of {} views show the board tilted by {} degrees or more: at least {} must, or the focal length cannot be "
-      "told "
-      "from the distance; tilt the board by 30 to 45 degrees, to the left, right, up and down",
-      tilted, views.size(), options.min_tilt_deg, options.min_tilted_views);
+      "in {} of {} views the board is tilted by {} degrees or more against the others: it must be in at least {}, or "
+      "the focal length cannot be told from the distance; tilt it by 30 to 45 degrees, to the left, right, up and down",
+      tilted, normals.size(), options.min_tilt_deg, options.min_tilted_views);
 }
 
 LensSolution solve(const std::vector<BoardView>& views, const Board& board, cv::Size image, Camera::Model model) {
@@ -167,19 +165,26 @@ Calibration calibrate(const Board& board, const std::vector<BoardView>& taken, c
   Calibration calibration;
   std::vector<BoardView> rest = spare;
   std::vector<BoardView> views = most_different(taken, options.max_views, board, image, &rest);
-  calibration.error = check_views(views, board, image, options);
-  if (!calibration.ok()) return calibration;
+  if (views.size() < options.min_views) {
+    calibration.error =
+        fmt::format("{} different views of the board are too few: at least {} are needed, 20 to 50 are good",
+                    views.size(), options.min_views);
+    return calibration;
+  }
   try {
     LensSolution solution = solve(views, board, image, model);
     if (remove_outliers(solution, options, &views, &calibration.outliers)) solution = solve(views, board, image, model);
     set_parameters(solution, &calibration);
     calibration.rms_px = solution.rms_px;
+    calibration.error = check_tilts(solution.normals, options);
   } catch (const cv::Exception& e) {
-    calibration.error =
-        fmt::format("no {} camera fits these views ({}); is it the right model (--model), and the board that was held?",
-                    model == Camera::Model::kPinhole ? "pinhole" : "fisheye", e.err);
-    return calibration;
+    calibration.error = fmt::format(
+        "no {} camera fits these views ({}): is it the right model (--model), is it the board that was held, and was "
+        "it "
+        "tilted to all sides?",
+        model == Camera::Model::kPinhole ? "pinhole" : "fisheye", e.err);
   }
+  if (!calibration.ok()) return calibration;
   calibration.views = views.size();
   for (const BoardView& view : views) calibration.corners += view.corners.size();
   check_with(rest, board, options.max_check_views, &calibration);

@@ -14,8 +14,8 @@ namespace rumi {
 struct CalibratorOptions {
   size_t min_views = 8;
   size_t max_views = 50;     // the most different ones; time grows with the third power
-  double min_tilt_deg = 15;  // of at least
-  int min_tilted_views = 3;  // so many views: else focal length and distance cannot be told apart
+  double min_tilt_deg = 15;  // against the mean of all views, of at least
+  int min_tilted_views = 3;  // so many: else focal length and distance cannot be told apart
   // A view is left out whose error is this many robust standard deviations (from the median absolute deviation) above
   // the median, and at least the factor times it.
   double outlier_deviations = 4, outlier_factor = 1.5;

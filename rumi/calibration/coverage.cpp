@@ -78,11 +78,6 @@ double Coverage::covered() const {
   return static_cast<double>(covered) / (kColumns * kRows);
 }
 
-int Coverage::tilted(double at_least_deg) const {
-  return static_cast<int>(std::count_if(shapes_.begin(), shapes_.end(),
-                                        [&](const ViewShape& shape) { return shape.tilt() >= at_least_deg; }));
-}
-
 int Coverage::count_tilted(double ViewShape::*axis) const {
   return static_cast<int>(std::count_if(
       shapes_.begin(), shapes_.end(), [&](const ViewShape& shape) { return std::abs(shape.*axis) >= goal_.tilt_deg; }));

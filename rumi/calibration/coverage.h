@@ -43,7 +43,6 @@ class Coverage {
 
   int views() const { return static_cast<int>(shapes_.size()); }
   double covered() const;  // part of the cells
-  int tilted(double at_least_deg) const;
   // What to do next, as told to who holds the board, most important first; empty: it is enough.
   std::vector<std::string> missing() const;
   // A picture of the cells in letters beside the ranges of position, tilt and size; lines end with '\n'.

@@ -28,6 +28,12 @@ Camera make_camera(Camera::Model model, cv::Size image, const cv::Matx33d& k, co
   return camera;
 }
 
+Eigen::Vector3d normal_of(const cv::Mat& rotation) {
+  cv::Matx33d turn;
+  cv::Rodrigues(rotation, turn);
+  return {turn(0, 2), turn(1, 2), turn(2, 2)};
+}
+
 LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size image, bool with_k3) {
   // This function of OpenCV wants floats.
   std::vector<std::vector<cv::Point3f>> board;
@@ -45,6 +51,7 @@ LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size i
   solution.camera = make_camera(Camera::Model::kPinhole, image, k, distortion);
   constexpr int kParameters = 9;
   solution.stddev.assign(stddev.ptr<double>(), stddev.ptr<double>() + kParameters);
+  for (const cv::Mat& rotation : rotations) solution.normals.push_back(normal_of(rotation));
   solution.view_rms_px.assign(view_rms.ptr<double>(), view_rms.ptr<double>() + views.size());
   return solution;
 }
@@ -159,6 +166,7 @@ LensSolution solve_fisheye(const std::vector<Correspondences>& views, cv::Size i
   LensSolution solution;
   solution.camera = make_camera(Camera::Model::kKannalaBrandt, image, k, distortion);
   std::vector<FisheyeView> linearized;
+  for (const cv::Mat& rotation : rotations) solution.normals.push_back(normal_of(rotation));
   for (size_t i = 0; i < views.size(); ++i)
     linearized.push_back(linearize(views[i], k, distortion, rotations[i], translations[i]));
   assess_fisheye(linearized, &solution);

@@ -19,7 +19,8 @@ struct LensSolution {
   Camera camera;
   // Standard deviations of fx fy cx cy and then k1 k2 p1 p2 k3 or k1 k2 k3 k4, from the residuals; 0: it was fixed.
   std::vector<double> stddev;
-  std::vector<double> view_rms_px;  // per corner
+  std::vector<double> view_rms_px;       // per corner
+  std::vector<Eigen::Vector3d> normals;  // of the board in each view, in the camera's frame
   double rms_px = 0;
 };
 

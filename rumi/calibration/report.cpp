@@ -50,6 +50,9 @@ std::string why_no_views(const ViewCollector& collector, const std::string& sour
         "letters "
         "below it and give --board",
         counts.other_board, counts.images, board);
+  if (counts.too_little > 0)
+    return fmt::format("too little of the board {} was made out in any of {} images: hold it nearer, and sharp", board,
+                       counts.images);
   const bool chessboard = collector.board().kind == Board::Kind::kChessboard;
   return fmt::format(
       "the board {} was not found in any of {} images; is it this board ({})? {}", board, counts.images,

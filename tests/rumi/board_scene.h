@@ -81,7 +81,7 @@ class BoardScene {
     };
     std::vector<BoardPose> poses;
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector2d pixel(camera_.width * between(0.2, 0.8), camera_.height * between(0.2, 0.8));
+      const Eigen::Vector2d pixel(camera_.width * between(0.15, 0.85), camera_.height * between(0.15, 0.85));
       poses.push_back(pose(pixel, nearest_degrees * between(0.5, 1), between(-0.75, 0.75), between(-0.75, 0.75),
                            between(-0.3, 0.3)));
     }
