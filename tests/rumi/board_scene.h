@@ -72,8 +72,9 @@ class BoardScene {
     return pose;
   }
 
-  // Somebody who holds the board at many places of the image, near and far, turned to all sides.
-  std::vector<BoardPose> varied_poses(int count, double nearest_degrees) const {
+  // Somebody who holds the board at many places of the image, near and far, turned to all sides. Its middle stays off
+  // the image's edges by a part of it.
+  std::vector<BoardPose> varied_poses(int count, double nearest_degrees, double margin = 0.15) const {
     std::mt19937 random(7);
     const auto between = [&random](double low, double high) {
       return low + (high - low) * static_cast<double>(random() - random.min()) /
@@ -81,7 +82,8 @@ class BoardScene {
     };
     std::vector<BoardPose> poses;
     for (int i = 0; i < count; ++i) {
-      const Eigen::Vector2d pixel(camera_.width * between(0.15, 0.85), camera_.height * between(0.15, 0.85));
+      const Eigen::Vector2d pixel(camera_.width * between(margin, 1 - margin),
+                                  camera_.height * between(margin, 1 - margin));
       poses.push_back(pose(pixel, nearest_degrees * between(0.5, 1), between(-0.75, 0.75), between(-0.75, 0.75),
                            between(-0.3, 0.3)));
     }

@@ -50,7 +50,7 @@ TEST_F(CalibrateCommand, WhatCannotBeEndsWithAReasonAndNoFile) {
   EXPECT_THAT(outcome.output, HasSubstr("there is no folder"));
   outcome = calibrate(images() + out + " --every 10");
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.output, AllOf(HasSubstr("4 different views of the board are too few"), HasSubstr("missing: ")));
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("different views of the board are too few"), HasSubstr("missing: ")));
   outcome = calibrate(images() + out + " --max-rms 0.01");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("more than 0.01 px (--max-rms)"), HasSubstr("--force")));

@@ -63,7 +63,7 @@ TEST_P(BoardDetectorTest, FindsCornersWhereTheyAre) {
   size_t views = 0, corners = 0;
   double squares = 0;
   Eigen::Vector2d bias(0, 0);
-  for (const BoardPose& pose : scene.varied_poses(param.views, param.fisheye ? 90 : 45)) {
+  for (const BoardPose& pose : scene.varied_poses(param.views, param.fisheye ? 90 : 45, width == 640 ? 0.15 : 0.3)) {
     const BoardDetection detection = detector.detect(scene.render(pose, {}, static_cast<int>(views)));
     if (detection.outcome != BoardDetection::Outcome::kFound) continue;
     ++views;
@@ -88,8 +88,8 @@ TEST_P(BoardDetectorTest, FindsCornersWhereTheyAre) {
 INSTANTIATE_TEST_SUITE_P(, BoardDetectorTest,
                          ::testing::Values(DetectionCase{"charuco:9x7:26:19", false, 12, 11, 0.2, 0.03},
                                            DetectionCase{"charuco:9x7:26:19", true, 12, 12, 0.2, 0.03},
-                                           DetectionCase{"chessboard:9x7:26", false, 8, 5, 0.15, 0.03},
-                                           DetectionCase{"chessboard:9x7:26", true, 8, 5, 0.15, 0.03}));
+                                           DetectionCase{"chessboard:9x7:26", false, 8, 7, 0.15, 0.03},
+                                           DetectionCase{"chessboard:9x7:26", true, 8, 7, 0.15, 0.03}));
 
 TEST(BoardDetector, SeesNoBoardInNoise) {
   cv::Mat noise(240, 320, CV_8U);
