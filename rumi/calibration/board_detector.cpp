@@ -59,10 +59,16 @@ double edge_width(const cv::Mat& grey, const cv::Point2f& a, const cv::Point2f& 
   return slope > 0 ? (high - low) / slope : std::numeric_limits<double>::quiet_NaN();
 }
 
+// For each corner of the board its place in the view; -1 where it was not seen.
+std::vector<int> places_of_corners(const Board& board, const BoardView& view) {
+  std::vector<int> places(board.corners(), -1);
+  for (size_t i = 0; i < view.corners.size(); ++i) places[view.corners[i]] = static_cast<int>(i);
+  return places;
+}
+
 // Of the squares around each corner, in pixels, as far as their other corners were seen; else 0.
 std::vector<double> shortest_sides(const Board& board, const BoardView& view) {
-  std::vector<int> index(board.corners(), -1);
-  for (size_t i = 0; i < view.corners.size(); ++i) index[view.corners[i]] = static_cast<int>(i);
+  const std::vector<int> index = places_of_corners(board, view);
   std::vector<double> shortest(view.corners.size(), std::numeric_limits<double>::infinity());
   const auto compare = [&](size_t i, int other) {
     if (other < 0 || other >= board.corners() || index[other] < 0) return;
@@ -80,8 +86,7 @@ std::vector<double> shortest_sides(const Board& board, const BoardView& view) {
 }
 
 void measure_edges(const cv::Mat& grey, const Board& board, BoardView* view) {
-  std::vector<int> index(board.corners(), -1);
-  for (size_t i = 0; i < view->corners.size(); ++i) index[view->corners[i]] = static_cast<int>(i);
+  const std::vector<int> index = places_of_corners(board, *view);
   std::vector<double> widths[2], sides;  // edges along the rows, along the columns
   for (int corner = 0; corner < board.corners(); ++corner) {
     const bool last_in_row = (corner + 1) % board.corner_columns() == 0;
@@ -171,13 +176,15 @@ BoardDetector::BoardDetector(const Board& board) : board_(board) {
 }
 BoardDetector::~BoardDetector() = default;
 
-BoardDetection BoardDetector::detect(const cv::Mat& grey) const {
+BoardDetection BoardDetector::detect(const cv::Mat& grey) const try {
   BoardDetection detection = markers_ ? detect_charuco(grey) : detect_chessboard(grey);
   if (detection.outcome != BoardDetection::Outcome::kFound) return detection;
   const double rim = (board_.square_mm - board_.marker_mm) / 2 / board_.square_mm;
   refine(grey, board_, markers_ ? rim : kChessboardReach, &detection.view);
   measure_edges(grey, board_, &detection.view);
   return detection;
+} catch (const cv::Exception&) {  // of an image that is too small for OpenCV's windows, or a corner at its very edge
+  return {};
 }
 
 BoardDetection BoardDetector::detect_chessboard(const cv::Mat& grey) const {

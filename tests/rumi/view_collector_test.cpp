@@ -98,6 +98,13 @@ TEST(BoardDetector, SeesNoBoardInNoise) {
     EXPECT_EQ(BoardDetector(board_of(board)).detect(noise).outcome, BoardDetection::Outcome::kNone) << board;
 }
 
+TEST(BoardDetector, TinyImagesShowNoBoard) {
+  for (const char* board : {"charuco:9x7:26:19", "chessboard:9x7:26"})
+    for (const int side : {1, 2, 7, 16})
+      EXPECT_EQ(BoardDetector(board_of(board)).detect(cv::Mat(side, side, CV_8U, cv::Scalar(9))).outcome,
+                BoardDetection::Outcome::kNone);
+}
+
 TEST(BoardDetector, AnotherBoardOfTheSameMarkersIsNotThisOne) {
   const Camera camera = testing::pinhole_camera(640, 480);
   const BoardScene scene(board_of("charuco:7x5:30:22"), camera);
