@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace rumi {
 namespace {
 
@@ -96,6 +99,42 @@ void HtmlPage::thumbnails(const std::vector<Thumbnail>& images) {
         "<figure><img alt=\"{0}\" style=\"border-color:{1}\" src=\"{2}\"><figcaption>{0}</figcaption></figure>\n",
         escape_html(image.caption), escape_html(image.color), data_url(image.jpeg, "jpeg"));
   body_ += "</div>\n";
+}
+
+void HtmlPage::chart(const std::string& title, const std::string& unit, const Lines& lines) {
+  static const char* const kColors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#28282c"};
+  constexpr double kLeft = 60, kTop = 34, kWidth = 1120, kHeight = 180;
+  double end_s = 1e-9, highest = 1e-9;
+  for (const auto& [name, points] : lines)
+    for (const auto& [at_s, value] : points) {
+      end_s = std::max(end_s, at_s);
+      highest = std::max(highest, value);
+    }
+  std::string svg =
+      fmt::format("<svg viewBox=\"0 0 1200 240\" width=\"100%\" font-size=\"12\"><text x=\"0\" y=\"14\">{}, {}</text>",
+                  escape_html(title), escape_html(unit));
+  for (int quarter = 0; quarter <= 4; ++quarter) {
+    const double y = kTop + kHeight * (1 - quarter / 4.0), x = kLeft + kWidth * quarter / 4.0;
+    svg += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}h{:.1f}\" stroke=\"#d6d6d2\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"end\">{:.3g}</text>"
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{:.4g} s</text>",
+        kLeft, y, kWidth, kLeft - 6, y + 4, highest * quarter / 4, x, kTop + kHeight + 18, end_s * quarter / 4);
+  }
+  size_t number = 0;
+  for (const auto& [name, points] : lines) {
+    const char* color = kColors[number % std::size(kColors)];
+    std::string path;
+    for (const auto& [at_s, value] : points)
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", kLeft + kWidth * at_s / end_s,
+                          kTop + kHeight * (1 - value / highest));
+    svg += fmt::format(
+        "<path d=\"{0}\" fill=\"none\" stroke=\"{1}\" stroke-width=\"1.5\"/><text x=\"{2}\" y=\"14\" "
+        "fill=\"{1}\">{3}</text>",
+        path, color, 240 + 150 * number, escape_html(name));
+    ++number;
+  }
+  body_ += svg + "</svg>\n";
 }
 
 std::string HtmlPage::finish() const {

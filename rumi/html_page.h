@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rumi {
@@ -28,6 +30,9 @@ class HtmlPage {
     std::string caption, color;  // of the frame around it, as CSS has it
   };
   void thumbnails(const std::vector<Thumbnail>& images);
+  // Lines over seconds, from 0 upwards.
+  using Lines = std::map<std::string, std::vector<std::pair<double, double>>>;
+  void chart(const std::string& title, const std::string& unit, const Lines& lines);
   std::string finish() const;
 
  private:

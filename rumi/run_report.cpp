@@ -15,6 +15,7 @@
 #include "rumi/html_page.h"
 #include "rumi/map_file.h"
 #include "rumi/output_folder.h"
+#include "rumi/process_load.h"
 #include "rumi/run_evaluation.h"
 #include "ruminator/window_job.h"
 #include "viewer_offscreen/draw_map.h"
@@ -54,21 +55,20 @@ void add_summary(const ordered_json& run, const Atlas& atlas, HtmlPage* page) {
   page->table({}, rows);
 }
 
-void add_views(const Scene& scene, Renderer* renderer, HtmlPage* page) {
+void add_views(const cv::Mat& all, const Scene& scene, Renderer* renderer, HtmlPage* page) {
   page->section(
       "Map",
       "Front submaps are full lines in cool colours; back submaps, rebuilt from what could not be tracked, warm "
       "lines with a white core.");
-  page->picture(encode_png(renderer->draw(scene)), "png", "All views");
+  page->picture(encode_png(all), "png", "All views");
   page->picture(encode_png(renderer->draw(scene, ViewKind::kTop)), "png", "From above");
   page->picture(encode_png(renderer->draw(scene, ViewKind::kSide)), "png", "From the side");
 }
 
-void add_timeline(const Scene& scene, Renderer* renderer, HtmlPage* page) {
+void add_timeline(const cv::Mat& all, const Scene& scene, HtmlPage* page) {
   page->section("Tracking over time");
   const cv::Rect strip = layout_all(false).strip;
-  page->picture(encode_png(renderer->draw(scene)(strip)), "png",
-                "How each frame was tracked, and where it is in the map");
+  page->picture(encode_png(all(strip)), "png", "How each frame was tracked, and where it is in the map");
   if (scene.lost.empty()) return page->paragraph("Every frame has a pose in some submap.");
   std::vector<std::vector<std::string>> rows;
   for (const LostSpan& span : scene.lost)
@@ -195,9 +195,17 @@ void add_load(const ordered_json& run, HtmlPage* page) {
   page->table({"component", "CPU per frame, ms"}, rows);
 }
 
+void add_load_over_time(const std::string& log, HtmlPage* page) {
+  std::string error;
+  const ProcessLoad load = read_process_load(log, &error);
+  if (!error.empty()) throw std::runtime_error(error);
+  page->chart("CPU", "% of a core", load.cpu_percent);
+  page->chart("Memory", "MB", load.memory_mb);
+}
+
 }  // namespace
 
-std::string make_report(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth) {
+std::string make_report(const std::string& folder, const ReportOptions& options) {
   if (!fs::is_directory(folder)) throw std::runtime_error(fmt::format("{}: there is no such folder", folder));
   const ordered_json run = read_run_json(folder);
   if (run.is_null()) throw std::runtime_error(fmt::format("{}: is no folder of a run (no run.json of ours)", folder));
@@ -205,8 +213,8 @@ std::string make_report(const std::string& folder, const std::string& groundtrut
     throw std::runtime_error(fmt::format("{}: the run was not finished (run.json)", folder));
   const Atlas atlas = load_map((fs::path(folder) / "map.db").string());
   AtlasPicture shown = make_picture(atlas, "Rumi");
-  if (!groundtruth.empty()) {
-    const TrajectoryFile path = read_groundtruth(groundtruth, truth);
+  if (!options.groundtruth.empty()) {
+    const TrajectoryFile path = read_groundtruth(options.groundtruth, options.truth);
     if (!path.ok()) throw std::runtime_error(path.error);
     for (const TimedPose& pose : path.poses) shown.picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }
@@ -214,12 +222,14 @@ std::string make_report(const std::string& folder, const std::string& groundtrut
   Renderer renderer;
   HtmlPage page("Rumi: " + text_of(run.value("input", ordered_json(folder))));
   add_summary(run, atlas, &page);
-  add_views(scene, &renderer, &page);
-  add_timeline(scene, &renderer, &page);
-  if (!groundtruth.empty()) add_errors(folder, groundtruth, truth, &page);
+  const cv::Mat all = renderer.draw(scene);
+  add_views(all, scene, &renderer, &page);
+  add_timeline(all, scene, &page);
+  if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
   add_windows(folder, atlas, scene.first_us, &page);
   add_joins(atlas, &page);
   add_load(run, &page);
+  if (!options.log.empty()) add_load_over_time(options.log, &page);
   return page.finish();
 }
 

@@ -45,7 +45,7 @@ void add_keypoints(const Submap& submap, const Keyframe& keyframe, CameraView* v
     (sees_landmark ? view->on_landmarks : view->others).emplace_back(pixel.x(), pixel.y());
   }
   view->caption +=
-      fmt::format(", a keyframe: {} keypoints, {} on landmarks", keyframe.features->size(), view->on_landmarks.size());
+      fmt::format(": {} of {} keypoints on landmarks", view->on_landmarks.size(), keyframe.features->size());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using Submaps = std::vector<const SubmapView*>;
 
+constexpr double kLeastLoss_px = 12;  // a shorter one has no room for rings at its ends
 // More than these are thinned evenly.
 constexpr size_t kMaxFrusta = 150;                         // of keyframes
 constexpr double kLandmarkRoom = 4, kCovisibleRoom = 150;  // pixels of the panel for each
@@ -165,6 +166,7 @@ void draw_path_line(PlotCanvas& canvas, cv::Point2d a, cv::Point2d b, double wid
 
 void draw_lost_line(PlotCanvas& canvas, cv::Point2d a, cv::Point2d b) {
   canvas.dashed(a, b, 2, 5, {kLostColor});
+  if (std::hypot(b.x - a.x, b.y - a.y) < kLeastLoss_px) return;
   for (const cv::Point2d& at : {a, b}) {
     canvas.disc(at, 3.6, {kLostColor});
     canvas.disc(at, 2, {kPanelColor});

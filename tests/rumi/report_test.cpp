@@ -5,10 +5,14 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "bus/bus.h"
 #include "bus/image_codec.h"
+#include "bus/log_file.h"
+#include "lcmtypes/rumi/process_status_t.hpp"
 #include "rumi/html_page.h"
 #include "rumi/map_file.h"
 #include "rumi/output_folder.h"
+#include "rumi/process_load.h"
 #include "rumi/run_report.h"
 #include "ruminator/window_job.h"
 #include "test_atlas.h"
@@ -146,12 +150,43 @@ TEST_F(ReportTest, TellsTheErrorWhereTheTruthIsGiven) {
     truth << static_cast<double>(utime_us) * 1e-6 << " " << p.x() << " " << p.y() << " " << p.z() << " 0 0 0 1\n";
   }
   truth.close();
-  const std::string html = make_report(folder_.string(), (folder_ / "truth.txt").string());
+  const std::string html = make_report(folder_.string(), {.groundtruth = (folder_ / "truth.txt").string()});
   EXPECT_THAT(html, HasSubstr("<h2>Error</h2>"));
   EXPECT_THAT(html, HasSubstr("ate_rmse_m"));
   EXPECT_EQ(count_of(html, "data:image/png"), 5u);
-  EXPECT_THAT([&] { make_report(folder_.string(), "/nowhere/truth.txt"); },
+  EXPECT_THAT([&] { make_report(folder_.string(), {.groundtruth = "/nowhere/truth.txt"}); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/truth.txt")));
+}
+
+TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
+  const std::string log = (folder_ / "live.lcm").string();
+  LogWriter writer(log);
+  process_status_t status{};
+  for (int i = 0; i < 5; ++i) {
+    status.process = "map_server";
+    status.pid = i < 3 ? 7 : 8;  // it was started again
+    status.utime = 2'000'000'000 + i * 1'000'000;
+    status.cpu_s = i < 3 ? 0.25 * i : 0.5 * i;
+    status.rss_bytes = 50'000'000 + i;
+    writer.write(status.utime, channels::kStatus, encode_message(status));
+    writer.write(status.utime, channels::kStatus, std::vector<uint8_t>{1, 2, 3});
+  }
+  ASSERT_TRUE(writer.close());
+  std::string error;
+  const ProcessLoad load = read_process_load(log, &error);
+  EXPECT_EQ(error, "");
+  using Point = std::pair<double, double>;
+  EXPECT_THAT(load.cpu_percent.at("map_server"), testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
+  EXPECT_EQ(load.memory_mb.at("map_server").size(), 5u);
+  const std::string html = make_report(folder_.string(), {.log = log});
+  EXPECT_EQ(count_of(html, "<svg"), 2u);
+  EXPECT_THAT(html, HasSubstr("map_server</text>"));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+  const auto refusal = [&](const char* what) { return ThrowsMessage<std::runtime_error>(HasSubstr(what)); };
+  EXPECT_THAT([&] { make_report(folder_.string(), {.log = "/nowhere.lcm"}); }, refusal("/nowhere.lcm"));
+  const std::string silent = (folder_ / "silent.lcm").string();
+  ASSERT_TRUE(LogWriter(silent).close());
+  EXPECT_THAT([&] { make_report(folder_.string(), {.log = silent}); }, refusal("no process tells its status"));
 }
 
 TEST_F(ReportTest, SaysWhatIsWrongWithTheFolder) {
