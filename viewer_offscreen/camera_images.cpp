@@ -44,8 +44,7 @@ void add_keypoints(const Submap& submap, const Keyframe& keyframe, CameraView* v
     const Eigen::Vector2f& pixel = keyframe.features->keypoints[i].pixel;
     (sees_landmark ? view->on_landmarks : view->others).emplace_back(pixel.x(), pixel.y());
   }
-  view->caption +=
-      fmt::format(": {} of {} keypoints on landmarks", view->on_landmarks.size(), keyframe.features->size());
+  view->caption += fmt::format(": {} of {} keypoints mapped", view->on_landmarks.size(), keyframe.features->size());
 }
 
 }  // namespace
