@@ -18,6 +18,7 @@ namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
+constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
 
 }  // namespace
 
@@ -31,7 +32,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
   if (options.series) series_.emplace(options.output, options.video_fps);
   if (options.camera)
-    bus.subscribe<image_t>(channels::kCamera, {.capacity = 2, .drop = DropPolicy::kDropOldest},
+    bus.subscribe<image_t>(channels::kCamera, {.capacity = kImagesWhileDrawing, .drop = DropPolicy::kDropOldest},
                            [this](const image_t& image) { images_.add(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });

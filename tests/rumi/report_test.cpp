@@ -171,13 +171,16 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
     writer.write(status.utime, channels::kStatus, encode_message(status));
     writer.write(status.utime, channels::kStatus, std::vector<uint8_t>{1, 2, 3});
   }
+  status.utime += 1000;  // the last one, when it ends
+  status.cpu_s += 0.1;
+  writer.write(status.utime, channels::kStatus, encode_message(status));
   ASSERT_TRUE(writer.close());
   std::string error;
   const ProcessLoad load = read_process_load(log, &error);
   EXPECT_EQ(error, "");
   using Point = std::pair<double, double>;
   EXPECT_THAT(load.cpu_percent.at("map_server"), testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
-  EXPECT_EQ(load.memory_mb.at("map_server").size(), 5u);
+  EXPECT_EQ(load.memory_mb.at("map_server").size(), 6u);
   const std::string html = make_report(folder_.string(), {.log = log});
   EXPECT_EQ(count_of(html, "<svg"), 2u);
   EXPECT_THAT(html, HasSubstr("map_server</text>"));
