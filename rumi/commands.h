@@ -15,6 +15,7 @@ void add_up_command(CLI::App& app, std::function<int()>* chosen);
 void add_replay_command(CLI::App& app, std::function<int()>* chosen);
 void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);
 void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
+void add_report_command(CLI::App& app, std::function<int()>* chosen);
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
 void add_status_command(CLI::App& app, std::function<int()>* chosen);
 void add_view_command(CLI::App& app, std::function<int()>* chosen);

@@ -134,8 +134,7 @@ void draw_errors(cv::Mat& image, const RunMetrics& metrics, int64_t period_us) {
 
 }  // namespace
 
-std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
-                            const std::string& png_file) {
+cv::Mat draw_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth) {
   cv::Mat image(kTopHeight + kErrorHeight, kWidth, CV_8UC3, kWhite);
   if (metrics.map.errors.size() < 2 || !metrics.map.ate_rmse_m) {
     text(image, "nothing to show: " + metrics.map.reason, {kMargin, kMargin});
@@ -148,8 +147,13 @@ std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPo
                      metrics.tracked_frames, metrics.frames),
          {kMargin, 40});
   }
+  return image;
+}
+
+std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
+                            const std::string& png_file) {
   try {
-    if (cv::imwrite(png_file, image)) return "";
+    if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return "";
   } catch (const cv::Exception&) {
     // Said below, in words of our own.
   }

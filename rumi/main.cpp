@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
   rumi::add_status_command(app, &chosen);
   rumi::add_ruminate_command(app, &chosen);
   rumi::add_evaluate_command(app, &chosen);
+  rumi::add_report_command(app, &chosen);
   rumi::add_view_command(app, &chosen);
   rumi::add_cut_window_command(app, &chosen);
   rumi::add_draw_window_command(app, &chosen);

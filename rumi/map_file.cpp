@@ -80,7 +80,10 @@ AtlasPicture make_picture(const Atlas& atlas, const std::string& title) {
     if (owner.in_map) shown = &(result.placed[key] = place(owner.submap, owner.placement));
     result.picture.submaps.push_back({shown, owner.in_map});
   }
-  for (const auto& [utime_us, frame] : atlas.frames()) result.picture.frame_utimes_us.push_back(utime_us);
+  for (const auto& [utime_us, frame] : atlas.frames())
+    result.picture.frames.push_back({utime_us, static_cast<int8_t>(frame.state), {frame.session, frame.submap_id}});
+  for (const Link& link : atlas.links())
+    result.picture.links.push_back({link.a, link.b, link.kind == Link::Kind::kSameImages, link.accepted()});
   return result;
 }
 

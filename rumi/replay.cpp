@@ -47,7 +47,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
                      RuminatorHooks{colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
   map_server_ = add<MapServerNode>("map_server", map_server);
   ViewerOptions viewer = options.viewer_offscreen;
-  viewer.output.clear();
+  if (!viewer.series) viewer.output.clear();
   add<ViewerNode>("viewer_offscreen", viewer);
 }
 

@@ -165,7 +165,9 @@ int replay(const Arguments& arguments) {
   start_logging("rumi", arguments.verbose, arguments.quiet);
   const auto begin = Clock::now();
   WindowOutput windows(arguments.out);
-  Replay replay(options, arguments.input, windows.hooks());
+  AllOptions run_options = options;  // the table keeps what the user asked for
+  run_options.viewer_offscreen.output = arguments.out;
+  Replay replay(run_options, arguments.input, windows.hooks());
   error = prepare_output_folder(arguments.out);
   if (error.empty()) error = begin_log(arguments, &replay);
   if (error.empty()) error = windows.prepare();

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include "rumi/commands.h"
 #include "rumi/map_file.h"
@@ -14,8 +16,14 @@ namespace rumi {
 namespace {
 
 struct Arguments {
-  std::string map, out, groundtruth;
+  std::string map, out, groundtruth, view = "all";
 };
+
+const std::map<std::string, std::optional<ViewKind>> kViews = {{"all", std::nullopt},
+                                                               {"oblique", ViewKind::kOblique},
+                                                               {"top", ViewKind::kTop},
+                                                               {"side", ViewKind::kSide},
+                                                               {"follow", ViewKind::kFollow}};
 
 std::string view(const Arguments& arguments) {
   const Atlas atlas = load_map(arguments.map);
@@ -26,7 +34,7 @@ std::string view(const Arguments& arguments) {
     if (!truth.ok()) return truth.error;
     for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }
-  return write_png(draw_map(picture), arguments.out);
+  return write_png(draw_map(picture, kViews.at(arguments.view)), arguments.out);
 }
 
 int run(const Arguments& arguments) {
@@ -49,6 +57,9 @@ void add_view_command(CLI::App& app, std::function<int()>* chosen) {
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
   command->add_option("-o,--output", arguments->out, "PNG file")->required();
   command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
+  command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
+      ->check(CLI::IsMember(kViews))
+      ->capture_default_str();
   command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -6,8 +6,14 @@ set -eu
 
 packages="build-essential cmake ninja-build pkg-config ccache
   liblcm-dev liblcm-bin libopencv-dev libceres-dev libeigen3-dev libyaml-cpp-dev libspdlog-dev libfmt-dev libcli11-dev
-  nlohmann-json3-dev libsqlite3-dev libpng-dev libjpeg-dev zlib1g-dev libcairo2-dev libosmesa6-dev colmap
+  nlohmann-json3-dev libsqlite3-dev libpng-dev libjpeg-dev zlib1g-dev libcairo2-dev libgl-dev libegl-dev libegl1
+  libgl1-mesa-dri colmap
   libgtest-dev libgmock-dev libbenchmark-dev iproute2 util-linux"
+
+# Drawing without a display: by OSMesa where Mesa still has it, else by EGL.
+if apt-cache show libosmesa6 >/dev/null 2>&1; then
+  packages="$packages libosmesa6"
+fi
 
 check_only=false
 if [ "${1:-}" = --check ]; then

@@ -13,11 +13,18 @@
 
 namespace rumi {
 
-cv::Mat draw_map(const MapPicture& picture) { return Renderer().draw(make_scene(picture)); }
+cv::Mat draw_map(const MapPicture& picture, std::optional<ViewKind> only) {
+  return Renderer().draw(make_scene(picture), only);
+}
+
+std::vector<uint8_t> encode_png(const cv::Mat& picture) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", picture, png);
+  return png;
+}
 
 std::string write_png(const cv::Mat& picture, const std::string& file) {
-  std::vector<uchar> png;
-  cv::imencode(".png", picture, png);
+  const std::vector<uint8_t> png = encode_png(picture);
   const std::string unfinished = file + ".part";
   std::ofstream out(unfinished, std::ios::binary);
   out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));

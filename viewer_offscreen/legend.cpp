@@ -5,14 +5,16 @@
 
 #include <algorithm>
 
-#include "viewer_offscreen/renderer.h"
+#include "viewer_offscreen/map_view.h"
+#include "viewer_offscreen/palette.h"
 #include "viewer_offscreen/text.h"
+#include "viewer_offscreen/timeline_strip.h"
 
 namespace rumi {
 namespace {
 
-constexpr double kRow_px = 19, kSample_px = 30;
-const TextStyle kWord{9.5}, kStrong{9.5, {20, 20, 24}, true}, kDetail{7.5, {110, 110, 118}};
+constexpr double kRow_px = 18, kSample_px = 30;
+const TextStyle kWord{8.5}, kStrong{8.8, {20, 20, 24}, true}, kDetail{7.5, {110, 110, 118}};
 
 // 12 345
 std::string thousands(int64_t n) {
@@ -20,62 +22,93 @@ std::string thousands(int64_t n) {
   return fmt::format("{} {:03d}", thousands(n / 1000), n % 1000);
 }
 
+std::string plural(int64_t n, const char* what) {
+  return fmt::format("{} {}{}", thousands(n), what, n == 1 ? "" : "s");
+}
+
 }  // namespace
 
 Legend::Legend(const Scene& scene, const cv::Rect& panel) : panel_(panel) {
-  const size_t room = static_cast<size_t>(panel.height / kRow_px) - 1;
-  std::string in_map = fmt::format("{} frames in the map", thousands(scene.frames_in_map));
+  const size_t room = static_cast<size_t>(std::max(0.0, (panel.height - 14) / kRow_px)) + 1;
+  std::string in_map = plural(scene.frames_in_map, "frame") + " in the map";
   if (scene.frames > 0)
     in_map =
         fmt::format("{} of {} frames in the map, {:.1f} %", thousands(scene.frames_in_map), thousands(scene.frames),
                     100.0 * static_cast<double>(scene.frames_in_map) / static_cast<double>(scene.frames));
-  rows_.push_back({Sample::kNone, 0, in_map, "", true});
-  const size_t lost_rows = scene.lost.empty() ? 0 : 1 + std::min<size_t>(scene.lost.size(), 3);
-  add_submaps(scene, room - 1 - lost_rows - (scene.truth.empty() ? 0 : 1));
-  if (!scene.truth.empty()) rows_.push_back({Sample::kTruth, 0, "true path", "aligned to the map", false});
-  if (!scene.lost.empty()) add_lost(scene, room - rows_.size());
+  rows_.push_back({Sample::kNone, nullptr, in_map, "", true});
+  std::vector<Row> top;
+  top.swap(rows_);
+  add_joints(scene);
+  add_lost(scene);
+  std::vector<Row> bottom;
+  bottom.swap(rows_);
+  rows_ = top;
+  const size_t taken = rows_.size() + bottom.size();
+  add_submaps(scene, room > taken ? room - taken : 1);
+  rows_.insert(rows_.end(), bottom.begin(), bottom.end());
 }
 
 void Legend::add_submaps(const Scene& scene, size_t rows_left) {
-  const size_t shown = scene.submaps.size() <= rows_left ? scene.submaps.size() : std::max<size_t>(rows_left, 1) - 1;
+  std::vector<const SubmapView*> order;
+  for (const SubmapView& submap : scene.submaps) order.push_back(&submap);
+  std::stable_sort(order.begin(), order.end(), [](const SubmapView* a, const SubmapView* b) {
+    return std::pair(a->kind, a->color) < std::pair(b->kind, b->color);
+  });
+  const size_t shown = order.size() <= rows_left ? order.size() : std::max<size_t>(rows_left, 1) - 1;
   for (size_t i = 0; i < shown; ++i) {
-    const SubmapView& s = scene.submaps[i];
-    const std::string landmarks = thousands(s.landmark_count) + " landmarks";
-    const std::string detail =
-        s.placed ? fmt::format("{} frames, {} keyframes, {}", thousands(s.frames), thousands(s.keyframes), landmarks)
-                 : fmt::format("apart: {} frames, {}", thousands(s.frames), landmarks);
-    rows_.push_back({Sample::kSubmap, i, fmt::format("submap {}", s.id), detail, false});
+    const SubmapView& s = *order[i];
+    const std::string detail = fmt::format("{}{}, {}", s.placed ? "" : "apart: ", plural(s.frames, "frame"),
+                                           plural(s.landmark_count, "landmark"));
+    const std::string name = fmt::format("{} {}", s.kind == SubmapKind::kBack ? "back" : "front", std::abs(s.key.id));
+    rows_.push_back({Sample::kSubmap, &s, name, detail, false});
   }
-  if (shown < scene.submaps.size())
-    rows_.push_back({Sample::kNone, 0, fmt::format("and {} more submaps", scene.submaps.size() - shown), "", false});
+  if (shown < order.size())
+    rows_.push_back(
+        {Sample::kNone, nullptr, "", fmt::format("and {}", plural(order.size() - shown, "more submap")), false});
 }
 
-void Legend::add_lost(const Scene& scene, size_t rows_left) {
-  const auto seconds = [&](int64_t utime_us) { return static_cast<double>(utime_us - scene.first_us) * 1e-6; };
+void Legend::add_joints(const Scene& scene) {
+  const auto same =
+      std::count_if(scene.merges.begin(), scene.merges.end(), [](const auto& m) { return m.same_images; });
+  const auto place = static_cast<int64_t>(scene.merges.size()) - same;
+  if (same > 0)
+    rows_.push_back({Sample::kSameImages, nullptr, "joined", plural(same, "time") + " by images of both", false});
+  if (place > 0)
+    rows_.push_back({Sample::kSamePlace, nullptr, "joined", plural(place, "time") + " by a place seen twice", false});
+  if (scene.refused_links > 0)
+    rows_.push_back({Sample::kNone, nullptr, "", plural(scene.refused_links, "join") + " refused", false});
+  const bool covisible =
+      std::any_of(scene.submaps.begin(), scene.submaps.end(), [](const SubmapView& s) { return !s.covisible.empty(); });
+  if (covisible) rows_.push_back({Sample::kCovisible, nullptr, "covisible", "keyframes that share landmarks", false});
+}
+
+void Legend::add_lost(const Scene& scene) {
+  if (!scene.truth.empty()) rows_.push_back({Sample::kTruth, nullptr, "true path", "aligned to the map", false});
+  if (scene.lost.empty()) return;
   int64_t frames = 0;
   for (const LostSpan& span : scene.lost) frames += span.frames;
-  rows_.push_back({Sample::kLost, 0,
-                   fmt::format("lost {} time{}", scene.lost.size(), scene.lost.size() == 1 ? "" : "s"),
-                   fmt::format("{} frames without a pose", thousands(frames)), false});
-  const size_t shown = std::min(scene.lost.size(), rows_left > 0 ? rows_left - 1 : 0);
-  for (size_t i = 0; i < shown; ++i) {
-    const LostSpan& span = scene.lost[i];
-    std::string text = fmt::format("at {:.1f} - {:.1f} s, {} frames", seconds(span.first_us), seconds(span.last_us),
-                                   thousands(span.frames));
-    if (i + 1 == shown && shown < scene.lost.size()) text += fmt::format(", and {} more", scene.lost.size() - shown);
-    rows_.push_back({Sample::kNone, 0, "", text, false});
-  }
+  const std::string where =
+      scene.lost.size() == 1
+          ? "at " + format_time(1e-6 * static_cast<double>(scene.lost.front().first_us - scene.first_us))
+          : "in " + plural(static_cast<int64_t>(scene.lost.size()), "place");
+  rows_.push_back({Sample::kLost, nullptr, "no pose", plural(frames, "frame") + " " + where, false});
 }
 
-double Legend::baseline(size_t row) const { return panel_.y + 14 + kRow_px * static_cast<double>(row); }
+double Legend::baseline(size_t row) const { return panel_.y + 12 + kRow_px * static_cast<double>(row); }
 
 void Legend::draw_samples(PlotCanvas& canvas) const {
   for (size_t i = 0; i < rows_.size(); ++i) {
     const double x = panel_.x, y = baseline(i) - 4.5;
     const cv::Point2d a(x, y), b(x + kSample_px - 8, y);
-    if (rows_[i].sample == Sample::kSubmap) canvas.line(a, b, 4, {submap_color(rows_[i].submap)});
-    if (rows_[i].sample == Sample::kTruth) canvas.line(a, b, 1.4, {kTruthColor});
-    if (rows_[i].sample == Sample::kLost) canvas.dashed(a, b, 2, 4, {kLostColor});
+    const Sample sample = rows_[i].sample;
+    if (sample == Sample::kSubmap) draw_path_line(canvas, a, b, 3.6, *rows_[i].submap);
+    if (sample == Sample::kTruth) canvas.line(a, b, 1.4, {kTruthColor});
+    if (sample == Sample::kLost) canvas.dashed(a, b, 2, 4, {kLostColor});
+    if (sample == Sample::kSameImages || sample == Sample::kSamePlace)
+      draw_merge(canvas, a + cv::Point2d(4, 0), b - cv::Point2d(4, 0), sample == Sample::kSameImages);
+    if (sample == Sample::kCovisible)
+      for (const double dy : {-2.5, 0.0, 2.5})
+        canvas.line(a + cv::Point2d(0, dy), b + cv::Point2d(0, -dy), 0.7, {submap_color(SubmapKind::kFront, 0), 0.4});
   }
 }
 
@@ -84,9 +117,10 @@ void Legend::draw_words(cv::Mat& large) const {
   for (size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     const TextStyle& style = row.strong ? kStrong : kWord;
-    double x = row.sample == Sample::kNone && !row.text.empty() ? panel_.x : left;
+    double x = row.strong ? panel_.x : left;
     draw_text(large, {x, baseline(i)}, row.text, style);
-    if (!row.text.empty()) x += text_width(row.text, style) + 12;
+    if (!row.text.empty()) x += text_width(row.text, style) + 10;
+    if (row.detail.empty()) continue;
     draw_text(large, {x, baseline(i)}, fit_text(row.detail, right - x, kDetail), kDetail);
   }
 }

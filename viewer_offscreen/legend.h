@@ -15,15 +15,16 @@ class Legend {
   void draw_words(cv::Mat& large) const;
 
  private:
-  enum class Sample { kNone, kSubmap, kLost, kTruth };
+  enum class Sample { kNone, kSubmap, kLost, kTruth, kSameImages, kSamePlace, kCovisible };
   struct Row {
     Sample sample = Sample::kNone;
-    size_t submap = 0;
+    const SubmapView* submap = nullptr;
     std::string text, detail;
     bool strong = false;
   };
   void add_submaps(const Scene& scene, size_t rows_left);
-  void add_lost(const Scene& scene, size_t rows_left);
+  void add_joints(const Scene& scene);
+  void add_lost(const Scene& scene);
   double baseline(size_t row) const;
   cv::Rect panel_;
   std::vector<Row> rows_;

@@ -1,27 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_offscreen/offscreen_context.h"
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
-
 #include <array>
+#include <cstdlib>
 #include <stdexcept>
 #include <vector>
 
+#include "viewer_offscreen/gl.h"
+#include "viewer_offscreen/gl_platform.h"
+
 namespace rumi {
 
+#define RUMI_DEFINE(type, name) type name = nullptr;
+RUMI_GL_FUNCTIONS(RUMI_DEFINE)
+#undef RUMI_DEFINE
+
+// Everything is drawn into framebuffer objects, which can be multisampled.
 struct OffscreenContext::Handle {
-  OSMesaContext context = nullptr;
-  // OSMesa wants a window of its own; everything is drawn into framebuffer objects instead, which can be multisampled.
-  std::array<unsigned char, 4 * 16 * 16> window{};
+  std::unique_ptr<GlPlatform> platform;
   GLuint draw = 0, resolved = 0;
   std::array<GLuint, 4> buffers{};
-  ~Handle() {
-    if (context) OSMesaDestroyContext(context);
-  }
 };
 
 namespace {
+
+std::unique_ptr<GlPlatform> open_platform() {
+  const char* variable = std::getenv("RUMI_OPENGL");
+  const std::string wanted = variable ? variable : "";
+  if (wanted == "osmesa") return open_osmesa();
+  if (wanted == "egl") return open_egl();
+  if (!wanted.empty()) throw std::runtime_error("RUMI_OPENGL is '" + wanted + "', must be osmesa or egl");
+  std::string reasons;
+  for (const auto open : {open_osmesa, open_egl}) {
+    try {
+      return open();
+    } catch (const std::runtime_error& e) {
+      reasons += std::string(reasons.empty() ? "" : "; ") + e.what();
+    }
+  }
+  throw std::runtime_error("no OpenGL: " + reasons);
+}
+
+// The pointers are of the platform that was current last.
+void load_functions(const GlPlatform& platform) {
+  static std::string loaded_from;
+  if (loaded_from == platform.name()) return;
+  loaded_from.clear();
+#define RUMI_LOAD(Type, gl)                            \
+  gl = reinterpret_cast<Type>(platform.function(#gl)); \
+  if (!gl) throw std::runtime_error(std::string(platform.name()) + " has no " #gl);
+  RUMI_GL_FUNCTIONS(RUMI_LOAD)
+#undef RUMI_LOAD
+  loaded_from = platform.name();
+}
 
 void check_complete() {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
@@ -48,19 +79,7 @@ GLuint compile(GLenum type, const std::string& source) {
 
 OffscreenContext::OffscreenContext(int width, int height, int samples)
     : handle_(std::make_unique<Handle>()), width_(width), height_(height) {
-  const int attributes[] = {OSMESA_FORMAT,
-                            OSMESA_RGBA,
-                            OSMESA_DEPTH_BITS,
-                            0,
-                            OSMESA_PROFILE,
-                            OSMESA_CORE_PROFILE,
-                            OSMESA_CONTEXT_MAJOR_VERSION,
-                            3,
-                            OSMESA_CONTEXT_MINOR_VERSION,
-                            3,
-                            0};
-  handle_->context = OSMesaCreateContextAttribs(attributes, nullptr);
-  if (!handle_->context) throw std::runtime_error("OSMesa gives no OpenGL 3.3 core context");
+  handle_->platform = open_platform();
   make_current();
 
   glGenRenderbuffers(4, handle_->buffers.data());
@@ -88,9 +107,11 @@ OffscreenContext::OffscreenContext(int width, int height, int samples)
 
 OffscreenContext::~OffscreenContext() = default;
 
+std::string OffscreenContext::platform() const { return handle_->platform->name(); }
+
 void OffscreenContext::make_current() {
-  if (!OSMesaMakeCurrent(handle_->context, handle_->window.data(), GL_UNSIGNED_BYTE, 16, 16))
-    throw std::runtime_error("OSMesa cannot make its context current");
+  handle_->platform->make_current();
+  load_functions(*handle_->platform);
   if (handle_->draw) glBindFramebuffer(GL_FRAMEBUFFER, handle_->draw);
   glViewport(0, 0, width_, height_);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OpenGL 3.3 core without a window or display server, by OSMesa (software). The only place that knows OSMesa.
+// OpenGL 3.3 core without a window or display server: by OSMesa, or where there is none by EGL (gl_platform.h). The
+// environment variable RUMI_OPENGL=osmesa or egl chooses.
 #pragma once
 
 #include <memory>
@@ -23,6 +24,7 @@ class OffscreenContext {
   // image whose first row is its top.
   void read(cv::Mat* rgba);
 
+  std::string platform() const;  // "osmesa" or "egl"
   int width() const { return width_; }
   int height() const { return height_; }
 

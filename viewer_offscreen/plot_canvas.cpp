@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_offscreen/plot_canvas.h"
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <opencv2/imgproc.hpp>
+
+#include "viewer_offscreen/gl.h"
 
 namespace rumi {
 namespace {
@@ -36,6 +35,20 @@ void main() {
   colour = vec4(f_ink.rgb, f_ink.a * cover);
 })";
 
+const char* const kPointVertexShader = R"(#version 330 core
+uniform mat4 clip_from_map;
+layout(location = 0) in vec3 position;
+void main() {
+  gl_Position = clip_from_map * vec4(position, 1.0);
+})";
+
+const char* const kPointFragmentShader = R"(#version 330 core
+uniform vec4 ink;
+out vec4 colour;
+void main() {
+  colour = ink;
+})";
+
 void attribute(GLuint location, GLint components, GLenum type, bool normalized, size_t stride, size_t offset) {
   glEnableVertexAttribArray(location);
   glVertexAttribPointer(location, components, type, normalized ? GL_TRUE : GL_FALSE, static_cast<GLsizei>(stride),
@@ -53,6 +66,9 @@ PlotCanvas::PlotCanvas(int width, int height) : context_(width * kScale, height 
   attribute(0, 2, GL_FLOAT, false, sizeof(Corner), offsetof(Corner, x));
   attribute(1, 3, GL_FLOAT, false, sizeof(Corner), offsetof(Corner, u));
   attribute(2, 4, GL_UNSIGNED_BYTE, true, sizeof(Corner), offsetof(Corner, rgba));
+  point_program_ = compile_program(kPointVertexShader, kPointFragmentShader);
+  glGenVertexArrays(1, &point_array_);
+  glGenBuffers(1, &point_buffer_);
 }
 
 void PlotCanvas::clear(const cv::Vec3b& rgb) {
@@ -67,6 +83,11 @@ void PlotCanvas::clip(const cv::Rect& panel) {
   flush();
   glEnable(GL_SCISSOR_TEST);
   glScissor(panel.x * kScale, panel.y * kScale, panel.width * kScale, panel.height * kScale);
+}
+
+void PlotCanvas::unclip() {
+  flush();
+  glDisable(GL_SCISSOR_TEST);
 }
 
 void PlotCanvas::corner(cv::Point2d at, float u, float v, double half_width, const Ink& ink) {
@@ -111,6 +132,12 @@ void PlotCanvas::dashed(cv::Point2d a, cv::Point2d b, double width, double dash,
     line(a + (b - a) * (at / length), a + (b - a) * (std::min(at + dash, length) / length), width, ink);
 }
 
+void PlotCanvas::rectangle(const cv::Rect2d& area, const Ink& ink) {
+  const cv::Point2d a = area.tl(), b = area.br();
+  triangle(a, {b.x, a.y}, b, ink);
+  triangle(a, b, {a.x, b.y}, ink);
+}
+
 void PlotCanvas::triangle(cv::Point2d a, cv::Point2d b, cv::Point2d c, const Ink& ink) {
   if (corners_.size() >= kBatch) flush();
   for (const cv::Point2d& at : {a, b, c}) corner(at, 0, 0, 1, ink);
@@ -128,6 +155,36 @@ void PlotCanvas::flush() {
                GL_STREAM_DRAW);
   glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(corners_.size()));
   corners_.clear();
+}
+
+void PlotCanvas::set_points(const std::vector<Eigen::Vector3f>& points) {
+  context_.make_current();
+  glBindBuffer(GL_ARRAY_BUFFER, point_buffer_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points.size() * sizeof(points[0])), points.data(),
+               GL_STREAM_DRAW);
+}
+
+void PlotCanvas::points(size_t first, size_t count, size_t step, const Projection& project, double size,
+                        const Ink& ink) {
+  flush();
+  if (count == 0) return;
+  Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
+  const Projection::Matrix& m = project.matrix();
+  clip.row(0) = 2.0 * kScale / context_.width() * m.row(0) - m.row(2);
+  clip.row(1) = 2.0 * kScale / context_.height() * m.row(1) - m.row(2);
+  clip.row(3) = m.row(2);
+  const Eigen::Matrix4f clip_from_map = clip.cast<float>();
+  glUseProgram(point_program_);
+  glUniformMatrix4fv(glGetUniformLocation(point_program_, "clip_from_map"), 1, GL_FALSE, clip_from_map.data());
+  glUniform4f(glGetUniformLocation(point_program_, "ink"), ink.rgb[0] / 255.f, ink.rgb[1] / 255.f, ink.rgb[2] / 255.f,
+              static_cast<float>(ink.alpha));
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glPointSize(static_cast<float>(size * kScale));
+  glBindVertexArray(point_array_);
+  glBindBuffer(GL_ARRAY_BUFFER, point_buffer_);
+  attribute(0, 3, GL_FLOAT, false, step * sizeof(Eigen::Vector3f), first * sizeof(Eigen::Vector3f));
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>((count + step - 1) / step));
 }
 
 cv::Mat PlotCanvas::read() {

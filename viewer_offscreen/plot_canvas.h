@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Anti-aliased discs, lines and triangles in pixel coordinates, drawn by OpenGL at twice the size.
+// Anti-aliased discs, lines and triangles in pixel coordinates, and points in space, drawn by OpenGL at twice the size.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 
 #include "viewer_offscreen/offscreen_context.h"
+#include "viewer_offscreen/projection.h"
 
 namespace rumi {
 
@@ -24,10 +26,16 @@ class PlotCanvas {
   void clear(const cv::Vec3b& rgb);
   // Only what lies within is drawn from now on.
   void clip(const cv::Rect& panel);
+  void unclip();
   void disc(cv::Point2d center, double radius, const Ink& ink);
   void line(cv::Point2d a, cv::Point2d b, double width, const Ink& ink);
   void dashed(cv::Point2d a, cv::Point2d b, double width, double dash, const Ink& ink);
+  void rectangle(const cv::Rect2d& area, const Ink& ink);
   void triangle(cv::Point2d a, cv::Point2d b, cv::Point2d c, const Ink& ink);
+  // Points in space, kept until the next call.
+  void set_points(const std::vector<Eigen::Vector3f>& points);
+  // Of `count` of them from `first` every `step`th, squares of `size` pixels, where the projection puts them.
+  void points(size_t first, size_t count, size_t step, const Projection& project, double size, const Ink& ink);
   // kScale times as large as the canvas, BGR.
   cv::Mat read();
 
@@ -44,6 +52,7 @@ class PlotCanvas {
   OffscreenContext context_;
   std::vector<Corner> corners_;
   unsigned program_ = 0, vertex_array_ = 0, buffer_ = 0;
+  unsigned point_program_ = 0, point_array_ = 0, point_buffer_ = 0;
 };
 
 }  // namespace rumi

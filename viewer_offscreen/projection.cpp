@@ -34,7 +34,8 @@ Range landmark_range(const std::vector<const SubmapView*>& submaps, const Vector
   const size_t step = all / kMaxSamples + 1;
   std::vector<double> values;
   for (const SubmapView* s : submaps)
-    for (size_t i = 0; i < s->landmarks.size(); i += step) values.push_back((s->landmarks[i] - origin).dot(direction));
+    for (size_t i = 0; i < s->landmarks.size(); i += step)
+      values.push_back((s->landmarks[i].cast<double>() - origin).dot(direction));
   Range range;
   if (values.empty()) return range;
   const size_t cut = static_cast<size_t>(kOutlierShare * static_cast<double>(values.size()));
@@ -81,7 +82,7 @@ PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps) {
       sum += p.position;
       ++n;
     }
-    for (const SE3& pose : s->keyframe_poses) up -= pose.rotation * Vector3d::UnitY();
+    for (const KeyframeView& view : s->keyframe_poses) up -= view.map_from_cam.rotation * Vector3d::UnitY();
   }
   if (n == 0) return plane;
   plane.center = sum / n;
@@ -113,21 +114,63 @@ PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps) {
   return plane;
 }
 
-Projection::Projection(const PrincipalPlane& plane, double azimuth_rad, double elevation_rad, const cv::Rect& panel,
-                       const std::vector<const SubmapView*>& submaps)
-    : panel_center_(panel.x + panel.width / 2.0, panel.y + panel.height / 2.0) {
+Projection Projection::parallel(const PrincipalPlane& plane, double azimuth_rad, double elevation_rad,
+                                const cv::Rect& panel, const std::vector<const SubmapView*>& submaps) {
   const double ca = std::cos(azimuth_rad), sa = std::sin(azimuth_rad), ce = std::cos(elevation_rad),
                se = std::sin(elevation_rad);
-  right_ = plane.axes * Vector3d(ca, sa, 0);
-  up_ = plane.axes * Vector3d(-sa * se, ca * se, ce);
-  const Range x = fitted_range(submaps, plane.center, right_, plane.extent),
-              y = fitted_range(submaps, plane.center, up_, plane.extent);
-  origin_ = plane.center;
-  if (!x.empty()) origin_ += right_ * (x.low + x.high) / 2 + up_ * (y.low + y.high) / 2;
+  const Vector3d right = plane.axes * Vector3d(ca, sa, 0), up = plane.axes * Vector3d(-sa * se, ca * se, ce);
+  const Range x = fitted_range(submaps, plane.center, right, plane.extent),
+              y = fitted_range(submaps, plane.center, up, plane.extent);
+  Vector3d origin = plane.center;
+  if (!x.empty()) origin += right * (x.low + x.high) / 2 + up * (y.low + y.high) / 2;
   constexpr double kMargin = 0.9;
-  const double smallest = 1e-6 * plane.extent;
-  scale_ = kMargin * std::min(panel.width / std::max({x.size(), smallest, 0.1 * plane.extent}),
-                              panel.height / std::max({y.size(), smallest, 0.1 * plane.extent}));
+  const double smallest = 0.1 * plane.extent;
+  const double scale =
+      kMargin * std::min(panel.width / std::max(x.size(), smallest), panel.height / std::max(y.size(), smallest));
+  Projection project;
+  project.scale_ = scale;
+  project.matrix_.row(0) << scale * right.transpose(), panel.x + panel.width / 2.0 - scale * right.dot(origin);
+  project.matrix_.row(1) << -scale * up.transpose(), panel.y + panel.height / 2.0 + scale * up.dot(origin);
+  project.matrix_(2, 3) = 1;
+  return project;
+}
+
+Projection Projection::follow(const PrincipalPlane& plane, const SE3& map_from_cam, const cv::Rect& panel) {
+  constexpr double kBehind = 0.34, kAbove = 0.14, kAhead = 0.6;  // of the extent
+  constexpr double kField = 1.0;                                 // panel width at distance 1
+  const Vector3d forward = map_from_cam.rotation * Vector3d::UnitZ();
+  Vector3d up = plane.axes.col(2);
+  if (std::abs(forward.dot(up)) > 0.9) up = -(map_from_cam.rotation * Vector3d::UnitY());
+  const Vector3d at = map_from_cam.translation;
+  const Vector3d eye = at + plane.extent * (kAbove * up - kBehind * forward);
+  const Vector3d z = (at + plane.extent * kAhead * forward - eye).normalized(), x = z.cross(up).normalized(),
+                 y = z.cross(x);
+  const double focal = panel.width / kField;
+  const Eigen::RowVector3d depth = z.transpose();
+  Projection project;
+  const auto row = [&](const Vector3d& axis, double center) -> Eigen::RowVector4d {
+    const Eigen::RowVector3d direction = focal * axis.transpose() + center * depth;
+    return (Eigen::RowVector4d() << direction, -direction.dot(eye)).finished();
+  };
+  project.matrix_.row(0) = row(x, panel.x + panel.width / 2.0);
+  project.matrix_.row(1) = row(y, panel.y + panel.height / 2.0);
+  project.matrix_.row(2) << depth, -depth.dot(eye);
+  project.near_ = 0.02 * plane.extent;
+  return project;
+}
+
+cv::Point2d Projection::operator()(const Vector3d& map) const {
+  const Vector3d p = matrix_ * map.homogeneous();
+  return {p.x() / p.z(), p.y() / p.z()};
+}
+
+bool Projection::clip(Vector3d* a, Vector3d* b) const {
+  const double da = depth(*a) - near_, db = depth(*b) - near_;
+  if (!(da >= 0 || db >= 0)) return false;
+  const Vector3d cut = *a + (*b - *a) * (da / (da - db));
+  if (da < 0) *a = cut;
+  if (db < 0) *b = cut;
+  return true;
 }
 
 double round_length(double length) {

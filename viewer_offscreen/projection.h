@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "viewer_offscreen/scene.h"
@@ -20,23 +21,31 @@ struct PrincipalPlane {
 };
 PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps);
 
-// Parallel projection onto a panel.
+// From the map to pixels of the picture: (x, y) = (X, Y) / W with (X, Y, W) = matrix * (map, 1).
 class Projection {
  public:
-  // Looks along the plane's normal (elevation 90 degrees) or from a lower elevation, turned by azimuth. Fitted to the
-  // trajectories and to the landmarks without their outliers.
-  Projection(const PrincipalPlane& plane, double azimuth_rad, double elevation_rad, const cv::Rect& panel,
-             const std::vector<const SubmapView*>& submaps);
-  cv::Point2d operator()(const Eigen::Vector3d& map) const {
-    const Eigen::Vector3d p = map - origin_;
-    return {panel_center_.x + scale_ * p.dot(right_), panel_center_.y - scale_ * p.dot(up_)};
-  }
-  double scale() const { return scale_; }  // pixels per unit
+  using Matrix = Eigen::Matrix<double, 3, 4>;
+
+  // Parallel. Looks along the plane's normal (elevation 90 degrees) or from a lower elevation, turned by azimuth.
+  // Fitted to the trajectories and to the landmarks without their outliers.
+  static Projection parallel(const PrincipalPlane& plane, double azimuth_rad, double elevation_rad,
+                             const cv::Rect& panel, const std::vector<const SubmapView*>& submaps);
+  // Perspective, from behind and above a camera onto what it sees, with the plane's horizon level.
+  static Projection follow(const PrincipalPlane& plane, const SE3& map_from_cam, const cv::Rect& panel);
+
+  // Meaningful in front of the viewer.
+  cv::Point2d operator()(const Eigen::Vector3d& map) const;
+  // Cuts off what is behind the viewer. False if nothing is left.
+  bool clip(Eigen::Vector3d* a, Eigen::Vector3d* b) const;
+  const Matrix& matrix() const { return matrix_; }
+  // Pixels per unit across the panel; nothing in perspective, where there is no one scale.
+  std::optional<double> scale() const { return scale_; }
 
  private:
-  Eigen::Vector3d origin_, right_, up_;
-  cv::Point2d panel_center_;
-  double scale_ = 1;
+  double depth(const Eigen::Vector3d& map) const { return matrix_.row(2) * map.homogeneous(); }
+  Matrix matrix_ = Matrix::Zero();
+  double near_ = 0;
+  std::optional<double> scale_;
 };
 
 // 1, 2 or 5 times a power of ten, near `length`.

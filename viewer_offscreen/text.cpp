@@ -26,6 +26,17 @@ void draw_text(cv::Mat& large, cv::Point2d at, const std::string& text, const Te
               thickness(style), cv::LINE_AA);
 }
 
+void draw_label(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style) {
+  const double pad = 3, k = PlotCanvas::kScale;
+  const cv::Rect2d plate(at.x - pad, at.y - style.height_px - pad, text_width(text, style) + 2 * pad,
+                         style.height_px + 2 * pad + 1);
+  const cv::Rect pixels = cv::Rect(cv::Rect2d(plate.x * k, plate.y * k, plate.width * k, plate.height * k)) &
+                          cv::Rect(0, 0, large.cols, large.rows);
+  cv::Mat under = large(pixels);
+  cv::addWeighted(under, 0.2, cv::Mat(under.size(), under.type(), cv::Scalar::all(255)), 0.8, 0, under);
+  draw_text(large, at, text, style);
+}
+
 double text_width(const std::string& text, const TextStyle& style) {
   return cv::getTextSize(text, kFont, font_scale(style), thickness(style), nullptr).width / double(PlotCanvas::kScale);
 }

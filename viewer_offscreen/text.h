@@ -15,6 +15,8 @@ struct TextStyle {
 
 // `at` is the left end of the base line. Letters outside ASCII become '?'.
 void draw_text(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
+// The same on a pale plate, to be read on whatever is there.
+void draw_label(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
 double text_width(const std::string& text, const TextStyle& style);
 // The text, or as much of it as fits in width, with "..." at its end.
 std::string fit_text(const std::string& text, double width, const TextStyle& style);

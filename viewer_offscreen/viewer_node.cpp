@@ -18,6 +18,7 @@ namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
+constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
 
 }  // namespace
 
@@ -27,6 +28,12 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
       name_(unique_process_name("viewer_offscreen")),
       receiver_(bus, channels::kMapChunk, channels::kMapAck, name_, false,
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+  if (options.series && options.output.empty())
+    throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
+  if (options.series) series_.emplace(options.output, options.video_fps);
+  if (options.camera)
+    bus.subscribe<image_t>(channels::kCamera, {.capacity = kImagesWhileDrawing, .drop = DropPolicy::kDropOldest},
+                           [this](const image_t& image) { images_.add(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
   bus.subscribe<map_status_t>(channels::kMapStatus, {.capacity = 4, .drop = DropPolicy::kDropOldest},
@@ -34,13 +41,22 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
 }
 
 void ViewerNode::on_track(const track_t& track) {
-  frames_.insert(track.utime);
+  note_frame(track);
+  images_.add(track);
   last_utime_us_ = std::max(last_utime_us_, track.utime);
   changed_ = true;
   if (track.state == track_t::TRACKING && from_wire(track.cam_from_submap))
     live_ = track;
   else
     live_.reset();
+}
+
+void ViewerNode::note_frame(const track_t& track) {
+  const FrameNote note{track.utime, track.state, {track.session, track.submap_id}};
+  if (frames_.empty() || frames_.back().utime_us < track.utime) return frames_.push_back(note);
+  const auto at = std::lower_bound(frames_.begin(), frames_.end(), track.utime,
+                                   [](const FrameNote& f, int64_t utime_us) { return f.utime_us < utime_us; });
+  if (at->utime_us != track.utime) frames_.insert(at, note);  // told of twice: the first time counts
 }
 
 void ViewerNode::on_map_status(const map_status_t& status) {
@@ -51,6 +67,12 @@ void ViewerNode::on_map_status(const map_status_t& status) {
     listed[key].summary = summary;
   }
   copies_ = std::move(listed);  // what is not listed any more is gone
+  links_.clear();
+  for (const link_t& link : status.links)
+    links_.push_back({{link.session_a, link.submap_a},
+                      {link.session_b, link.submap_b},
+                      link.kind == link_t::SAME_IMAGES,
+                      link.accepted != 0});
   changed_ = true;
   status_since_finish_ = phase_ == Phase::kFinishing;
 }
@@ -118,6 +140,7 @@ void ViewerNode::tick(int64_t now_us) {
   if (phase_ == Phase::kFinishing) {
     if ((status_since_finish_ && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
       draw();
+      if (series_) series_->finish();
       phase_ = Phase::kFinished;
     }
     return;
@@ -141,9 +164,7 @@ void ViewerNode::finish() {
   bus_.publish(channels::kMapRequest, request);
 }
 
-void ViewerNode::draw() {
-  const auto start = std::chrono::steady_clock::now();
-  changed_ = false;
+MapPicture ViewerNode::picture() const {
   MapPicture picture;
   for (const auto& [key, copy] : copies_) {
     const std::optional<Sim3> place = copy.summary.in_map ? from_wire(copy.summary.map_from_submap) : std::nullopt;
@@ -151,19 +172,34 @@ void ViewerNode::draw() {
     if (live_ && key == SubmapKey{live_->session, live_->submap_id} && place)
       picture.camera = place->transform_camera(*from_wire(live_->cam_from_submap)).inverse();
   }
-  picture.frame_utimes_us.assign(frames_.begin(), frames_.end());
+  picture.frames = frames_;
+  picture.links = links_;
+  picture.camera_view = images_.view(frames_.empty() ? last_utime_us_ : frames_.front().utime_us, [&](SubmapKey key) {
+    const auto copy = copies_.find(key);
+    return copy == copies_.end() ? nullptr : &copy->second.submap;
+  });
+  return picture;
+}
+
+void ViewerNode::draw() {
+  const auto start = std::chrono::steady_clock::now();
+  changed_ = false;
   try {
     if (!renderer_) renderer_.emplace();
-    const cv::Mat image = renderer_->draw(make_scene(picture));
+    const cv::Mat image = renderer_->draw(make_scene(picture()));
     ++pictures_;
     bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image, options_.jpeg_quality));
-    report(options_.output.empty()
-               ? ""
-               : write_png(image, (std::filesystem::path(options_.output) / "trajectory.png").string()));
+    report(write(image));
   } catch (const std::exception& e) {  // no OpenGL, no memory: the map is not ours to endanger
     report(e.what());
   }
   draw_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string ViewerNode::write(const cv::Mat& image) {
+  if (options_.output.empty()) return {};
+  const std::string error = write_png(image, (std::filesystem::path(options_.output) / "trajectory.png").string());
+  return series_ && error.empty() ? series_->add(image) : error;
 }
 
 // Said once when it begins and once when it is over, not with every picture.

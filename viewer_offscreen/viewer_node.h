@@ -4,21 +4,24 @@
 
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
+#include <vector>
 
 #include "bus/chunked_transfer.h"
 #include "bus/process.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "slam/map/submap.h"
+#include "viewer_offscreen/camera_images.h"
 #include "viewer_offscreen/options.h"
+#include "viewer_offscreen/picture_series.h"
 #include "viewer_offscreen/renderer.h"
 
 namespace rumi {
 
 class ViewerNode : public Node {
  public:
+  // Throws std::runtime_error for options that contradict each other.
   ViewerNode(Bus& bus, const ViewerOptions& options);
 
   void tick(int64_t now_us) override;
@@ -49,12 +52,15 @@ class ViewerNode : public Node {
   };
 
   void on_track(const track_t& track);
+  void note_frame(const track_t& track);
   void on_map_status(const map_status_t& status);
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   bool is_time_to_ask(const Copy& copy, int64_t now_us) const;
   void request_missing(int64_t now_us);
   bool complete() const;
+  MapPicture picture() const;
   void draw();
+  std::string write(const cv::Mat& image);
   void report(const std::string& trouble);
 
   Bus& bus_;
@@ -62,8 +68,11 @@ class ViewerNode : public Node {
   std::string name_;
   ChunkReceiver receiver_;
   std::optional<Renderer> renderer_;
+  std::optional<PictureSeries> series_;
+  CameraImages images_;
   std::map<SubmapKey, Copy> copies_;
-  std::set<int64_t> frames_;  // all heard of, utime_us
+  std::vector<FrameNote> frames_;  // all heard of, by time
+  std::vector<MapPicture::Link> links_;
   std::optional<track_t> live_;
   bool changed_ = false;
   Phase phase_ = Phase::kRunning;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rumi/synth/rasterizer.h"
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
-
 #include <array>
 #include <cstddef>
+
+#include "viewer_offscreen/gl.h"
 
 namespace rumi {
 namespace {

@@ -121,7 +121,7 @@ TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
   const Eigen::Vector3d raw = other.landmarks.at(3).position;
   EXPECT_EQ(shown.picture.submaps[0].submap->landmarks.at(3).position, 2 * raw + Eigen::Vector3d(10, 0, 0));
   EXPECT_EQ(shown.picture.submaps[1].submap->landmarks.at(3).position, raw);
-  EXPECT_EQ(shown.picture.frame_utimes_us.size(), 5u);
+  EXPECT_EQ(shown.picture.frames.size(), 5u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "slam/map/submap.h"
+#include "viewer_offscreen/timeline.h"
 
 namespace rumi {
 
@@ -15,6 +16,7 @@ inline Submap make_test_submap(int id, double begin_s, double end_s, const std::
                                int landmarks) {
   Submap submap;
   submap.key = {1, id};
+  submap.kind = id < 0 ? SubmapKind::kBack : SubmapKind::kFront;
   submap.camera.width = 640;
   submap.camera.height = 480;
   submap.camera.fx = submap.camera.fy = 525;
@@ -59,10 +61,10 @@ inline Eigen::Vector3d test_circle(double t) {
   return {1.5 * std::cos(0.3 * t), 1.2 * std::sin(0.3 * t), 0.08 * std::sin(1.1 * t)};
 }
 
-inline std::vector<int64_t> test_utimes(double begin_s, double end_s) {
-  std::vector<int64_t> all;
+inline std::vector<FrameNote> test_frames(double begin_s, double end_s) {
+  std::vector<FrameNote> all;
   for (int i = static_cast<int>(std::lround(begin_s * 30)); i < static_cast<int>(std::lround(end_s * 30)); ++i)
-    all.push_back(1'000'000 + static_cast<int64_t>(i) * 33'333);
+    all.push_back({1'000'000 + static_cast<int64_t>(i) * 33'333, FrameNote::kUnknownState, {}});
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include <filesystem>
+#include <opencv2/videoio.hpp>
 
 #include "bus/image_codec.h"
 #include "bus/memory_bus.h"
@@ -107,7 +108,7 @@ TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
   run(node, 3);
   ASSERT_GE(images_.size(), 1u);
   EXPECT_EQ(images_.back().width, 1280);
-  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(SubmapKind::kFront, 0)), 300);
   EXPECT_TRUE(fs::exists(folder_ + "/trajectory.png"));
   EXPECT_FALSE(node.status().degraded);
   // Only what is new is asked for, and nothing when there is nothing new.
@@ -166,7 +167,7 @@ TEST_F(ViewerNodeTest, DrawsALastPictureOfTheNewestMap) {
   run(node, 2);
   EXPECT_TRUE(node.finished());
   ASSERT_EQ(images_.size(), 1u);
-  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(SubmapKind::kFront, 0)), 300);
 }
 
 TEST_F(ViewerNodeTest, EndsWithoutAMapServer) {
@@ -188,7 +189,7 @@ TEST_F(ViewerNodeTest, GarbageIsRejectedAndAskedForAgain) {
   publish_status();
   run(node, 6);
   EXPECT_GE(requests_.size(), 2u);
-  EXPECT_GT(colour_pixels(images_.back(), submap_color(0)), 300);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(SubmapKind::kFront, 0)), 300);
 }
 
 TEST_F(ViewerNodeTest, AFolderThatIsNotThereIsReportedAndSurvived) {
@@ -205,6 +206,116 @@ TEST_F(ViewerNodeTest, AFolderThatIsNotThereIsReportedAndSurvived) {
   publish_tracks();
   run(node, 3);
   EXPECT_GT(images_.size(), before);
+  EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, LinksOfTheStatusAreDrawnAndNonsenseIsSurvived) {
+  ViewerNode node(bus_, options_);
+  link_t link{};
+  link.session_a = link.session_b = 1;
+  link.submap_a = 1;
+  link.submap_b = 77;  // there is none
+  link.kind = 99;
+  link.accepted = true;
+  map_status_t status{};
+  status.utime = bus_.now_us();
+  status.nlinks = 1;
+  status.links = {link};
+  bus_.publish(channels::kMapStatus, status);
+  track_t track{};
+  track.state = 99;
+  track.submap_id = -12345;
+  track.utime = 5'000'000;
+  bus_.publish(channels::kTrack, track);
+  track.utime = 1'000'000;  // goes back in time
+  bus_.publish(channels::kTrack, track);
+  run(node, 3);
+  EXPECT_GE(images_.size(), 1u);
+  EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, ShowsTheLatestKeyframesImageWithItsKeypoints) {
+  Keyframe& keyframe = submap_.keyframes.rbegin()->second;
+  auto features = std::make_shared<Features>();
+  features->keypoints.push_back({.pixel = {320, 240}});
+  features->descriptors.resize(1);
+  features->undistort(submap_.camera);
+  keyframe.features = features;
+  keyframe.landmark_ids = {kNone};
+  ASSERT_TRUE(submap_.add_observation(5, keyframe.id, 0));
+  ViewerNode node(bus_, options_);
+  const cv::Mat plain(480, 640, CV_8UC3, cv::Scalar(40, 160, 240));
+  bus_.publish(channels::kCamera, make_rgb_image(keyframe.utime_us, plain));
+  bus_.dispatch();
+  track_t track{};
+  track.utime = keyframe.utime_us;
+  track.session = 1;
+  track.submap_id = 1;
+  track.state = track_t::TRACKING;
+  track.is_keyframe = true;
+  track.cam_from_submap = to_wire(SE3());
+  bus_.publish(channels::kTrack, track);
+  bus_.dispatch();
+  image_t broken = make_rgb_image(keyframe.utime_us + 33'333, plain);
+  broken.data.resize(10);
+  broken.size = 10;
+  bus_.publish(channels::kCamera, broken);
+  publish_status();
+  run(node, 3);
+  ASSERT_GE(images_.size(), 1u);
+  EXPECT_GT(colour_pixels(images_.back(), {240, 160, 40}), 50'000);
+  const cv::Rect room = layout_all(true).camera;
+  const cv::Mat picture = decode_bgr(images_.back(), nullptr);
+  const cv::Vec3b mark = picture.at<cv::Vec3b>(room.y + room.height / 2, room.x + room.width / 2);
+  EXPECT_LT(mark[2], 120);  // no orange there
+  // Much later it is too old to be shown, and what is latest cannot be decoded: no image.
+  image_t later = broken;
+  later.utime += 10'000'000;
+  bus_.publish(channels::kCamera, later);
+  publish_tracks();
+  run(node, 3);
+  EXPECT_EQ(colour_pixels(images_.back(), {240, 160, 40}), 0);
+  EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, KeepsASeriesAtItsRate) {
+  options_.series = true;
+  options_.interval_s = 0.5;
+  ViewerNode node(bus_, options_);
+  for (int i = 0; i < 4; ++i) {
+    publish_tracks();
+    publish_status();
+    run(node, 0.5);
+  }
+  node.finish();
+  run(node, 3);
+  ASSERT_TRUE(node.finished());
+  EXPECT_GE(node.pictures(), 4);
+  EXPECT_EQ(static_cast<size_t>(node.pictures()), images_.size());
+  cv::VideoCapture video(folder_ + "/trajectory.mp4");
+  cv::Mat frame;
+  int64_t frames = 0;
+  while (video.read(frame)) ++frames;
+  EXPECT_EQ(frames, node.pictures());
+  EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, ASeriesNeedsAFolder) {
+  options_.series = true;
+  options_.output.clear();
+  EXPECT_THROW(ViewerNode(bus_, options_), std::runtime_error);
+}
+
+TEST_F(ViewerNodeTest, WithoutOpenGlItSaysSoAndGoesOn) {
+  setenv("RUMI_OPENGL", "none", 1);
+  ViewerNode node(bus_, options_);
+  publish_status();
+  run(node, 3);
+  unsetenv("RUMI_OPENGL");
+  EXPECT_TRUE(node.status().degraded);
+  EXPECT_THAT(node.status().detail, testing::HasSubstr("RUMI_OPENGL"));
+  publish_tracks();
+  run(node, 3);
   EXPECT_FALSE(node.status().degraded);
 }
 

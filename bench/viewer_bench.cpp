@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pictures a second of a map of 100 000 landmarks, 1000 keyframes and 10 000 frames, at 1280 x 720: all that
+// viewer_offscreen does for one picture, and its parts.
+#include <benchmark/benchmark.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "bus/image_codec.h"
+#include "tests/viewer_offscreen/test_map.h"
+#include "viewer_offscreen/draw_map.h"
+#include "viewer_offscreen/renderer.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kLandmarks = 100'000, kKeypoints = 800, kTrack = 8;  // a landmark is seen by so many keyframes
+
+Submap large_submap() {
+  Submap submap = make_test_submap(1, 0, 10'000 / 30.0, test_circle, kLandmarks);
+  std::map<int, int> used;
+  for (auto& [id, keyframe] : submap.keyframes) {
+    auto features = std::make_shared<Features>();
+    features->keypoints.resize(kKeypoints);
+    keyframe.features = features;
+    keyframe.landmark_ids.assign(kKeypoints, kNone);
+  }
+  const int keyframes = static_cast<int>(submap.keyframes.size());
+  for (int id = 0; id < kLandmarks; ++id) {
+    const int first = static_cast<int>(static_cast<int64_t>(id) * keyframes / kLandmarks);
+    for (int k = first; k < std::min(keyframes, first + kTrack); ++k)
+      if (used[k] < kKeypoints) submap.add_observation(id, k, used[k]++);
+  }
+  return submap;
+}
+
+const Submap& shared_submap() {
+  static const Submap submap = large_submap();
+  return submap;
+}
+
+MapPicture shared_picture() {
+  MapPicture picture{.submaps = {{&shared_submap(), true}}, .frames = test_frames(0, 10'000 / 30.0)};
+  picture.camera_view.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(120));
+  return picture;
+}
+
+void BM_Scene(benchmark::State& state) {
+  const MapPicture picture = shared_picture();
+  for (auto _ : state) benchmark::DoNotOptimize(make_scene(picture));
+}
+
+void BM_Draw(benchmark::State& state) {
+  const Scene scene = make_scene(shared_picture());
+  Renderer renderer;
+  for (auto _ : state) benchmark::DoNotOptimize(renderer.draw(scene));
+}
+
+void BM_Jpeg(benchmark::State& state) {
+  const cv::Mat image = draw_map(shared_picture());
+  for (auto _ : state) benchmark::DoNotOptimize(make_jpeg_image(0, image, 90));
+}
+
+void BM_Png(benchmark::State& state) {
+  const cv::Mat image = draw_map(shared_picture());
+  for (auto _ : state) benchmark::DoNotOptimize(encode_png(image));
+}
+
+void BM_WholePicture(benchmark::State& state) {
+  const MapPicture picture = shared_picture();
+  Renderer renderer;
+  for (auto _ : state) {
+    const cv::Mat image = renderer.draw(make_scene(picture));
+    benchmark::DoNotOptimize(make_jpeg_image(0, image, 90));
+    benchmark::DoNotOptimize(encode_png(image));
+  }
+  state.counters["pictures/s"] =
+      benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
+}
+
+BENCHMARK(BM_Scene)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(BM_Draw)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(BM_Jpeg)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(BM_Png)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+BENCHMARK(BM_WholePicture)->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime()->UseRealTime();
+
+}  // namespace
+}  // namespace rumi

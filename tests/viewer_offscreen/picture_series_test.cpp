@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer_offscreen/picture_series.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PictureSeriesTest : public testing::Test {
+ protected:
+  PictureSeriesTest() {
+    std::string name = (fs::temp_directory_path() / "rumi-series-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+  }
+  ~PictureSeriesTest() override { fs::remove_all(folder_); }
+  static cv::Mat picture(int shade) { return {72, 128, CV_8UC3, cv::Scalar::all(shade)}; }
+  fs::path folder_;
+};
+
+TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
+  PictureSeries series(folder_, 5);
+  for (int i = 0; i < 7; ++i) ASSERT_EQ(series.add(picture(20 + 30 * i)), "");
+  series.finish();
+  EXPECT_EQ(series.size(), 7);
+  for (int i = 0; i < 7; ++i) {
+    const cv::Mat read = cv::imread((folder_ / "pictures" / ("00000" + std::to_string(i + 1) + ".png")).string());
+    ASSERT_EQ(read.size(), cv::Size(128, 72));
+    EXPECT_EQ(read.at<cv::Vec3b>(9, 9)[1], 20 + 30 * i);
+  }
+  cv::VideoCapture video((folder_ / "trajectory.mp4").string());
+  EXPECT_NEAR(video.get(cv::CAP_PROP_FPS), 5, 1e-6);
+  cv::Mat frame;
+  int frames = 0;
+  for (; video.read(frame); ++frames) EXPECT_NEAR(frame.at<cv::Vec3b>(36, 64)[1], 20 + 30 * frames, 8);
+  EXPECT_EQ(frames, 7);
+}
+
+TEST_F(PictureSeriesTest, ANewSeriesReplacesTheOldOneAndNothingElse) {
+  {
+    PictureSeries series(folder_, 5);
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(series.add(picture(9)), "");
+  }
+  std::ofstream(folder_ / "pictures" / "mine.png") << "x";
+  PictureSeries series(folder_, 5);
+  ASSERT_EQ(series.add(picture(9)), "");
+  series.finish();
+  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
+  EXPECT_FALSE(fs::exists(folder_ / "pictures" / "000002.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "mine.png"));
+}
+
+TEST_F(PictureSeriesTest, SaysWhatCannotBeWritten) {
+  PictureSeries lost((folder_ / "missing").string(), 5);
+  EXPECT_THAT(lost.add(picture(9)), testing::HasSubstr("missing/pictures"));
+  fs::create_directory(folder_ / "missing");
+  EXPECT_EQ(lost.add(picture(9)), "");  // it is there now
+  std::ofstream(folder_ / "pictures") << "a file";
+  EXPECT_THAT(PictureSeries(folder_, 5).add(picture(9)), testing::HasSubstr("pictures"));
+}
+
+TEST_F(PictureSeriesTest, WithoutAVideoThereAreStillThePictures) {
+  fs::create_directory(folder_ / "trajectory.mp4");  // in its way
+  PictureSeries series(folder_, 5);
+  EXPECT_THAT(series.add(picture(9)), testing::HasSubstr("trajectory.mp4"));
+  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
+}
+
+}  // namespace
+}  // namespace rumi
