@@ -84,7 +84,12 @@ void MapMerger::run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement
   for (const auto& [key, copy] : copies_) submaps[key] = copy.get();
   builder_.find_links(submaps);
   BuiltMap built = builder_.build(submaps, placed, scope);
-  result_ = {std::move(built.placements), builder_.links(), built.report, scope, thread_cpu_s() - start_s};
+  result_ = {.placements = std::move(built.placements),
+             .culled = std::move(built.culled),
+             .links = builder_.links(),
+             .report = built.report,
+             .scope = scope,
+             .cpu_s = thread_cpu_s() - start_s};
   done_ = true;
 }
 
@@ -94,6 +99,7 @@ std::optional<MergeResult> MapMerger::end() {
   if (cancel_) return std::nullopt;
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
   views_ = std::max(views_, result_.report.views);
+  for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
   return std::move(result_);
 }
 

@@ -18,6 +18,7 @@ namespace rumi {
 
 struct MergeResult {
   std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
+  CulledSubmaps culled;                       // take the place of these; placed like that
   std::vector<Link> links;
   MapBuildReport report;
   MapBuilder::Scope scope = MapBuilder::Scope::kWeld;

@@ -187,6 +187,15 @@ MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px) 
   return Joiner(submaps, static_cast<float>(same_px)).run();
 }
 
+void forget_removed(const std::map<SubmapKey, PlacedSubmap>& submaps, MapModel* model) {
+  for (MapModel::View& view : model->views)
+    std::erase_if(view.keyframes,
+                  [&](const KeyframeRef& ref) { return !submaps.at(ref.submap).submap->keyframe(ref.id); });
+  for (MapModel::Point& point : model->points)
+    std::erase_if(point.landmarks,
+                  [&](const LandmarkRef& ref) { return !submaps.at(ref.submap).submap->landmark(ref.id); });
+}
+
 std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps) {
   std::map<SubmapKey, Placement> placements;
   std::map<SubmapKey, std::map<int, int>> point_of;

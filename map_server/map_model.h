@@ -58,6 +58,9 @@ struct PlacedSubmap {
 // the same image or point differently, the back submap is believed: it was made with more time, and of all frames.
 MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px);
 
+// Forgets which keyframes and landmarks the views and points are where the submaps no longer have them.
+void forget_removed(const std::map<SubmapKey, PlacedSubmap>& submaps, MapModel* model);
+
 // Where the model puts the keyframes and landmarks of the submaps that it was joined from. The scale at a keyframe is
 // the median over its landmarks, that before where there are too few.
 std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps);

@@ -128,6 +128,7 @@ void MapServerNode::absorb(MergeResult result) {
   atlas_.set_links(std::move(result.links));
   if (!result.placements.empty()) {
     const int64_t frames_before = atlas_.frames_in_map();
+    cull(result.culled);
     const size_t submaps = result.placements.size();
     atlas_.place_map(std::move(result.placements));
     spdlog::info(
@@ -137,6 +138,19 @@ void MapServerNode::absorb(MergeResult result) {
     publish_map_status();
   }
   save();
+}
+
+void MapServerNode::cull(const CulledSubmaps& culled) {
+  for (const auto& [key, left] : culled) {
+    const Submap& all = atlas_.find(key)->submap;
+    spdlog::info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
+                 all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
+                 all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
+    atlas_.change_submap(key, [&](Submap* submap) {
+      if (submap->revision + 1 == left->revision) *submap = *left;
+      return std::string();
+    });
+  }
 }
 
 void MapServerNode::tick(int64_t now_us) {

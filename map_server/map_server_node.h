@@ -40,6 +40,7 @@ class MapServerNode : public Node {
   void on_track(const track_t& track);
   void merge(int64_t now_us);
   void absorb(MergeResult result);
+  void cull(const CulledSubmaps& culled);
   void on_request(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
   void wait_for_merge(const map_request_t& request);

@@ -22,7 +22,8 @@ namespace rumi {
 namespace {
 
 constexpr const char* kInMemory = ":memory:";
-constexpr int kBusyTimeoutMs = 2000;  // for a reader (the sqlite3 tool, a backup) to get out of the way
+constexpr int64_t kPagesPerFreeOne = 10;  // more free pages than every tenth are given back to the file system
+constexpr int kBusyTimeoutMs = 2000;      // for a reader (the sqlite3 tool, a backup) to get out of the way
 
 std::string holder_of(int fd) {
   char text[32] = {};
@@ -100,6 +101,7 @@ void MapStore::open() {
         file_, version, kMapSchemaVersion));
   if (const std::string wrong = is_new ? "ok" : db_.text("PRAGMA quick_check(1)"); wrong != "ok")
     throw SqliteError(SQLITE_CORRUPT, wrong);
+  if (is_new) db_.execute("PRAGMA auto_vacuum = INCREMENTAL");  // or never
   db_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
   // A readable but not writable file must be refused now, not when the first update comes: hence the transaction, also
   // where there is nothing to do.
@@ -148,6 +150,15 @@ int64_t MapStore::stored_revision(SubmapKey key) const {
 }
 
 int64_t MapStore::bytes() { return db_.integer("PRAGMA page_count") * db_.integer("PRAGMA page_size"); }
+
+void MapStore::give_back_pages() {
+  try {
+    if (db_.integer("PRAGMA freelist_count") * kPagesPerFreeOne > db_.integer("PRAGMA page_count"))
+      db_.execute("PRAGMA incremental_vacuum");
+  } catch (const SqliteError&) {
+    return;  // nothing is lost by it; after the next save() again
+  }
+}
 
 void MapStore::limit_bytes(int64_t bytes) {
   const int64_t pages = std::max<int64_t>(1, bytes / db_.integer("PRAGMA page_size"));

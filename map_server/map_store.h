@@ -78,6 +78,7 @@ class MapStore {
   void load_elements(int64_t row, Submap* submap);
   void load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
   void load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
+  void give_back_pages();
   std::string explain(const SqliteError& error) const;
 
   std::string file_;
