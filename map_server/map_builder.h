@@ -71,6 +71,10 @@ class MapBuilder {
 
   using Submaps = std::map<SubmapKey, const Submap*>;
 
+  // A map of an earlier session, that stays as it is to the bit: what comes is placed in it. These submaps must be
+  // among the placed ones in every build(). Nothing is culled then.
+  void fix(std::set<SubmapKey> submaps);
+
   // Looks at every pair of submaps of which one has changed since it was looked at, and for the place of every keyframe
   // that is new.
   void find_links(const Submaps& submaps);
@@ -119,7 +123,9 @@ class MapBuilder {
   bool drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2);
   void fuse_places(Placed* submaps) const;
   std::vector<int> weld_window(const MapModel& model) const;
-  MapBuildReport adjust(const std::vector<int>& window, MapModel* model) const;
+  // What is adjusted; none: all.
+  std::vector<int> window_of(Scope scope, const MapModel& model) const;
+  MapBuildReport adjust(Scope scope, MapModel* model) const;
   // Leaves what the adjusted map can do without out of its back submaps, and of all else. Whatever was joined to them
   // could be joined to what is left.
   CulledSubmaps cull(const Submaps& submaps, Placed* placed, MapModel* model, Placements* placements);
@@ -133,6 +139,7 @@ class MapBuilder {
   const std::atomic<bool>* cancel_;
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
   PlaceSearch places_;
+  std::set<SubmapKey> fixed_;
   std::set<SubmapKey> built_;                     // the submaps of the last build
   size_t built_places_ = 0;                       // and how many places were known then
   std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first

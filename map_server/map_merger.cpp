@@ -25,9 +25,15 @@ MapMerger::~MapMerger() {
   if (thread_.joinable()) thread_.join();
 }
 
+void MapMerger::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) {
+  fixed_ = std::move(all);
+  builder_.fix(in_map);
+}
+
 bool MapMerger::has_news(const Atlas& atlas) const {
   if (!options_.enabled) return false;
   return std::any_of(atlas.submaps().begin(), atlas.submaps().end(), [this](const auto& item) {
+    if (fixed_.contains(item.first)) return false;
     const auto copy = copies_.find(item.first);
     return copy == copies_.end() || copy->second->revision != item.second.submap.revision;
   });
@@ -58,6 +64,7 @@ std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
 void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
   std::map<SubmapKey, Placement> placed;
   for (const auto& [key, owner] : atlas.submaps()) {
+    if (fixed_.contains(key) && !owner.in_map) continue;
     std::shared_ptr<const Submap>& copy = copies_[key];
     if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
     if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;

@@ -80,14 +80,31 @@ MapStore::MapStore(const std::string& file) : file_(file) {
   if (file_.empty()) throw std::runtime_error("map_server.database is empty; give a file name or :memory:");
   if (file_ != kInMemory) lock_ = FileLock(file_ + ".lock");
   try {
+    db_ = Database(file_);
     open();
   } catch (const SqliteError& error) {
     throw std::runtime_error(explain(error));
   }
 }
 
+MapStore MapStore::copy_in_memory(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such map", file));
+  MapStore store;
+  store.file_ = file;  // that errors are about
+  try {
+    Database original = Database::open_existing(file);
+    sqlite3_busy_timeout(original.handle(), kBusyTimeoutMs);
+    store.db_ = Database(kInMemory);
+    store.db_.copy_from(original);
+    store.open();
+  } catch (const SqliteError& error) {
+    throw std::runtime_error(store.explain(error));
+  }
+  store.file_ = kInMemory;
+  return store;
+}
+
 void MapStore::open() {
-  db_ = Database(file_);
   sqlite3_busy_timeout(db_.handle(), kBusyTimeoutMs);
   const int64_t version = db_.integer("PRAGMA user_version");
   const int64_t application = db_.integer("PRAGMA application_id");

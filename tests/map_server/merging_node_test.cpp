@@ -377,6 +377,7 @@ TEST_F(MergingNodeTest, AFullDiskIsSaidAndTheMapIsStoredLater) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";
   options_.merge.interval_s = 10;
+  options_.merge.builder.culling.enabled = false;  // it would make room
   start();
   send_all();
   ASSERT_FALSE(node_->status().degraded);
