@@ -5,8 +5,12 @@
 
 namespace rumi {
 
-Database::Database(const std::string& file) {
-  const int code = sqlite3_open_v2(file.c_str(), &db_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+Database::Database(const std::string& file) : Database(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE) {}
+
+Database Database::open_existing(const std::string& file) { return {file, SQLITE_OPEN_READWRITE}; }
+
+Database::Database(const std::string& file, int flags) {
+  const int code = sqlite3_open_v2(file.c_str(), &db_, flags, nullptr);
   if (code == SQLITE_OK) return;
   const std::string what = db_ ? sqlite3_errmsg(db_) : "out of memory";
   sqlite3_close(db_);  // the destructor does not run when a constructor throws
@@ -21,6 +25,13 @@ Database::Database(Database&& other) noexcept : db_(std::exchange(other.db_, nul
 Database& Database::operator=(Database&& other) noexcept {
   std::swap(db_, other.db_);
   return *this;
+}
+
+void Database::copy_from(Database& other) {
+  sqlite3_backup* backup = sqlite3_backup_init(db_, "main", other.db_, "main");
+  if (backup) sqlite3_backup_step(backup, -1);
+  const int code = backup ? sqlite3_backup_finish(backup) : sqlite3_errcode(db_);
+  if (code != SQLITE_OK) fail(code);
 }
 
 void Database::fail(int code) const { throw SqliteError(code & 0xff, sqlite3_errmsg(db_)); }

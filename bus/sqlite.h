@@ -26,6 +26,10 @@ class Database {
   Database() = default;
   // Opens or creates. ":memory:" is a database of its own that ends with the object.
   explicit Database(const std::string& file);
+  // Opens what there is, for reading if it may not be written.
+  static Database open_existing(const std::string& file);
+  // All of the other one, instead of what is here.
+  void copy_from(Database& other);
   ~Database();
   Database(Database&& other) noexcept;
   Database& operator=(Database&& other) noexcept;
@@ -37,6 +41,8 @@ class Database {
   [[noreturn]] void fail(int code) const;
 
  private:
+  Database(const std::string& file, int flags);
+
   sqlite3* db_ = nullptr;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "slam/features/keypoint_grid.h"
 #include "slam/features/matching.h"
@@ -24,11 +25,11 @@ class Associator {
     for (size_t p = 0; p < looks_.size(); ++p) looks_[p] = look_of(model_.points[p]);
   }
 
-  AssociationReport run() {
-    for (size_t v = 0; v < model_.views.size(); ++v) {
+  AssociationReport run(const std::vector<int>& views) {
+    for (int v : views) {
       const MapModel::View& view = model_.views[v];
       const KeypointGrid grid(view.features->undistorted, view.camera.width, view.camera.height);
-      for (size_t p = 0; p < model_.points.size(); ++p) visit(static_cast<int>(p), static_cast<int>(v), grid);
+      for (size_t p = 0; p < model_.points.size(); ++p) visit(static_cast<int>(p), v, grid);
     }
     return report_;
   }
@@ -110,8 +111,10 @@ class Associator {
 
 }  // namespace
 
-AssociationReport associate(const AssociationOptions& options, MapModel* model) {
-  return Associator(options, model).run();
+AssociationReport associate(const AssociationOptions& options, const std::vector<int>& views, MapModel* model) {
+  std::vector<int> all(views.empty() ? model->views.size() : 0);
+  std::iota(all.begin(), all.end(), 0);
+  return Associator(options, model).run(views.empty() ? all : views);
 }
 
 }  // namespace rumi

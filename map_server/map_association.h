@@ -21,6 +21,7 @@ struct AssociationReport {
   int fused = 0;     // points
 };
 
-AssociationReport associate(const AssociationOptions& options, MapModel* model);
+// Looks in these views, or in all if none are given.
+AssociationReport associate(const AssociationOptions& options, const std::vector<int>& views, MapModel* model);
 
 }  // namespace rumi

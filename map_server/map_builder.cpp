@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <tuple>
 
 #include "slam/geometry/median.h"
 
@@ -37,9 +36,6 @@ class Groups {
  private:
   std::map<SubmapKey, SubmapKey> parent_;
 };
-
-using JointName = std::tuple<SubmapKey, int, SubmapKey, int>;
-JointName name_of(const KeyframeJoint& joint) { return {joint.a.submap, joint.a.id, joint.b.submap, joint.b.id}; }
 
 // An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
 void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<SubmapKey, Placement>* placements) {
@@ -94,13 +90,20 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
   return pair;
 }
 
+void MapBuilder::fix(std::set<SubmapKey> submaps) {
+  built_ = fixed_ = std::move(submaps);
+  options_.culling.enabled = false;
+}
+
 void MapBuilder::find_links(const Submaps& submaps) {
   for (auto a = submaps.begin(); a != submaps.end(); ++a)
     for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
+      if (fixed_.contains(a->first) && fixed_.contains(b->first)) continue;
       Pair& pair = pairs_[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare(*a->second, *b->second);
     }
+  for (const SubmapKey& key : fixed_) places_.add(*submaps.at(key));
   places_.search(submaps, [this](const Place& a, const Place& b) { return cancelled() || is_joined(a, b); });
 }
 
@@ -154,6 +157,7 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
     if (group == frames.end()) continue;
     for (const auto& [utime_us, frame] : submap->frames) group->second.insert(utime_us);
   }
+  if (!fixed_.empty()) std::erase_if(frames, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
   const auto largest = std::max_element(frames.begin(), frames.end(),
                                         [](const auto& x, const auto& y) { return x.second.size() < y.second.size(); });
   std::set<SubmapKey> members;
@@ -181,7 +185,7 @@ SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const std::set<Subma
   for (const SubmapKey& key : members) {
     const Submap& submap = *submaps.at(key);
     if (submap.kind != SubmapKind::kFront || submap.frames.empty()) continue;
-    if (placed.contains(key)) return key;
+    if (fixed_.empty() ? placed.contains(key) : fixed_.contains(key)) return key;
     if (submap.frames.size() <= most) continue;
     most = submap.frames.size();
     anchor = key;
@@ -194,7 +198,7 @@ MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const std::
                                              SubmapKey anchor, const std::map<SubmapKey, Placement>& placed) const {
   Placed result;
   for (const auto& [key, placement] : placed)
-    if (members.contains(key)) result[key] = {submaps.at(key), placement};
+    if (members.contains(key)) result[key] = {submaps.at(key), placement, fixed_.contains(key)};
   if (!result.contains(anchor)) result[anchor] = {submaps.at(anchor), rigid(*submaps.at(anchor), {})};
   const std::vector<Tie> all = ties(submaps);
   for (;;) {
@@ -295,20 +299,20 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   if (scope == Scope::kAll) members = search_beside(members, submaps, placed);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
-  if (members.empty() || cancelled() || (scope == Scope::kWeld && members == built_)) return built;
+  if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;
   Placed before;
   const std::optional<SubmapKey> anchor = arrange(submaps, placed, &members, &before);
   if (!anchor) return built;
   fuse_places(&before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
-  const std::vector<int> window = scope == Scope::kWeld ? weld_window(model) : std::vector<int>();
-  built.report = adjust(window, &model);
+  built.report = adjust(scope, &model);
   built.report.members = static_cast<int>(members.size());
   if (cancelled()) return built;
   note_joined(model);
   built_ = members;
   built.placements = split(model, before);
-  keep_gauge(before.at(*anchor), *anchor, &built.placements);
+  if (scope == Scope::kAll) built.culled = cull(submaps, &before, &model, &built.placements);
+  if (fixed_.empty()) keep_gauge(before.at(*anchor), *anchor, &built.placements);
   return built;
 }
 
@@ -334,13 +338,25 @@ std::vector<int> MapBuilder::weld_window(const MapModel& model) const {
   return window;
 }
 
-MapBuildReport MapBuilder::adjust(const std::vector<int>& window, MapModel* model) const {
+std::vector<int> MapBuilder::window_of(Scope scope, const MapModel& model) const {
+  std::vector<int> window;
+  if (scope == Scope::kWeld)
+    window = weld_window(model);
+  else
+    for (size_t v = 0; v < model.views.size() && !fixed_.empty(); ++v) window.push_back(static_cast<int>(v));
+  std::erase_if(window, [&](int v) { return model.views[v].fixed; });
+  return window;
+}
+
+MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
   MapBuildReport report;
+  const std::vector<int> window = window_of(scope, *model);
+  if (window.empty() && !fixed_.empty()) return report;  // no image is new
   MapBundleReport bundle = adjust_map(window, options_.bundle, model);
   AssociationOptions association = options_.association;
-  const int rounds = window.empty() ? options_.association_rounds : 0;
+  const int rounds = scope == Scope::kAll ? options_.association_rounds : 0;
   for (int round = 0; round < rounds && !cancelled(); ++round, association.radius_px /= 2) {
-    const AssociationReport found = associate(association, model);
+    const AssociationReport found = associate(association, window, model);
     report.observed += found.observed;
     report.fused += found.fused;
     bundle = adjust_map(window, options_.bundle, model);

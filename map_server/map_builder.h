@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "map_server/map_graph.h"
 #include "map_server/map_model.h"
 #include "map_server/place_search.h"
+#include "map_server/post_culling.h"
 #include "map_server/submap_alignment.h"
 
 namespace rumi {
@@ -31,6 +33,7 @@ struct MapBuilderOptions {
   MapBundleOptions bundle;
   AssociationOptions association;
   PlaceSearchOptions places;
+  PostCullingOptions culling;
   int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
   int weld_neighbours = 30;    // views around what is new that are adjusted with it
   int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
@@ -45,8 +48,11 @@ struct MapBuildReport {
   int observed = 0, fused = 0;  // by association
 };
 
+using CulledSubmaps = std::map<SubmapKey, std::shared_ptr<const Submap>>;
+
 struct BuiltMap {
   std::map<SubmapKey, Placement> placements;  // of the submaps that form the map; fewer than two: nothing was joined
+  CulledSubmaps culled;  // the next revision of back submaps of it, without what it can do without; placed like that
   MapBuildReport report;
 };
 
@@ -64,6 +70,10 @@ class MapBuilder {
   }
 
   using Submaps = std::map<SubmapKey, const Submap*>;
+
+  // A map of an earlier session, that stays as it is to the bit: what comes is placed in it. These submaps must be
+  // among the placed ones in every build(). Nothing is culled then.
+  void fix(std::set<SubmapKey> submaps);
 
   // Looks at every pair of submaps of which one has changed since it was looked at, and for the place of every keyframe
   // that is new.
@@ -113,7 +123,15 @@ class MapBuilder {
   bool drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2);
   void fuse_places(Placed* submaps) const;
   std::vector<int> weld_window(const MapModel& model) const;
-  MapBuildReport adjust(const std::vector<int>& window, MapModel* model) const;
+  // What is adjusted; none: all.
+  std::vector<int> window_of(Scope scope, const MapModel& model) const;
+  MapBuildReport adjust(Scope scope, MapModel* model) const;
+  // Leaves what the adjusted map can do without out of its back submaps, and of all else. Whatever was joined to them
+  // could be joined to what is left.
+  CulledSubmaps cull(const Submaps& submaps, Placed* placed, MapModel* model, Placements* placements);
+  CommonImages common_images(const Submaps& submaps) const;
+  bool stays_joined(const Submap& culled, const Submaps& submaps) const;
+  void note_culled(const Submap& culled);
   bool cancelled() const { return cancel_ && *cancel_; }
   void note_joined(const MapModel& model);
 
@@ -121,6 +139,7 @@ class MapBuilder {
   const std::atomic<bool>* cancel_;
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
   PlaceSearch places_;
+  std::set<SubmapKey> fixed_;
   std::set<SubmapKey> built_;                     // the submaps of the last build
   size_t built_places_ = 0;                       // and how many places were known then
   std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first

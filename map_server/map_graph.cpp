@@ -19,14 +19,15 @@ class Bender {
       for (const auto& [id, keyframe] : placed.submap->keyframes) {
         node_[{key, id}] = static_cast<int>(graph_.nodes.size());
         graph_.nodes.push_back(
-            {placed.placement.at(keyframe.utime_us) * Sim3(keyframe.cam_from_submap.inverse()), false});
+            {placed.placement.at(keyframe.utime_us) * Sim3(keyframe.cam_from_submap.inverse()), placed.fixed});
       }
     const Submap& first = *submaps_.at(anchor).submap;
     if (!first.keyframes.empty()) graph_.nodes[node_.at({anchor, first.keyframes.begin()->first})].fixed = true;
   }
 
   MapGraphReport run(const std::vector<KeyframeJoint>& joints) {
-    for (const auto& [key, placed] : submaps_) add_submap(key, *placed.submap);
+    for (const auto& [key, placed] : submaps_)
+      if (!placed.fixed) add_submap(key, *placed.submap);
     const size_t first_joint = graph_.edges.size();
     for (const KeyframeJoint& joint : joints)
       graph_.edges.push_back({node_.at({joint.a.submap, joint.a.id}), node_.at({joint.b.submap, joint.b.id}),
@@ -73,6 +74,7 @@ class Bender {
 
   void apply() {
     for (auto& [key, placed] : submaps_) {
+      if (placed.fixed) continue;
       const Placement before = placed.placement;
       for (const auto& [id, keyframe] : placed.submap->keyframes)
         placed.placement.map_from_submap[keyframe.utime_us] =

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <tuple>
 #include <vector>
 
 #include "map_server/map_model.h"
@@ -18,6 +19,12 @@ struct KeyframeJoint {
   Sim3 b_from_a;  // between the two cameras, each in the unit of its submap
   double sigma_rotation_rad = 0, sigma_translation = 0, sigma_log_scale = 0;  // translation: in the unit of b
 };
+
+// Of which two keyframes it is.
+using JointName = std::tuple<SubmapKey, int, SubmapKey, int>;
+inline JointName name_of(const KeyframeJoint& joint) {
+  return {joint.a.submap, joint.a.id, joint.b.submap, joint.b.id};
+}
 
 struct MapGraphOptions {
   // Of the pose of one keyframe relative to another with which it shares 100 landmarks; it grows as their number falls.

@@ -25,9 +25,15 @@ MapMerger::~MapMerger() {
   if (thread_.joinable()) thread_.join();
 }
 
+void MapMerger::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) {
+  fixed_ = std::move(all);
+  builder_.fix(in_map);
+}
+
 bool MapMerger::has_news(const Atlas& atlas) const {
   if (!options_.enabled) return false;
   return std::any_of(atlas.submaps().begin(), atlas.submaps().end(), [this](const auto& item) {
+    if (fixed_.contains(item.first)) return false;
     const auto copy = copies_.find(item.first);
     return copy == copies_.end() || copy->second->revision != item.second.submap.revision;
   });
@@ -58,6 +64,7 @@ std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
 void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
   std::map<SubmapKey, Placement> placed;
   for (const auto& [key, owner] : atlas.submaps()) {
+    if (fixed_.contains(key) && !owner.in_map) continue;
     std::shared_ptr<const Submap>& copy = copies_[key];
     if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
     if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
@@ -84,7 +91,12 @@ void MapMerger::run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement
   for (const auto& [key, copy] : copies_) submaps[key] = copy.get();
   builder_.find_links(submaps);
   BuiltMap built = builder_.build(submaps, placed, scope);
-  result_ = {std::move(built.placements), builder_.links(), built.report, scope, thread_cpu_s() - start_s};
+  result_ = {.placements = std::move(built.placements),
+             .culled = std::move(built.culled),
+             .links = builder_.links(),
+             .report = built.report,
+             .scope = scope,
+             .cpu_s = thread_cpu_s() - start_s};
   done_ = true;
 }
 
@@ -94,6 +106,7 @@ std::optional<MergeResult> MapMerger::end() {
   if (cancel_) return std::nullopt;
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
   views_ = std::max(views_, result_.report.views);
+  for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
   return std::move(result_);
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <thread>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace rumi {
 
 struct MergeResult {
   std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
+  CulledSubmaps culled;                       // take the place of these; placed like that
   std::vector<Link> links;
   MapBuildReport report;
   MapBuilder::Scope scope = MapBuilder::Scope::kWeld;
@@ -29,6 +31,8 @@ class MapMerger {
   explicit MapMerger(const MergeOptions& options);
   ~MapMerger();  // gives up what is under way
 
+  // See MapBuilder::fix(). What is fixed and not in the map stays out of it. Before the first tick().
+  void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
   // Begins what is due and returns what is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
   // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
@@ -49,6 +53,7 @@ class MapMerger {
   MergeOptions options_;
   std::atomic<bool> cancel_ = false;
   MapBuilder builder_;
+  std::set<SubmapKey> fixed_;
   Copies copies_;  // of the submaps as they were when the last build began
   bool running_ = false, hurry_ = false;
   bool wants_adjustment_ = false;  // something changed since the whole map was adjusted

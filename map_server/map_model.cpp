@@ -65,8 +65,12 @@ class Joiner {
     for (auto& [utime_us, keyframes] : images) {
       const int index = static_cast<int>(model_.views.size());
       MapModel::View& view = model_.views.emplace_back();
-      const PlacedSubmap& first = submaps_.at(keyframes.front().submap);
-      const Keyframe& chosen = *first.submap->keyframe(keyframes.front().id);
+      const auto fixed = std::find_if(keyframes.begin(), keyframes.end(),
+                                      [this](const KeyframeRef& ref) { return submaps_.at(ref.submap).fixed; });
+      view.fixed = fixed != keyframes.end();
+      const KeyframeRef& best = view.fixed ? *fixed : keyframes.front();
+      const PlacedSubmap& first = submaps_.at(best.submap);
+      const Keyframe& chosen = *first.submap->keyframe(best.id);
       view.utime_us = utime_us;
       view.cam_from_map = first.placement.cam_from_map(chosen);
       view.camera = first.submap->camera;
@@ -151,6 +155,17 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
   return ratios.size() < kMinScaleLandmarks ? otherwise : median(&ratios);
 }
 
+// Which of the landmarks that are one point the others are fused into: one of a fixed submap, if there is one, that
+// stands for itself there.
+LandmarkRef stands_for(const std::vector<LandmarkRef>& landmarks, const std::map<SubmapKey, PlacedSubmap>& submaps) {
+  const auto stands = [&](const LandmarkRef& ref) {
+    const PlacedSubmap& owner = submaps.at(ref.submap);
+    return owner.fixed && !owner.placement.fused.contains(ref.id);
+  };
+  const auto fixed = std::find_if(landmarks.begin(), landmarks.end(), stands);
+  return fixed == landmarks.end() ? landmarks.back() : *fixed;
+}
+
 }  // namespace
 
 bool MapModel::observe(int point, int view, int keypoint) {
@@ -187,6 +202,15 @@ MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px) 
   return Joiner(submaps, static_cast<float>(same_px)).run();
 }
 
+void forget_removed(const std::map<SubmapKey, PlacedSubmap>& submaps, MapModel* model) {
+  for (MapModel::View& view : model->views)
+    std::erase_if(view.keyframes,
+                  [&](const KeyframeRef& ref) { return !submaps.at(ref.submap).submap->keyframe(ref.id); });
+  for (MapModel::Point& point : model->points)
+    std::erase_if(point.landmarks,
+                  [&](const LandmarkRef& ref) { return !submaps.at(ref.submap).submap->landmark(ref.id); });
+}
+
 std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps) {
   std::map<SubmapKey, Placement> placements;
   std::map<SubmapKey, std::map<int, int>> point_of;
@@ -195,10 +219,11 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
     // Where nothing says where it is it follows its keyframe.
     if (model.points[p].observations.size() < 2 || !model.points[p].position.allFinite()) continue;
     const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
+    const LandmarkRef into = stands_for(landmarks, submaps);
     for (const LandmarkRef& ref : landmarks) {
       point_of[ref.submap][ref.id] = static_cast<int>(p);
       placements[ref.submap].landmarks[ref.id] = model.points[p].position;
-      if (!(ref == landmarks.back())) placements[ref.submap].fused[ref.id] = landmarks.back();
+      if (ref != into) placements[ref.submap].fused[ref.id] = into;
     }
   }
   for (const MapModel::View& view : model.views)
@@ -210,6 +235,8 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
       const Sim3 map_from_submap = similarity_through(keyframe.cam_from_submap, view.cam_from_map, scale);
       if (map_from_submap.is_finite()) placements[ref.submap].map_from_submap[view.utime_us] = map_from_submap;
     }
+  for (const auto& [key, placed] : submaps)
+    if (placed.fixed) placements[key] = placed.placement;
   return placements;
 }
 

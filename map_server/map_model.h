@@ -52,14 +52,19 @@ struct MapModel {
 struct PlacedSubmap {
   const Submap* submap = nullptr;
   Placement placement;
+  bool fixed = false;  // it stays where it is
 };
 
 // `same_px`: distance of keypoints that are taken for one where two submaps have the same image. Where submaps place
-// the same image or point differently, the back submap is believed: it was made with more time, and of all frames.
+// the same image or point differently, the back submap is believed: it was made with more time, and of all frames;
+// but before all others one that is fixed, whose images are fixed views.
 MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px);
 
+// Forgets which keyframes and landmarks the views and points are where the submaps no longer have them.
+void forget_removed(const std::map<SubmapKey, PlacedSubmap>& submaps, MapModel* model);
+
 // Where the model puts the keyframes and landmarks of the submaps that it was joined from. The scale at a keyframe is
-// the median over its landmarks, that before where there are too few.
+// the median over its landmarks, that before where there are too few. What is fixed stays to the bit.
 std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps);
 
 }  // namespace rumi

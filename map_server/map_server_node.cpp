@@ -43,7 +43,7 @@ void report(const std::string& trouble, const std::string& before, const std::st
 MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
     : bus_(bus),
       options_(options),
-      store_(options.database),
+      store_(options.localize_only ? MapStore::copy_in_memory(options.database) : MapStore(options.database)),
       atlas_(store_.load()),
       merger_(options.merge),
       sender_(bus, channels::kMapChunk, channels::kMapAck, unique_process_name("map_server")),
@@ -55,10 +55,28 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
   if (options.snapshot_s > 0 && is_same_file(options.snapshot_file, options.database))
     throw std::runtime_error(
         fmt::format("map_server.snapshot_file is {}, the database itself; give another file", options.snapshot_file));
+  if (options.localize_only) fix_map();
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
   bus.subscribe<map_request_t>(channels::kMapRequest, {.capacity = 64, .drop = DropPolicy::kDropNewest},
                                [this](const map_request_t& request) { on_request(request); });
+}
+
+void MapServerNode::fix_map() {
+  std::map<SubmapKey, Placement> placements;
+  std::set<SubmapKey> in_map;
+  for (const auto& [key, owner] : atlas_.submaps()) {
+    fixed_.insert(key);
+    if (!owner.in_map) continue;
+    in_map.insert(key);
+    placements[key] = owner.placement;
+  }
+  if (in_map.empty())
+    throw std::runtime_error(
+        fmt::format("{}: there is no map in it to localize in (map_server.localize_only)", options_.database));
+  fixed_links_ = atlas_.links();
+  atlas_.place_map(std::move(placements));  // whatever larger submap comes
+  merger_.fix(fixed_, in_map);
 }
 
 ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& payload) {
@@ -70,7 +88,10 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
   }
   const SubmapKey key{update.session, update.submap_id};
   std::string reason =
-      atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
+      fixed_.contains(key)
+          ? fmt::format("submap {} of session {} is of the map, which stays as it is (map_server.localize_only)",
+                        key.id, key.session)
+          : atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
   if (reason.empty()) {
     // Also when the update brought nothing new: it may have been applied before but not stored.
     reason = save();
@@ -125,9 +146,11 @@ void MapServerNode::merge(int64_t now_us) {
 }
 
 void MapServerNode::absorb(MergeResult result) {
+  result.links.insert(result.links.end(), fixed_links_.begin(), fixed_links_.end());
   atlas_.set_links(std::move(result.links));
   if (!result.placements.empty()) {
     const int64_t frames_before = atlas_.frames_in_map();
+    cull(result.culled);
     const size_t submaps = result.placements.size();
     atlas_.place_map(std::move(result.placements));
     spdlog::info(
@@ -137,6 +160,19 @@ void MapServerNode::absorb(MergeResult result) {
     publish_map_status();
   }
   save();
+}
+
+void MapServerNode::cull(const CulledSubmaps& culled) {
+  for (const auto& [key, left] : culled) {
+    const Submap& all = atlas_.find(key)->submap;
+    spdlog::info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
+                 all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
+                 all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
+    atlas_.change_submap(key, [&](Submap* submap) {
+      if (submap->revision + 1 == left->revision) *submap = *left;
+      return std::string();
+    });
+  }
 }
 
 void MapServerNode::tick(int64_t now_us) {

@@ -21,8 +21,8 @@ namespace rumi {
 
 class MapServerNode : public Node {
  public:
-  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore) or the
-  // snapshots would take its place.
+  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore), there is
+  // no map in it to localize in, or the snapshots would take its place.
   MapServerNode(Bus& bus, const MapServerOptions& options);
 
   void tick(int64_t now_us) override;
@@ -36,10 +36,12 @@ class MapServerNode : public Node {
   MapStore& store() { return store_; }
 
  private:
+  void fix_map();  // localize_only
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   void on_track(const track_t& track);
   void merge(int64_t now_us);
   void absorb(MergeResult result);
+  void cull(const CulledSubmaps& culled);
   void on_request(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
   void wait_for_merge(const map_request_t& request);
@@ -61,6 +63,8 @@ class MapServerNode : public Node {
   MapMerger merger_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
+  std::set<SubmapKey> fixed_;      // submaps of earlier sessions, with localize_only
+  std::vector<Link> fixed_links_;  // between them
   std::set<int64_t> unsaved_frames_;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way

@@ -22,7 +22,8 @@ namespace rumi {
 namespace {
 
 constexpr const char* kInMemory = ":memory:";
-constexpr int kBusyTimeoutMs = 2000;  // for a reader (the sqlite3 tool, a backup) to get out of the way
+constexpr int64_t kPagesPerFreeOne = 10;  // more free pages than every tenth are given back to the file system
+constexpr int kBusyTimeoutMs = 2000;      // for a reader (the sqlite3 tool, a backup) to get out of the way
 
 std::string holder_of(int fd) {
   char text[32] = {};
@@ -79,14 +80,31 @@ MapStore::MapStore(const std::string& file) : file_(file) {
   if (file_.empty()) throw std::runtime_error("map_server.database is empty; give a file name or :memory:");
   if (file_ != kInMemory) lock_ = FileLock(file_ + ".lock");
   try {
+    db_ = Database(file_);
     open();
   } catch (const SqliteError& error) {
     throw std::runtime_error(explain(error));
   }
 }
 
+MapStore MapStore::copy_in_memory(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such map", file));
+  MapStore store;
+  store.file_ = file;  // that errors are about
+  try {
+    Database original = Database::open_existing(file);
+    sqlite3_busy_timeout(original.handle(), kBusyTimeoutMs);
+    store.db_ = Database(kInMemory);
+    store.db_.copy_from(original);
+    store.open();
+  } catch (const SqliteError& error) {
+    throw std::runtime_error(store.explain(error));
+  }
+  store.file_ = kInMemory;
+  return store;
+}
+
 void MapStore::open() {
-  db_ = Database(file_);
   sqlite3_busy_timeout(db_.handle(), kBusyTimeoutMs);
   const int64_t version = db_.integer("PRAGMA user_version");
   const int64_t application = db_.integer("PRAGMA application_id");
@@ -100,6 +118,7 @@ void MapStore::open() {
         file_, version, kMapSchemaVersion));
   if (const std::string wrong = is_new ? "ok" : db_.text("PRAGMA quick_check(1)"); wrong != "ok")
     throw SqliteError(SQLITE_CORRUPT, wrong);
+  if (is_new) db_.execute("PRAGMA auto_vacuum = INCREMENTAL");  // or never
   db_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
   // A readable but not writable file must be refused now, not when the first update comes: hence the transaction, also
   // where there is nothing to do.
@@ -148,6 +167,15 @@ int64_t MapStore::stored_revision(SubmapKey key) const {
 }
 
 int64_t MapStore::bytes() { return db_.integer("PRAGMA page_count") * db_.integer("PRAGMA page_size"); }
+
+void MapStore::give_back_pages() {
+  try {
+    if (db_.integer("PRAGMA freelist_count") * kPagesPerFreeOne > db_.integer("PRAGMA page_count"))
+      db_.execute("PRAGMA incremental_vacuum");
+  } catch (const SqliteError&) {
+    return;  // nothing is lost by it; after the next save() again
+  }
+}
 
 void MapStore::limit_bytes(int64_t bytes) {
   const int64_t pages = std::max<int64_t>(1, bytes / db_.integer("PRAGMA page_size"));

@@ -34,6 +34,9 @@ class MapStore {
   // is brought to ours in one transaction. Throws std::runtime_error with a
   // message for the user if the file is locked, damaged, no map, of a newer version or not writable.
   explicit MapStore(const std::string& file);
+  // In memory, what the file holds now: whatever becomes of it, the file stays as it is. Another process may have it
+  // open. Throws std::runtime_error if it is not there, or as above.
+  static MapStore copy_in_memory(const std::string& file);
 
   // The atlas as it was when last saved, bit for bit. Throws std::runtime_error if the content contradicts itself.
   Atlas load();
@@ -57,13 +60,14 @@ class MapStore {
   void limit_bytes(int64_t bytes);
 
  private:
+  MapStore() = default;
   struct Stored {
     int64_t row = 0;  // submaps.submap
     int64_t revision = 0;
     bool in_map = false;
     int64_t placement_revision = 0;
   };
-  void open();
+  void open();  // db_: checks what is there, or makes it
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
   void save_keyframes(const Submap& submap, const Stored& row);
   void save_landmarks(const Submap& submap, const Stored& row);
@@ -78,6 +82,7 @@ class MapStore {
   void load_elements(int64_t row, Submap* submap);
   void load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
   void load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
+  void give_back_pages();
   std::string explain(const SqliteError& error) const;
 
   std::string file_;

@@ -42,6 +42,7 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame
     transaction.commit();
     stored_ = std::move(rows);
     stored_links_ = atlas.links();
+    give_back_pages();
     return {};
   } catch (const SqliteError& error) {
     return explain(error);

@@ -37,6 +37,13 @@ void describe(OptionTable& table, MergeOptions& o) {
             "search for the map's points in all its images, and adjustment, so often", 0, 100);
   table.add("map_server.association_radius_px", &s.radius_px, "px",
             "around the projection in the first round; halved each time", 0.5, 200);
+  PostCullingOptions& c = o.builder.culling;
+  table.add("map_server.cull_back_keyframes", &c.enabled,
+            "take out of back submaps what the map can do without (post-culling); every frame keeps its pose");
+  table.add("map_server.cull_redundant_share", &c.redundant_share, "",
+            "of the points of an image, that three others see as finely, for it to be taken out", 0, 1);
+  table.add("map_server.cull_kept_joints", &c.kept_joints, "keyframes",
+            "kept of those that a back submap has in common with another submap", 2, 1000);
   table.add("map_server.place_candidates", &p.candidates, "", "keyframes that look alike, compared with each new one",
             0, 100);
   table.add("map_server.place_min_apart_s", &p.min_apart_s, "s", "between two keyframes of a loop", 0, 1e6);

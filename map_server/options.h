@@ -22,6 +22,7 @@ struct MergeOptions {
 struct MapServerOptions {
   MergeOptions merge;
   std::string database = "map.db";  // file, or ":memory:"
+  bool localize_only = false;       // in the map of the database, which stays as it is
   double frame_commit_s = 1.0;      // frame states (unacknowledged) are written this often at the latest
   int max_answers = 4;              // large answers under way at the same time; more are refused
   double snapshot_s = 0;            // 0: never
@@ -33,6 +34,8 @@ void describe(OptionTable& table, MergeOptions& o);
 inline void describe(OptionTable& table, MapServerOptions& o) {
   table.add("map_server.database", &o.database,
             "SQLite file of the map, created when missing and continued when not; :memory: keeps nothing");
+  table.add("map_server.localize_only", &o.localize_only,
+            "place new submaps in the map of the database, which stays as it is; what is new is kept in memory only");
   table.add("map_server.frame_commit_s", &o.frame_commit_s, "s", "write the tracking states of frames this often", 0,
             60);
   table.add("map_server.max_answers", &o.max_answers, "", "map requests answered at the same time, more are refused", 1,

@@ -70,6 +70,11 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
   }
 }
 
+void PlaceSearch::add(const Submap& submap) {
+  for (const auto& [id, keyframe] : submap.keyframes)
+    if (seen_.insert({submap.key, id}).second) index_.add(submap.key, keyframe);
+}
+
 bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
                                const std::function<bool(const Place&, const Place&)>& joined) {
   std::vector<Place> places;

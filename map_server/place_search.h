@@ -53,6 +53,9 @@ class PlaceSearch {
   // already how these two lie to each other.
   void search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined);
 
+  // Keyframes that may be found and are not searched for.
+  void add(const Submap& submap);
+
   // Searches for all keyframes of these submaps once more, with the landmarks that all submaps have by now, unless that
   // was done and they are as they were then. False if nothing was searched for.
   bool search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,

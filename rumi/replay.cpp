@@ -35,7 +35,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   FrontTrackerOptions front_tracker = options.front_tracker;
   front_tracker.mapping_thread = false;
   MapServerOptions map_server = options.map_server;
-  map_server.database = ":memory:";
+  if (!map_server.localize_only) map_server.database = ":memory:";
   map_server.merge.thread = false;
   if (is_camera(input)) throw std::runtime_error(open_recording(input, options.camera_driver).error);
   camera_ = add<CameraNode>("camera_driver", input, options.camera_driver);

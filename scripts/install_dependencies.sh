@@ -10,8 +10,8 @@ packages="build-essential cmake ninja-build pkg-config ccache
   libgl1-mesa-dri colmap
   libgtest-dev libgmock-dev libbenchmark-dev iproute2 util-linux"
 
-# Drawing without a display: by OSMesa where Mesa still has it, else by EGL.
-if apt-cache show libosmesa6 >/dev/null 2>&1; then
+# Drawing without a display: by OSMesa; where Mesa no longer has it (apt knows Mesa, but not it) by EGL.
+if apt-cache show libosmesa6 >/dev/null 2>&1 || ! apt-cache show libegl1 >/dev/null 2>&1; then
   packages="$packages libosmesa6"
 fi
 

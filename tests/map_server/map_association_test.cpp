@@ -79,7 +79,7 @@ TEST(MapAssociation, FindsWhatIsTheSame) {
   for (const auto& [rotation_deg, distance_m] : {std::pair{0.0, 0.0}, {0.2, 0.01}, {0.4, 0.02}}) {
     Twice twice(make_room(3));
     MapModel model = twice.model(off_by(rotation_deg, distance_m));
-    const AssociationReport report = associate({}, &model);
+    const AssociationReport report = associate({}, {}, &model);
     const Twice::Score score = twice.score(model);
     std::printf(
         "off by %.1f deg %.0f mm: %d fused, %d right, %d wrong, of %d; %d new observations; %d right in all, %d "
@@ -97,11 +97,11 @@ TEST(MapAssociation, FindsWhatIsTheSame) {
 TEST(MapAssociation, AndAdjustmentBringTogetherWhatWasApart) {
   Twice twice(make_room(4));
   MapModel model = twice.model(off_by(0.4, 0.02, 1.01));
-  associate({}, &model);
+  associate({}, {}, &model);
   const MapBundleReport apart = adjust_map({}, {}, &model);
   AssociationOptions narrow;
   narrow.radius_px = 5;
-  associate(narrow, &model);
+  associate(narrow, {}, &model);
   const MapBundleReport together = adjust_map({}, {}, &model);
   const Twice::Score score = twice.score(model);
   std::printf("%d fused of %d, %d wrong; outliers %d, then %d; rmse %.2f\n", score.right, score.common, score.wrong,
@@ -121,7 +121,7 @@ TEST(MapAssociation, NeverFusesWhatOneImageSeesApart) {
   }
   Twice twice(world, 1.0);
   MapModel model = twice.model(off_by(0.2, 0.01));
-  associate({}, &model);
+  associate({}, {}, &model);
   const Twice::Score score = twice.score(model);
   std::printf("twins: %d right, %d wrong, of %d\n", score.right, score.wrong, score.common);
   EXPECT_EQ(inconsistency(model), "");
@@ -135,10 +135,10 @@ TEST(MapAssociation, NeverFusesWhatOneImageSeesApart) {
 
 TEST(MapAssociation, FindsNothingWhereNothingIs) {
   MapModel empty;
-  EXPECT_EQ(associate({}, &empty).fused, 0);
+  EXPECT_EQ(associate({}, {}, &empty).fused, 0);
   Twice twice(make_room(6));
   MapModel model = twice.model(off_by(0, 3));  // far from where it is
-  const AssociationReport report = associate({}, &model);
+  const AssociationReport report = associate({}, {}, &model);
   const Twice::Score score = twice.score(model);
   EXPECT_LE(score.wrong + score.right, 3);
   EXPECT_LE(report.fused, 3);
@@ -149,7 +149,7 @@ TEST(MapAssociation, NumbersThatAreNoneAreLeftAlone) {
   MapModel model = twice.model(off_by(0, 0));
   for (size_t p = 0; p < model.points.size(); p += 10) model.points[p].position.setConstant(p % 20 ? NAN : INFINITY);
   for (int k = 0; k < 3; ++k) model.views[k].cam_from_map.translation.setConstant(NAN);
-  associate({}, &model);
+  associate({}, {}, &model);
   const Twice::Score score = twice.score(model);
   EXPECT_GE(score.right, 0.99 * (score.right + score.wrong));
   for (size_t p = 0; p < model.points.size(); p += 10) EXPECT_LE(model.points[p].landmarks.size(), 1u);

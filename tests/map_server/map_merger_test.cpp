@@ -39,7 +39,9 @@ class MapMergerTest : public ::testing::Test {
   // As map_server does.
   std::optional<MergeResult> tick(MapMerger* merger, double now_s) {
     std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(now_s * kSecond), atlas_);
-    if (result && !result->placements.empty()) atlas_.place_map(result->placements);
+    if (!result) return result;
+    for (const auto& [key, submap] : result->culled) testing::put(*submap, &atlas_);
+    if (!result->placements.empty()) atlas_.place_map(result->placements);
     return result;
   }
   // Until what is under way is done.

@@ -189,6 +189,37 @@ TEST(MapStore, KeepsTheMapInMemoryWithoutAFile) {
   EXPECT_FALSE(std::filesystem::exists(":memory:.lock"));
 }
 
+TEST(MapStore, ACopyInMemoryLeavesTheFileAsItIs) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  {
+    MapStore store(file);
+    ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+    MapStore beside = MapStore::copy_in_memory(file);
+    expect_same(atlas, beside.load());
+  }
+  const std::string before = testing::read_file(file);
+  {
+    MapStore copy = MapStore::copy_in_memory(file);
+    expect_same(atlas, copy.load());
+    update_atlas(&atlas, make_submap({7, 3}, 9, 5, 20'000'000));
+    ASSERT_EQ(copy.save(atlas, all_frames(atlas)), "");
+    expect_same(atlas, copy.load());
+  }
+  EXPECT_EQ(testing::read_file(file), before);
+  testing::write_file(folder / "none.db", "no database");
+  for (const char* name : {"absent.db", "none.db"}) {
+    try {
+      MapStore::copy_in_memory(folder / name);
+      ADD_FAILURE() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "absent.db"));
+}
+
 TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   const TemporaryFolder folder;
   const Atlas atlas = full_atlas();

@@ -306,6 +306,38 @@ TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
   stop();
 }
 
+TEST_F(MergingNodeTest, WhatIsCulledStaysAwayAndItsBytesAreGivenBack) {
+  const TemporaryFolder folder;
+  int64_t bytes[2] = {};
+  for (const bool cull : {false, true}) {
+    options_.database = folder / (cull ? "culled.db" : "all.db");
+    options_.merge.builder.culling.enabled = cull;
+    start();
+    send_all();
+    settle();
+    expect_one_map();
+    bytes[cull] = node_->store().bytes();
+  }
+  std::printf("%lld bytes with post-culling, %lld without\n", static_cast<long long>(bytes[1]),
+              static_cast<long long>(bytes[0]));
+  EXPECT_LT(bytes[1], 0.95 * static_cast<double>(bytes[0]));
+  const size_t left = node_->atlas().find(kBack1)->submap.keyframes.size();
+  EXPECT_LT(left, chain_->submap(kBack1).keyframes.size());
+  // Its maker did not hear that it had arrived.
+  const TransferResult again = send(kBack1);
+  EXPECT_TRUE(again.ok);
+  EXPECT_GE(again.revision, chain_->submap(kBack1).revision);
+  EXPECT_EQ(node_->atlas().find(kBack1)->submap.keyframes.size(), left);
+  const int64_t revision = node_->atlas().revision();
+  settle();
+  EXPECT_EQ(node_->atlas().revision(), revision) << "what is culled is no news";
+  start();
+  EXPECT_EQ(node_->atlas().find(kBack1)->submap.keyframes.size(), left);
+  settle();
+  expect_one_map();
+  stop();
+}
+
 TEST_F(MergingNodeTest, ASubmapThatIsRefusedHoldsNothingUp) {
   start();
   Submap bad = chain_->submap(kBack1);
@@ -345,6 +377,7 @@ TEST_F(MergingNodeTest, AFullDiskIsSaidAndTheMapIsStoredLater) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";
   options_.merge.interval_s = 10;
+  options_.merge.builder.culling.enabled = false;  // it would make room
   start();
   send_all();
   ASSERT_FALSE(node_->status().degraded);

@@ -10,6 +10,7 @@ Chain::Chain() : world_(make_room(1)) {
   images_ = film(world_, walk_round(kImages, 0.75), {.most_keypoints = 150, .every = 3});
   for (const SubmapKey key : {kFront1, kBack1, kFront2, kBack2, kFront3})
     made_[key] = make_submap(world_, images_, recipe(key));
+  for (const SubmapKey key : {kBack1, kBack2}) made_[key].submap.closed = true;  // it comes whole, at once
 }
 
 SubmapRecipe Chain::recipe(SubmapKey key) const {
@@ -48,6 +49,7 @@ PathError Chain::error(const Atlas& atlas) const {
 Growth grow(const Submap& submap, int early_keyframes) {
   Growth growth{submap, submap};
   Submap& early = growth.early;
+  early.closed = false;
   const auto is_late = [&](int keyframe_id) { return keyframe_id >= early_keyframes; };
   std::set<int> late_landmarks;
   for (auto& [id, landmark] : early.landmarks) {

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map_server in a map of an earlier session: what is new is placed in it, the map stays as it is.
+#include <gmock/gmock.h>
+
+#include <cstdio>
+
+#include "bus/memory_bus.h"
+#include "bus/submap_update.h"
+#include "map_server/map_server_node.h"
+#include "tests/map_server/place_scene.h"
+#include "tests/map_server/test_atlas.h"
+
+namespace rumi::testing {
+namespace {
+
+using ::testing::HasSubstr;
+
+// Two submaps of session 7 are the map, one is not; session 8 comes later.
+constexpr SubmapKey kFirst{7, 1}, kSecond{7, 2}, kApart{7, 3}, kLater{8, 1}, kElsewhere{8, 2};
+
+class LocalizeOnlyTest : public ::testing::Test {
+ protected:
+  LocalizeOnlyTest() : scene_(3), points_(scene_.cloud(700)) {
+    map_from_world_ = scene_.gauge(1.7);
+    database_ = folder_ / "map.db";
+    options_.database = database_;
+    options_.merge.thread = false;
+    start();
+    EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
+    EXPECT_TRUE(send(film(kSecond, points_, scene_.path(0.3, -0.1, 0.1, 0.05), scene_.gauge(2))).ok);
+    EXPECT_TRUE(send(film(kApart, scene_.cloud(300), scene_.path(0, 0, 0), scene_.gauge(1))).ok);
+    end();
+    node_.reset();
+    bytes_ = read_file(database_);
+    options_.localize_only = true;
+  }
+
+  // Keyframes only; those of different submaps at different times.
+  Submap film(SubmapKey key, const std::vector<ScenePoint>& points, const std::vector<SE3>& cams_from_world,
+              const Sim3& submap_from_world) {
+    Submap submap = scene_.submap(key, points, cams_from_world, submap_from_world);
+    for (auto& [id, keyframe] : submap.keyframes) {
+      keyframe.revision = keyframe.created_revision = 1;
+      keyframe.utime_us += first_utime_us(key);
+      submap.frames[keyframe.utime_us] = {keyframe.utime_us, id, {}, 1};
+    }
+    for (auto& [id, landmark] : submap.landmarks) landmark.revision = 1;
+    return submap;
+  }
+  static int64_t first_utime_us(SubmapKey key) { return 1'000'000'000 * key.session + 100'000'000 * key.id; }
+  void start() {
+    bus_ = std::make_unique<MemoryBus>();
+    bus_->set_now_us(now_us_);
+    maker_ = std::make_unique<ChunkSender>(*bus_, channels::kSubmap, channels::kSubmapAck, "front_tracker@test:1");
+    node_ = std::make_unique<MapServerNode>(*bus_, options_);
+  }
+  void pass(double seconds) {
+    for (int i = 0; i < static_cast<int>(seconds * 20); ++i) {
+      bus_->set_now_us(now_us_ += 50'000);
+      bus_->dispatch();
+      node_->tick(now_us_);
+      maker_->tick(now_us_);
+      bus_->dispatch();
+    }
+  }
+  TransferResult send(const Submap& submap) {
+    TransferResult result{.ok = false, .reason = "no answer"};
+    maker_->send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(make_submap_update(submap, 0)),
+                 [&](const TransferResult& r) { result = r; });
+    pass(3);
+    return result;
+  }
+  void end() {
+    node_->finish();
+    pass(5);
+  }
+  void expect_map_untouched(const Atlas& before) {
+    for (const auto& [key, owner] : before.submaps()) {
+      const AtlasSubmap* now = node_->atlas().find(key);
+      ASSERT_TRUE(now);
+      EXPECT_EQ(now->in_map, owner.in_map);
+      expect_same(now->submap, owner.submap);
+      expect_same(now->placement, owner.placement);
+    }
+    EXPECT_EQ(read_file(database_), bytes_);
+  }
+
+  PlaceScene scene_;
+  std::vector<ScenePoint> points_;
+  Sim3 map_from_world_;  // the map's frame of reference is that of its first submap
+  TemporaryFolder folder_;
+  std::string database_, bytes_;
+  MapServerOptions options_;
+  int64_t now_us_ = 1'000'000;
+  std::unique_ptr<MemoryBus> bus_;
+  std::unique_ptr<ChunkSender> maker_;
+  std::unique_ptr<MapServerNode> node_;
+};
+
+TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
+  const Atlas before = MapStore::copy_in_memory(database_).load();
+  ASSERT_TRUE(before.find(kFirst)->in_map && before.find(kSecond)->in_map);
+  ASSERT_FALSE(before.find(kApart)->in_map);
+  start();
+  const std::vector<SE3> path = scene_.path(0.5, 0.1, 0.2, -0.1);
+  ASSERT_TRUE(send(film(kLater, points_, path, scene_.gauge(0.7))).ok);
+  const AtlasSubmap& placed = *node_->atlas().find(kLater);
+  EXPECT_TRUE(placed.in_map) << "at once";
+  expect_map_untouched(before);
+  end();
+  ASSERT_TRUE(placed.in_map);
+  expect_map_untouched(before);
+  EXPECT_GT(node_->atlas().links().size(), before.links().size());
+  for (const Link& link : before.links())
+    EXPECT_TRUE(std::count(node_->atlas().links().begin(), node_->atlas().links().end(), link));
+
+  const auto trajectory = node_->atlas().map_trajectory();
+  double worst = 0, worst_deg = 0;
+  for (size_t i = 0; i < path.size(); ++i) {
+    const SE3& estimate = trajectory.at(first_utime_us(kLater) + 1'000'000 * static_cast<int64_t>(i + 1));
+    const SE3 truth = map_from_world_.transform_camera(path[i]).inverse();
+    worst = std::max(worst, (estimate.translation - truth.translation).norm() / map_from_world_.scale);
+    worst_deg = std::max(worst_deg, estimate.rotation.angularDistance(truth.rotation) * 180 / M_PI);
+  }
+  std::printf("a camera 2 to 8 away from all it sees is placed within %.4f and %.3f deg\n", worst, worst_deg);
+  EXPECT_LT(worst, 0.02);
+  EXPECT_LT(worst_deg, 0.3);
+  // What the map has already is there once, as the map has it.
+  int into_the_map = 0;
+  for (const auto& [id, into] : placed.placement.fused) into_the_map += into.submap != kLater;
+  EXPECT_GT(into_the_map, 100);
+}
+
+TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
+  const Atlas before = MapStore::copy_in_memory(database_).load();
+  start();
+  std::vector<SE3> long_path;
+  for (int i = 0; i < 5; ++i)
+    for (const SE3& pose : scene_.path(0.1 * i, 0, 0)) long_path.push_back(pose);
+  const Submap elsewhere = film(kElsewhere, scene_.cloud(500), long_path, scene_.gauge(1));
+  ASSERT_GT(static_cast<int64_t>(elsewhere.frames.size()), before.frames_in_map());
+  ASSERT_TRUE(send(elsewhere).ok);
+  end();
+  EXPECT_FALSE(node_->atlas().find(kElsewhere)->in_map);
+  EXPECT_EQ(node_->atlas().frames_in_map(), before.frames_in_map());
+  expect_map_untouched(before);
+}
+
+// A map that is one front submap as it is: nobody has placed it.
+TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
+  options_.localize_only = false;
+  options_.database = database_ = folder_ / "single.db";
+  start();
+  EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
+  end();
+  node_.reset();
+  bytes_ = read_file(database_);
+  const Atlas before = MapStore::copy_in_memory(database_).load();
+  ASSERT_EQ(before.find(kFirst)->placement.revision, 0);
+  options_.localize_only = true;
+  start();
+  ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.4, 0, 0.1), scene_.gauge(0.7))).ok);
+  end();
+  EXPECT_TRUE(node_->atlas().find(kLater)->in_map);
+  EXPECT_TRUE(node_->atlas().find(kFirst)->in_map);
+  EXPECT_TRUE(same_place(node_->atlas().find(kFirst)->placement, Placement()));
+  expect_same(node_->atlas().find(kFirst)->submap, before.find(kFirst)->submap);
+  EXPECT_EQ(read_file(database_), bytes_);
+}
+
+TEST_F(LocalizeOnlyTest, AnUpdateOfTheMapIsRefused) {
+  const Atlas before = MapStore::copy_in_memory(database_).load();
+  start();
+  Submap more = before.find(kSecond)->submap;
+  ++more.revision;
+  const TransferResult result = send(more);
+  EXPECT_FALSE(result.ok);
+  EXPECT_THAT(result.reason, HasSubstr("localize_only"));
+  expect_map_untouched(before);
+}
+
+TEST_F(LocalizeOnlyTest, ThereMustBeAMap) {
+  for (const std::string& name : {std::string(":memory:"), folder_ / "absent.db", folder_ / "empty.db"}) {
+    if (name == folder_ / "empty.db") MapStore empty(name);
+    options_.database = name;
+    try {
+      start();
+      ADD_FAILURE() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rumi::testing
