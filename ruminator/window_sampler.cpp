@@ -91,7 +91,9 @@ void WindowSampler::resume(const FrameEvent& frame) {
   std::sort(late_poses_.begin(), late_poses_.end(),
             [](const LatePose& a, const LatePose& b) { return a.frame.sample.utime_us < b.frame.sample.utime_us; });
   for (const LatePose& late : late_poses_) {
-    if (late.frame.sample.submap_id != frame.submap_id) {  // its submap has not been heard of again
+    // Its submap has not been heard of again, or frames after it have no pose yet: it lies in the gap.
+    const bool in_gap = !untracked_.empty() && late.frame.sample.utime_us < *untracked_.rbegin();
+    if (in_gap || late.frame.sample.submap_id != frame.submap_id) {
       if (late.has_image) gap_.merge({late.frame});
       continue;
     }

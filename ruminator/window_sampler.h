@@ -11,8 +11,8 @@
 // Choices that the paper leaves open:
 // - A window opens with the first untracked frame, also before the first submap (then there is no approach).
 // - front_tracker gives poses to earlier frames when it begins a submap, and tells of them again. These are not gap but
-//   departure. A window of which no gap is left goes on if it connects two submaps; else there is nothing to rebuild,
-//   and it is as if it had never opened.
+//   departure, if all frames after them have poses too. A window of which no gap is left goes on if it connects two
+//   submaps; else there is nothing to rebuild, and it is as if it had never opened.
 // - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap
 // (samples
 //   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart

@@ -384,10 +384,11 @@ TEST(WindowSampler, FramesPosedAfterwardsAreDepartureNotGap) {
   ASSERT_EQ(feed.windows.size(), 1);
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.lost_utime_us, 101);
-  EXPECT_EQ(w.resumed_utime_us, 110);
-  EXPECT_THAT(utimes(w.gap), ElementsAre(101, 102, 103, 104, 105, 106, 107, 108, 109, 115));
-  EXPECT_EQ(w.gap_frames, 10);
-  EXPECT_THAT(keyframes(w.departure), ElementsAre(110, 120, 121, 131, 141, 151, 161, 171, 181, 191));
+  EXPECT_EQ(w.resumed_utime_us, 116);
+  EXPECT_THAT(utimes(w.gap), ElementsAre(101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 111, 112, 113, 114, 115))
+      << "the departure begins after the last frame without a pose: a job's images are in order of time";
+  EXPECT_EQ(w.gap_frames, 15);
+  EXPECT_THAT(keyframes(w.departure), ElementsAre(120, 121, 131, 141, 151, 161, 171, 181, 191, 201));
   for (const Sample& s : w.departure) {
     EXPECT_EQ(s.submap_id, 2);
     EXPECT_EQ(s.cam_from_submap.translation.x(), static_cast<double>(s.utime_us));
@@ -455,6 +456,22 @@ TEST(WindowSampler, PosedAfterwardsInASubmapThatDiesYoungIsGapAgain) {
   EXPECT_TRUE(w.is_lost());
 }
 
+TEST(WindowSampler, APoseAfterwardsBeforeAFrameThatHasNoneIsGap) {
+  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
+  feed.span(50, 1, 10);
+  feed.span(10, kNoSubmap);  // 51..60
+  for (int64_t utime : {55, 56, 58, 59, 60}) feed.late_pose(utime, 2, utime == 55);
+  feed.span(30, 2, 10);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_THAT(utimes(w.gap), ElementsAre(51, 52, 53, 54, 55, 56, 57));
+  EXPECT_TRUE(w.gap[4].is_keyframe);
+  EXPECT_EQ(w.gap[4].submap_id, 2);
+  EXPECT_EQ(w.gap_frames, 7);
+  EXPECT_EQ(w.resumed_utime_us, 58);
+  EXPECT_GE(w.departure.front().utime_us, 58);
+}
+
 TEST(WindowSampler, LatePosesOfASubmapNeverHeardOfAgainChangeNothing) {
   Feed feed;
   feed.span(100, 1, 10);
@@ -480,8 +497,8 @@ TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
   EXPECT_EQ(feed.sampler.ignored(), 3);
   feed.span(5, 2, 10);
   feed.late_pose(103, 2);  // behind the frame that it was to precede
-  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(101, 102, 104, 106, 107, 108, 109, 110));
-  EXPECT_EQ(feed.sampler.open()->gap_frames, 8);
+  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(101, 102, 104, 105, 106, 107, 108, 109, 110));
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 9);
   EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 103);
   EXPECT_EQ(feed.sampler.ignored(), 3);
 }
