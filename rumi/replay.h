@@ -37,8 +37,8 @@ struct ReplayHooks {
 class Replay {
  public:
   // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, no picture
-  // file unless a series of them is asked for.
+  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, no
+  // picture file unless a series of them is asked for.
   Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
   ~Replay();
 
