@@ -219,6 +219,7 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
     // Where nothing says where it is it follows its keyframe.
     if (model.points[p].observations.size() < 2 || !model.points[p].position.allFinite()) continue;
     const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
+    if (landmarks.empty()) continue;  // all of them were culled
     const LandmarkRef into = stands_for(landmarks, submaps);
     for (const LandmarkRef& ref : landmarks) {
       point_of[ref.submap][ref.id] = static_cast<int>(p);
