@@ -12,7 +12,7 @@ namespace rumi {
 // What is known of a frame's time when it is dequeued.
 struct FrameStamps {
   int64_t stamp_us = 0;           // of the driver, CLOCK_MONOTONIC
-  bool monotonic = true;          // the driver says that it is of that clock
+  bool monotonic = true;          // the driver does not say that it is of another clock
   bool start_of_exposure = true;  // else: when the last pixel had come
   int64_t exposure_us = 0;        // 0: not known
   VideoSystem::Clocks now;        // at the dequeuing

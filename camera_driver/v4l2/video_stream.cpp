@@ -214,7 +214,8 @@ VideoStream::Read VideoStream::read(int timeout_ms, StreamFrame* frame, std::str
   frame->sequence = buffer.sequence;
   frame->damaged = buffer.flags & V4L2_BUF_FLAG_ERROR;
   frame->stamps.stamp_us = microseconds(buffer.timestamp);
-  frame->stamps.monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+  // Drivers that name no clock (v4l2loopback) mean this one or the system's, which cannot be mistaken for it.
+  frame->stamps.monotonic = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_COPY;
   frame->stamps.start_of_exposure = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   frame->stamps.now = device_->system().now();
   return Read::kFrame;

@@ -132,6 +132,21 @@ TEST_F(V4l2SourceTest, StampsOfAnotherClockAreReplacedByTheTimeOfArrival) {
   EXPECT_EQ(utimes, arrivals);
 }
 
+TEST_F(V4l2SourceTest, StampsOfAClockThatIsNotNamedAreBelievedWhereTheyCanBeRight) {
+  ASSERT_EQ(open(), "");
+  fake_.add_frames(2, 0, grey_frame(1));
+  for (FakeFrame& frame : fake_.frames) {
+    frame.flags = V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
+    frame.arrives_us += 20'000;
+  }
+  fake_.frames[1].stamp_us = fake_.clocks.system_us;
+  const std::vector<int64_t> expected = {fake_.frames[0].stamp_us + fake_.offset_us(),
+                                         fake_.frames[1].arrives_us + fake_.offset_us()};
+  std::vector<int64_t> utimes;
+  for (const image_t& image : images_within(200'000)) utimes.push_back(image.utime);
+  EXPECT_EQ(utimes, expected);
+}
+
 TEST_F(V4l2SourceTest, ShortDamagedAndCorruptImagesAreLeftOutAndCounted) {
   fake_.formats = {{V4L2_PIX_FMT_MJPEG, {{64, 48}}, 30}};
   ASSERT_EQ(open(), "");

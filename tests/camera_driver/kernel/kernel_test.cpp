@@ -2,8 +2,6 @@
 // camera_driver against the kernel's own V4L2, in a virtual machine (run_in_qemu.sh): formats byte for byte, times
 // against the camera's schedule, losses, errors, unplugging, and the whole process on LCM.
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <sys/wait.h>
 #include <time.h>
 
 #include <cstdio>
@@ -15,8 +13,8 @@
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
 #include "camera_driver/v4l2/pixel_format.h"
-#include "camera_driver/v4l2/v4l2_source.h"
 #include "kernel_camera.h"
+#include "kernel_fixture.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
 namespace rumi {
@@ -25,11 +23,7 @@ namespace {
 using namespace testing;
 using ::testing::HasSubstr;
 
-constexpr int64_t kSecondUs = 1'000'000;
-
-int64_t monotonic_us() { return kernel_video_system().now().monotonic_us; }
-
-class KernelTest : public ::testing::Test {
+class KernelTest : public CameraSourceTest {
  protected:
   KernelTest() {
     options_.width = kWidth;
@@ -44,27 +38,7 @@ class KernelTest : public ::testing::Test {
          {"percentage_of_dropped_buffers", "timestamp_source", "wrap_timestamp", "wrap_sequence_number"})
       KernelCamera::set(name, 0);
   }
-  std::string open(const std::string& input = kDevice) {
-    OpenedSource opened = open_camera(kernel_video_system(), input, options_);
-    source_ = std::move(opened.source);
-    return opened.error;
-  }
-  std::vector<image_t> take(size_t n, int64_t within_us = 20 * kSecondUs) {
-    std::vector<image_t> images;
-    const int64_t end = monotonic_us() + within_us;
-    while (images.size() < n && monotonic_us() < end) {
-      std::optional<image_t> image = source_->next();
-      if (image) images.push_back(std::move(*image));
-    }
-    return images;
-  }
-  bool wait_for(const std::function<bool()>& condition, int64_t within_us = 20 * kSecondUs) {
-    const int64_t end = monotonic_us() + within_us;
-    while (!condition() && monotonic_us() < end) source_->next();
-    return condition();
-  }
-  CameraOptions options_;
-  std::unique_ptr<ImageSource> source_;
+  std::string open(const std::string& input = kDevice) { return CameraSourceTest::open(input); }
 };
 
 bool has_luma(const PixelFormat& format) {
@@ -333,35 +307,6 @@ TEST_F(KernelTest, AutomaticGainIsLocked) {
   EXPECT_TRUE(wait_for([] { return KernelCamera::get("gain_automatic") == 0; }));
 }
 
-// The process as a user starts it, heard over LCM.
-class Process {
- public:
-  explicit Process(const std::vector<std::string>& arguments) {
-    std::vector<char*> argv = {const_cast<char*>(CAMERA_DRIVER)};
-    for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-    argv.push_back(nullptr);
-    pid_ = fork();
-    if (pid_ == 0) {
-      execv(argv[0], argv.data());
-      _exit(127);
-    }
-  }
-  ~Process() {
-    if (pid_ > 0) end(SIGKILL);
-  }
-  void signal(int number) const { kill(pid_, number); }
-  int end(int number) {
-    int status = 0;
-    kill(pid_, number);
-    waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-
- private:
-  pid_t pid_ = -1;
-};
-
 TEST_F(KernelTest, TheProcessOnLcm) {
   const auto write = [](const std::string& file, const std::string& text) { std::ofstream(file) << text; };
   write("/run/camera.yaml", "fx: 300\nfy: 300\ncx: 160\ncy: 90\nwidth: 320\nheight: 180\nfps: 15\n");
@@ -379,11 +324,7 @@ TEST_F(KernelTest, TheProcessOnLcm) {
     EXPECT_THAT(metadata(image, kCalibrationKey), HasSubstr("fx: 300"));
   });
   bus->subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& message) { status = message; });
-  const auto until = [&bus](const std::function<bool()>& condition) {
-    const int64_t end = monotonic_us() + 30 * kSecondUs;
-    while (!condition() && monotonic_us() < end) bus->dispatch(100);
-    return condition();
-  };
+  const auto until = [&bus](const std::function<bool()>& condition) { return hear_until(*bus, condition); };
   Process process({kDevice, "--camera", "/run/camera.yaml", "--config", "/run/config.yaml"});
   ASSERT_TRUE(until([&] { return images >= 30; }));
   EXPECT_EQ(KernelCamera::get("brightness"), 100);

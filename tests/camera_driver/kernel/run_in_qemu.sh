@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # run_in_qemu.sh WORK COMMAND ARGS...: runs a command as root in a virtual machine that has this machine's files (read-only),
-# Debian's kernel and its virtual cameras (vivid). WORK is a folder for the kernel and the initramfs.
+# Debian's kernel and virtual cameras: the kernel's own (vivid) and, where it can be had, one to be fed (v4l2loopback). WORK is
+# a folder for the kernel and the initramfs.
 # Needs no root and no KVM. Exit code: the command's, 77 (CTest: skipped) where something needed is missing.
 # RUMI_QEMU_ACCEL=kvm is faster where KVM works; RUMI_QEMU_TIMEOUT_S is the limit for all of it.
 set -eu
@@ -58,6 +59,11 @@ chmod 755 "$work/initramfs/init"
 for module in 9pnet_virtio 9p virtio_pci vivid; do
   modprobe -d "$kernel" -S "$version" --show-depends "$module" 2>/dev/null | awk '/^insmod/ {print $2}'
 done | awk '!seen[$0]++' >"$work/modules"
+if "$here/build_loopback.sh" "$work" "$version"; then
+  echo "$work/v4l2loopback-$version.ko" >>"$work/modules"
+else
+  echo "SKIPPED: v4l2loopback cannot be had here, so MJPEG was NOT tested against the kernel's V4L2" >&2
+fi
 number=100
 while read -r file; do
   name=$(basename "${file%%.ko*}")
