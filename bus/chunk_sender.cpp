@@ -81,10 +81,13 @@ void ChunkSender::on_ack(const chunk_ack_t& ack) {
   transfer.last_news_us = bus_.now_us();
   transfer.repeats = 0;
   if (ack.status != chunk_ack_t::PARTIAL) {
+    ++acknowledged_;
     finish(found->first, {ack.transfer_id, ack.status == chunk_ack_t::COMPLETE, ack.reason, ack.revision});
     return;
   }
-  transfer.acknowledged = std::max(transfer.acknowledged, std::clamp(ack.next_index, 0, transfer.count));
+  const int32_t before = transfer.acknowledged;
+  transfer.acknowledged = std::max(before, std::clamp(ack.next_index, 0, transfer.count));
+  acknowledged_ += transfer.acknowledged - before;
   // Chunks that were acknowledged before are sent as well: the receiver may have been started anew.
   int sent = 0;
   for (const int32_t index : ack.missing) {

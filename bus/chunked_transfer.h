@@ -46,6 +46,8 @@ class ChunkSender {
   void tick(int64_t now_us);
   // Payloads not yet acknowledged.
   int pending() const;
+  // Chunks and payloads that were, so far.
+  int64_t acknowledged() const { return acknowledged_; }
 
  private:
   struct Transfer {
@@ -70,7 +72,7 @@ class ChunkSender {
   Bus& bus_;
   std::string data_channel_, name_;
   TransferOptions options_;
-  int64_t last_id_ = 0;
+  int64_t last_id_ = 0, acknowledged_ = 0;
   std::map<std::string, std::deque<Transfer>> queues_;  // by receiver; none is empty, the first in each is under way
 };
 

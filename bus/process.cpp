@@ -14,8 +14,10 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <utility>
 
 #include "bus/lcm_bus.h"
+#include "bus/receive_losses.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
 namespace rumi {
@@ -24,6 +26,9 @@ namespace {
 constexpr int kMaxDispatchMs = 20;
 constexpr std::chrono::seconds kFinishTimeout{5};
 constexpr int64_t kStatusPeriodUs = 1'000'000;
+constexpr const char* kLossAdvice =
+    "the receive buffer is too small for what comes, or the machine too busy; recv_buf_size=8388608 in the LCM URL and "
+    "`sudo sysctl -w net.core.rmem_max=8388608` help";
 enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
 
 std::atomic<int> g_stop_signals = 0;
@@ -146,8 +151,12 @@ void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function
   if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
   if (g_stop_signals > 0) node.stop();
   status.stopping(node, bus.now_us());
-  const auto deadline = std::chrono::steady_clock::now() + kFinishTimeout;
-  while (!node.finished() && std::chrono::steady_clock::now() < deadline) step();
+  using Clock = std::chrono::steady_clock;
+  int64_t handed_on = node.handed_on();
+  for (auto deadline = Clock::now() + kFinishTimeout; !node.finished() && Clock::now() < deadline;) {
+    step();
+    if (std::exchange(handed_on, node.handed_on()) != handed_on) deadline = Clock::now() + kFinishTimeout;
+  }
   if (!node.finished()) spdlog::warn("not everything could be handed on before the end");
   status.stopping(node, bus.now_us());
 }
@@ -196,11 +205,12 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   start_logging(description.name, flags.verbose, flags.quiet);
   try {
     std::string error;
+    const ReceiveLosses losses;
     const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
     if (!bus) throw std::runtime_error(error);
     catch_stop_signals();
     const std::unique_ptr<Node> node = description.make_node(*bus);
-    StatusPublisher status(*bus, description.name);
+    StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
     run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });
   } catch (const std::exception& e) {
     spdlog::error("{}", e.what());
@@ -209,7 +219,23 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   return kOk;
 }
 
-StatusPublisher::StatusPublisher(Bus& bus, std::string process_name) : bus_(bus), name_(std::move(process_name)) {}
+StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)
+    : bus_(bus), name_(std::move(process_name)), count_lost_(std::move(lost)) {}
+
+void StatusPublisher::note_losses(NodeStatus* status) {
+  const int64_t lost = count_lost_ ? count_lost_() : 0;
+  const int64_t now_lost = lost - std::exchange(lost_, lost);
+  if (lost == 0) return;
+  status->detail += fmt::format("; {} datagrams lost before they were received", lost);
+  if (now_lost == 0) return;
+  status->degraded = true;
+  status->detail += fmt::format(", {} of them now: {}", now_lost, kLossAdvice);
+  if (lost == now_lost)
+    spdlog::warn(
+        "{} datagrams, and the messages that they are parts of, were lost before they were received: {}; from "
+        "now on they are counted in the status",
+        lost, kLossAdvice);
+}
 
 void StatusPublisher::tick(Node& node, int64_t now_us) {
   if (started_us_ == 0) started_us_ = now_us;
@@ -221,7 +247,8 @@ void StatusPublisher::tick(Node& node, int64_t now_us) {
 void StatusPublisher::stopping(Node& node, int64_t now_us) { publish(node, now_us, process_status_t::STOPPING); }
 
 void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
-  const NodeStatus node_status = node.status();
+  NodeStatus node_status = node.status();
+  note_losses(&node_status);
   process_status_t message;
   message.utime = now_us;
   message.process = name_;

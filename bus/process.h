@@ -32,13 +32,16 @@ class Node {
   virtual int64_t next_tick_us(int64_t now_us) const { return now_us + 20'000; }
   virtual NodeStatus status() = 0;
   // The input has ended: finish what is open, publish what is unpublished. After it the bus is still dispatched until
-  // finished(): for 5 s, or, if the process was asked for it (SIGUSR1), for as long as it takes.
+  // finished(): until handed_on() has not changed for 5 s, or, if the process was asked for it (SIGUSR1), for as long
+  // as it takes.
   virtual void finish() {}
   // The process is asked to end now (SIGINT, SIGTERM): the same, but for what may take longer than 5 s.
   virtual void stop() { finish(); }
   // Live: true ends the process (a camera_driver that came to the end of its dataset).
   virtual bool done() const { return false; }
   virtual bool finished() const { return true; }
+  // How much of what others wait for they have; another number each time they have more.
+  virtual int64_t handed_on() const { return 0; }
 };
 
 struct ProcessDescription {
@@ -68,16 +71,20 @@ void start_logging(const std::string& name, bool verbose, bool quiet);
 // The 1 Hz status of a node on any bus; call after every dispatch.
 class StatusPublisher {
  public:
-  StatusPublisher(Bus& bus, std::string process_name);
+  // lost: how many datagrams found the receive buffer full so far (ReceiveLosses); nothing where there are none.
+  StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost = {});
   void tick(Node& node, int64_t now_us);
   void stopping(Node& node, int64_t now_us);
 
  private:
   void publish(Node& node, int64_t now_us, int8_t state);
+  void note_losses(NodeStatus* status);
   Bus& bus_;
   std::string name_;
   int64_t started_us_ = 0;
   int64_t last_us_ = 0;
+  std::function<int64_t()> count_lost_;
+  int64_t lost_ = 0;
 };
 
 // "name@host:pid", unique among all processes: sender and receiver in chunk transfers.

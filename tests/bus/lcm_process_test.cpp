@@ -2,6 +2,8 @@
 // run_process() as the user meets it: flags, messages, exit codes, signals. Run by tests/run_in_netns.sh.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -80,8 +82,10 @@ class Peer {
     bus_->subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) {
       ++statuses;
       stopping |= m.state == process_status_t::STOPPING;
+      if (m.state == process_status_t::DEGRADED) trouble = m.detail;
     });
   }
+  void publish_bytes(size_t size) { bus_->publish_raw(channels::kCamera, std::vector<uint8_t>(size)); }
   // Asks until an answer comes (the child needs time to start).
   bool ask(int id) {
     answer = -1;
@@ -97,6 +101,7 @@ class Peer {
   }
   int answer = -1, statuses = 0;
   bool stopping = false;
+  std::string trouble;
 
  private:
   std::unique_ptr<LcmBus> bus_;
@@ -197,6 +202,39 @@ TEST(RunProcessTest, PrefixAndCameraChannel) {
   EXPECT_TRUE(peer.ask(1)) << child.output();
 }
 
+TEST(RunProcessTest, SaysThatItsReceiveBufferWasFull) {
+  constexpr int kMessages = 300, kBytes = 300'000;  // more than any buffer that it could have
+  Peer peer;
+  Child child({});
+  ASSERT_TRUE(peer.ask(1)) << child.output();
+  child.signal(SIGSTOP);
+  for (int i = 0; i < kMessages; ++i) peer.publish_bytes(kBytes);
+  child.signal(SIGCONT);
+  EXPECT_TRUE(peer.until([&] { return !peer.trouble.empty(); }));
+  EXPECT_THAT(peer.trouble, testing::ContainsRegex("[0-9]+ datagrams lost before they were received"));
+  EXPECT_THAT(child.output(), HasSubstr("sudo sysctl -w net.core.rmem_max="));
+}
+
+// As of a procman deputy, which is on LCM too, and whose sockets its children inherit.
+TEST(RunProcessTest, WhatAnInheritedSocketLosesIsNotItsLoss) {
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof(address);
+  ASSERT_EQ(bind(socket, reinterpret_cast<sockaddr*>(&address), length), 0);
+  ASSERT_EQ(getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length), 0);
+  const std::vector<uint8_t> data(60'000);
+  for (int i = 0; i < 100; ++i)  // nobody reads
+    sendto(socket, data.data(), data.size(), 0, reinterpret_cast<sockaddr*>(&address), length);
+  Peer peer;
+  Child child({});
+  ASSERT_TRUE(peer.ask(1)) << child.output();
+  EXPECT_TRUE(peer.until([&] { return peer.statuses >= 3; }));
+  EXPECT_EQ(peer.trouble, "");
+  close(socket);
+}
+
 TEST(RunProcessTest, EndsByItselfWhenTheNodeIsDone) {
   Peer peer;
   Child child({"--end-after", "1"});
@@ -215,6 +253,15 @@ TEST(RunProcessTest, ANodeThatDoesNotFinishHasFiveSeconds) {
   EXPECT_GT(seconds, 4.5);
   EXPECT_LT(seconds, 7);
   EXPECT_THAT(child.output(), HasSubstr("not everything could be handed on"));
+}
+
+TEST(RunProcessTest, ANodeThatGetsOnIsGivenTheTimeThatItTakes) {
+  Peer peer;
+  Child child({"--hands-on-for", "6.5"});
+  ASSERT_TRUE(peer.ask(1));
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0);
+  EXPECT_THAT(child.output(), testing::Not(HasSubstr("not everything could be handed on")));
 }
 
 TEST(RunProcessTest, TheSecondSignalEndsItAtOnce) {

@@ -33,7 +33,8 @@ class StatusTest : public testing::Test {
   }
   MemoryBus bus_;
   IdleNode node_;
-  StatusPublisher publisher_{bus_, "tester"};
+  int64_t lost_ = 0;
+  StatusPublisher publisher_{bus_, "tester", [this] { return lost_; }};
   std::vector<process_status_t> seen_;
 };
 
@@ -48,6 +49,20 @@ TEST_F(StatusTest, AClockThatGoesBackDoesNotSilenceIt) {
   tick(5'000'000);
   tick(1'000'000);
   EXPECT_EQ(seen_.size(), 2u);
+}
+
+TEST_F(StatusTest, SaysWhatWasLostBeforeItWasReceivedAndWhatHelps) {
+  tick(1'000'000);
+  lost_ = 3;
+  tick(2'000'000);
+  tick(3'000'000);
+  ASSERT_EQ(seen_.size(), 3u);
+  EXPECT_EQ(seen_[0].detail, "idle");
+  EXPECT_EQ(seen_[1].state, process_status_t::DEGRADED);
+  EXPECT_THAT(seen_[1].detail, HasSubstr("3 datagrams lost before they were received"));
+  EXPECT_THAT(seen_[1].detail, HasSubstr("sudo sysctl -w net.core.rmem_max="));
+  EXPECT_EQ(seen_[2].state, process_status_t::RUNNING) << "it is over";
+  EXPECT_EQ(seen_[2].detail, "idle; 3 datagrams lost before they were received");
 }
 
 TEST_F(StatusTest, SaysWhatTheNodeAndTheBusSay) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A process with a node that answers requests, for lcm_process_test.cpp.
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
 #include <stdexcept>
 
 #include "bus/process.h"
@@ -12,6 +14,7 @@ struct Options {
   int step = 1;
   int end_after = 0;
   bool never_finished = false;
+  double hands_on_for_s = 0;
   bool fail = false;
 };
 
@@ -30,10 +33,19 @@ class EchoNode : public rumi::Node {
   void tick(int64_t) override {}
   rumi::NodeStatus status() override { return {}; }
   bool done() const override { return options_.end_after > 0 && answered_ >= options_.end_after; }
-  bool finished() const override { return !options_.never_finished; }
+  void finish() override { finish_ = Clock::now(); }
+  bool finished() const override {
+    return !options_.never_finished && finishing_for().count() >= options_.hands_on_for_s;
+  }
+  int64_t handed_on() const override { return std::llround(10 * finishing_for().count()); }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  std::chrono::duration<double> finishing_for() const {
+    return std::chrono::duration<double>(options_.hands_on_for_s > 0 ? Clock::now() - finish_ : Clock::duration());
+  }
   Options options_;
+  Clock::time_point finish_;
   int answered_ = 0;
 };
 
@@ -47,6 +59,7 @@ int main(int argc, char** argv) {
                               app.add_option("INPUT", "ignored")->type_name("");
                               app.add_option("--end-after", options.end_after, "answers");
                               app.add_flag("--never-finished", options.never_finished, "does not end when asked");
+                              app.add_option("--hands-on-for", options.hands_on_for_s, "s, when asked to end");
                               app.add_flag("--fail", options.fail, "cannot start");
                             },
                             [&](rumi::OptionTable& table) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, answers to them, how
-// long an answer took from the arrival of the image to the arrival of its pose, when the first image and the first
-// answer came after front_tracker was started, and the most memory that each process had.
+// Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, their MB in a second,
+// what was lost on the way here, answers to them, how long an answer took from the arrival of the image to the arrival
+// of its pose, when the first image and the first answer came after front_tracker was started, and the most memory that
+// each process had.
 #include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "bus/process.h"
+#include "bus/receive_losses.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
@@ -46,10 +48,12 @@ std::optional<double> peak_memory_mb(int pid) {
 
 class LiveStats : public rumi::Node {
  public:
-  explicit LiveStats(rumi::Bus& bus) : bus_(bus) {
+  LiveStats(rumi::Bus& bus, const rumi::ReceiveLosses& losses) : bus_(bus), losses_(losses) {
     // Deep queues: what is lost here would be taken for a loss of the system.
     bus.subscribe<rumi::image_t>(rumi::channels::kCamera, {1000}, [this](const rumi::image_t& image) {
       if (++images_ == 1) first_image_us_ = bus_.now_us();
+      last_image_us_ = bus_.now_us();
+      image_bytes_ += static_cast<int64_t>(image.data.size());
       image_arrived_us_[image.utime] = bus_.now_us();
     });
     bus.subscribe<rumi::track_t>(rumi::channels::kTrack, {1000},
@@ -63,6 +67,8 @@ class LiveStats : public rumi::Node {
     std::sort(latencies_ms_.begin(), latencies_ms_.end());
     const nlohmann::ordered_json json{
         {"images", images_},
+        {"image_mb_per_s", image_mb_per_s()},
+        {"datagrams_lost", losses_.datagrams()},
         {"answers", answers_},
         {"answers_lost", answers_lost_},
         {"tracked", tracked_},
@@ -77,6 +83,11 @@ class LiveStats : public rumi::Node {
   }
 
  private:
+  double image_mb_per_s() const {
+    if (images_ < 2) return 0;
+    const auto us = static_cast<double>(last_image_us_ - *first_image_us_);
+    return static_cast<double>(image_bytes_) / us * static_cast<double>(images_ - 1) / static_cast<double>(images_);
+  }
   void on_track(const rumi::track_t& track) {
     if (track.sequence <= last_sequence_) return;  // a frame that got its pose afterwards
     if (++answers_ == 1) first_answer_us_ = bus_.now_us();
@@ -103,7 +114,9 @@ class LiveStats : public rumi::Node {
     return latencies_ms_[static_cast<size_t>(quantile * last)];
   }
   rumi::Bus& bus_;
-  int64_t images_ = 0, answers_ = 0, answers_lost_ = 0, tracked_ = 0, last_sequence_ = -1;
+  const rumi::ReceiveLosses& losses_;
+  int64_t images_ = 0, image_bytes_ = 0, last_image_us_ = 0, answers_ = 0, answers_lost_ = 0, tracked_ = 0,
+          last_sequence_ = -1;
   std::map<int64_t, int64_t> image_arrived_us_;  // by utime
   std::vector<double> latencies_ms_;
   std::optional<int64_t> first_image_us_, first_answer_us_, tracker_started_us_;
@@ -113,9 +126,10 @@ class LiveStats : public rumi::Node {
 }  // namespace
 
 int main(int argc, char** argv) {
+  const rumi::ReceiveLosses losses;
   rumi::ProcessDescription process;
   process.name = "live_stats";
   process.summary = "Prints what an outsider saw of a live system.";
-  process.make_node = [](rumi::Bus& bus) { return std::make_unique<LiveStats>(bus); };
+  process.make_node = [&losses](rumi::Bus& bus) { return std::make_unique<LiveStats>(bus, losses); };
   return rumi::run_process(argc, argv, process);
 }

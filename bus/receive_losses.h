@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the kernel throws away when messages come faster than this process takes them: nobody else would notice.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+namespace rumi {
+
+class ReceiveLosses {
+ public:
+  // Make it before any socket is opened: those that are open already were inherited, and are not ours to read.
+  ReceiveLosses();
+  // UDP datagrams that came for this process and found a full receive buffer. One of them loses the message that it is
+  // a part of. (Column `drops` of /proc/net/udp; 0 where there is none.)
+  int64_t datagrams() const;
+
+ private:
+  std::set<std::string> inherited_;  // inode numbers
+};
+
+}  // namespace rumi
