@@ -28,6 +28,7 @@ class FrontTrackerNode : public Node {
   NodeStatus status() override;
   void finish() override;
   bool finished() const override;
+  int64_t handed_on() const override { return publisher_.handed_on(); }
 
   // Nothing before the first usable image.
   Tracker* tracker() { return tracker_.get(); }

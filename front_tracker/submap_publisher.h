@@ -20,6 +20,8 @@ class SubmapPublisher {
   void tick(int64_t now_us) { sender_.tick(now_us); }
   // The server has stored everything of these submaps, and knows that they are closed.
   bool complete(Tracker& tracker) const;
+  // Rises while map_server takes what is sent, see Node::handed_on().
+  int64_t handed_on() const { return failure_.empty() ? sender_.acknowledged() : 0; }
   // Why the last transfer failed, or empty.
   const std::string& failure() const { return failure_; }
 

@@ -12,7 +12,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <set>
+#include <utility>
 
 namespace rumi {
 namespace {
@@ -30,6 +33,50 @@ std::string describe_status(int status) {
     return fmt::format("was ended by signal {} ({})", WTERMSIG(status), strsignal(WTERMSIG(status)));
   return fmt::format("ended with status {}", status);
 }
+
+// True if a thread of the process has a CPU, waits for one, or for a disk; on a busy machine work may get little CPU
+// time.
+bool is_at_work(pid_t pid) {
+  std::error_code error;
+  const std::string threads = fmt::format("/proc/{}/task", pid);
+  for (std::filesystem::directory_iterator it(threads, error), end; !error && it != end; it.increment(error)) {
+    std::string text;
+    std::getline(std::ifstream(it->path() / "stat"), text);
+    const size_t name_end = text.rfind(')');  // the state follows
+    if (name_end == std::string::npos || name_end + 2 >= text.size()) continue;
+    if (const char state = text[name_end + 2]; state == 'R' || state == 'D') return true;
+  }
+  return false;
+}
+
+// With processes that were asked to end: while any of all that run is at work, which the others may be waiting for.
+class Patience {
+ public:
+  explicit Patience(const SupervisorOptions& options) : options_(options) {}
+
+  // Call every kLook. Returns why it is over, or an empty string.
+  std::string end(bool one_is_at_work) {
+    const auto now = Clock::now();
+    seen_at_work_ += one_is_at_work;
+    if (++looks_ == kLooks) {
+      if (seen_at_work_ >= kSeenAtWork) last_work_ = now;
+      looks_ = seen_at_work_ = 0;
+    }
+    const auto seconds = [](auto duration) { return std::chrono::duration<double>(duration).count(); };
+    if (now - last_work_ >= options_.stop_idle)
+      return fmt::format("nothing was done for {:.1f} s", seconds(now - last_work_));
+    if (now - begin_ >= options_.stop_limit) return fmt::format("still at work after {:.0f} s", seconds(now - begin_));
+    return {};
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kLooks = 6, kSeenAtWork = 3;  // who only waits is awake for a moment now and then
+  const SupervisorOptions& options_;
+  const Clock::time_point begin_ = Clock::now();
+  Clock::time_point last_work_ = begin_;
+  int looks_ = 0, seen_at_work_ = 0;
+};
 
 // In the child. Only async-signal-safe calls; the supervisor has one thread, so fork() is safe, and unlike posix_spawn
 // it lets the child ask to be told when the supervisor is killed.
@@ -175,41 +222,45 @@ std::string Supervisor::watch(bool* source_ended) {
   return "";
 }
 
-void Supervisor::stop_stage(int stage, Clock::time_point deadline) {
-  const auto of_stage = [&](const Child& child) { return child.pid > 0 && child.process.stop_stage == stage; };
-  for (const Child& child : children_) {
-    if (of_stage(child)) kill(child.pid, SIGTERM);
-  }
-  while (std::any_of(children_.begin(), children_.end(), of_stage) && Clock::now() < deadline) {
+void Supervisor::kill_child(Child& child) {
+  kill(-child.pid, SIGKILL);
+  int status = 0;
+  while (!reap(child, &status)) usleep(1000);
+}
+
+void Supervisor::stop_those(const std::function<bool(const ChildProcess&)>& is_meant,
+                            const std::atomic<bool>& at_once) {
+  std::vector<Child*> ending;
+  for (Child& child : children_)
+    if (child.pid > 0 && is_meant(child.process)) ending.push_back(&child);
+  for (const Child* child : ending) kill(child->pid, SIGTERM);
+  Patience patience(options_);
+  while (!ending.empty()) {
     read_output(kLook);
-    int status = 0;
-    for (Child& child : children_) {
-      if (reap(child, &status) && (!WIFEXITED(status) || WEXITSTATUS(status) != 0)) {
-        say(fmt::format("{} {} while stopping", child.process.name, describe_status(status)));
-      }
+    std::erase_if(ending, [this](Child* child) {
+      int status = 0;
+      if (!reap(*child, &status)) return false;
+      if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        say(fmt::format("{} {} while stopping", child->process.name, describe_status(status)));
+      return true;
+    });
+    const bool one_is_at_work = std::any_of(children_.begin(), children_.end(),
+                                            [](const Child& child) { return child.pid > 0 && is_at_work(child.pid); });
+    const std::string why = at_once ? "everything is to end at once" : patience.end(one_is_at_work);
+    if (why.empty()) continue;
+    for (Child* child : std::exchange(ending, {})) {
+      say(fmt::format("{} did not end when asked to: killed, as {}", child->process.name, why));
+      kill_child(*child);
     }
   }
 }
 
-void Supervisor::stop_all(const std::function<void()>& before_last_stage) {
+void Supervisor::stop_all(const std::atomic<bool>& at_once, const std::function<void()>& before_last_stage) {
   std::set<int> stages;
   for (const Child& child : children_) stages.insert(child.process.stop_stage);
-  auto begin = Clock::now();
   for (int stage : stages) {
-    const bool last = stage == *stages.rbegin();
-    if (last && before_last_stage) {
-      const auto before = Clock::now();
-      before_last_stage();
-      begin += Clock::now() - before;
-    }
-    stop_stage(stage, begin + (last ? options_.stop_timeout : options_.stage_timeout));
-  }
-  for (Child& child : children_) {
-    if (child.pid <= 0) continue;
-    say(fmt::format("{} did not end when asked to: killed", child.process.name));
-    kill(-child.pid, SIGKILL);
-    int status = 0;
-    while (!reap(child, &status)) usleep(1000);
+    if (stage == *stages.rbegin() && before_last_stage && !at_once) before_last_stage();
+    stop_those([stage](const ChildProcess& process) { return process.stop_stage == stage; }, at_once);
   }
 }
 
@@ -237,7 +288,7 @@ void Supervisor::ask_to_reload() const {
     if (child.process.reloads && child.pid > 0) kill(child.pid, SIGUSR2);
 }
 
-std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
+std::string Supervisor::run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {
     child.restart_at = Clock::now() + options_.source_delay;
@@ -258,9 +309,11 @@ std::string Supervisor::run(const std::atomic<bool>& stop, const Hooks& hooks) {
       reason = watch(&source_ended);
     }
   }
-  if (reason.empty() && hooks.before_stop) hooks.before_stop();
+  // First, so that the others have time for what they have.
+  stop_those([](const ChildProcess& process) { return process.source; }, at_once);
+  if (reason.empty() && hooks.before_stop && !at_once) hooks.before_stop();
   if (source_ended && reason.empty()) reason = await_finish(stop);
-  stop_all(reason.empty() ? hooks.before_last_stage : nullptr);
+  stop_all(at_once, reason.empty() ? hooks.before_last_stage : nullptr);
   return reason;
 }
 

@@ -26,11 +26,13 @@ struct SupervisorOptions {
   std::chrono::milliseconds source_delay{1000};  // of the source's start: the others are to hear all of it
   std::chrono::milliseconds restart_delay{500};  // before the first restart; doubles up to the next one
   std::chrono::milliseconds restart_delay_max{10000};
-  std::chrono::milliseconds failed_start{2000};   // dead within this time: it did not start
-  int max_failed_starts = 3;                      // in a row, of one process: then all is given up
-  std::chrono::milliseconds settle{2000};         // from the end of the source to the stop of the others
-  std::chrono::milliseconds stage_timeout{5000};  // for all but the last stage together
-  std::chrono::milliseconds stop_timeout{6500};   // whoever still lives is killed
+  std::chrono::milliseconds failed_start{2000};  // dead within this time: it did not start
+  int max_failed_starts = 3;                     // in a row, of one process: then all is given up
+  std::chrono::milliseconds settle{2000};        // from the end of the source to the stop of the others
+  // From being asked to end to being killed: while nothing is done by any of those that run (they wait 5 s for one
+  // another), and at all. How long work takes depends on the machine.
+  std::chrono::milliseconds stop_idle{6500};
+  std::chrono::milliseconds stop_limit{60000};
 };
 
 class Supervisor {
@@ -44,13 +46,14 @@ class Supervisor {
 
   // What to do while all runs, and on the way to the end, unless all was given up.
   struct Hooks {
-    std::function<void()> before_stop;        // everybody is alive
+    std::function<void()> before_stop;        // everybody but the source is alive
     std::function<void()> before_last_stage;  // only the last stage is
     std::function<bool()> reload;             // often; true: those who can are asked to read their options again
   };
   // Runs until the source ends and those who finish have done so, stop becomes true, or a process cannot be kept alive.
-  // Returns an empty string, or why it was given up.
-  std::string run(const std::atomic<bool>& stop, const Hooks& hooks);
+  // Whoever is not done with ending when `at_once` becomes true is killed. Returns an empty string, or why it was given
+  // up.
+  std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
 
   int restarts() const { return restarts_; }
 
@@ -74,8 +77,9 @@ class Supervisor {
   void ask_to_reload() const;
   std::string await_finish(const std::atomic<bool>& stop);
   std::string on_death(Child& child, int status);
-  void stop_stage(int stage, Clock::time_point deadline);
-  void stop_all(const std::function<void()>& before_last_stage);
+  void stop_those(const std::function<bool(const ChildProcess&)>& is_meant, const std::atomic<bool>& at_once);
+  void kill_child(Child& child);
+  void stop_all(const std::atomic<bool>& at_once, const std::function<void()>& before_last_stage);
   bool reap(Child& child, int* status);
   void say(const std::string& line) { on_line_("rumi", line); }
 

@@ -24,11 +24,14 @@ struct Arguments {
   std::vector<std::string> settings, camera_flags;
 };
 
-std::atomic<bool> g_stop = false, g_reload = false;
+std::atomic<bool> g_stop = false, g_at_once = false, g_reload = false;
 
 void listen_to_signals() {
   struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = true; };
+  // Who asks twice does not want to wait.
+  action.sa_handler = [](int) {
+    if (g_stop.exchange(true)) g_at_once = true;
+  };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = [](int) { g_reload = true; };
@@ -111,8 +114,8 @@ void take_snapshot(const UpOptions& up, const std::string& out, bool update) {
   Supervisor supervisor({child}, once, [](const std::string& name, const std::string& line) {
     fmt::print(stderr, "{:>16}| {}\n", name, line);
   });
-  const std::atomic<bool> never = false;
-  if (const std::string reason = supervisor.run(never, {}); !reason.empty()) throw std::runtime_error(reason);
+  if (const std::string reason = supervisor.run(g_at_once, g_at_once, {}); !reason.empty())
+    throw std::runtime_error(reason);
 }
 
 // On SIGUSR2. True if the shared options are new.
@@ -167,7 +170,7 @@ int up(const Arguments& arguments) {
       hooks.before_stop = [&] { snapshot(false); };
       hooks.before_last_stage = [&] { snapshot(true); };
     }
-    error = supervisor.run(g_stop, hooks);
+    error = supervisor.run(g_stop, g_at_once, hooks);
     if (error.empty()) error = snapshot_error;
   } catch (const std::exception& e) {
     error = e.what();

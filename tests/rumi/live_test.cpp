@@ -92,6 +92,7 @@ TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
                                 "code=$?; echo \"after $(($(date +%s) - begin)) s\"; exit $code");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, testing::ContainsRegex("after [0-7] s"));
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("killed")));
   EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
   EXPECT_FALSE(fs::exists(out.string() + "-live.db.lock")) << "map_server did not end by itself";
 }

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -28,8 +29,8 @@ SupervisorOptions quick() {
   options.restart_delay = milliseconds(20);
   options.failed_start = milliseconds(0);  // every start counts as a good one
   options.settle = milliseconds(50);
-  options.stage_timeout = milliseconds(1000);
-  options.stop_timeout = milliseconds(2000);
+  options.stop_idle = milliseconds(1000);
+  options.stop_limit = milliseconds(20'000);
   return options;
 }
 
@@ -41,14 +42,15 @@ class SupervisorTest : public testing::Test {
     Supervisor supervisor(std::move(children), options, [this](const std::string& name, const std::string& line) {
       lines_.emplace_back(name, line);
       if (line == "stop") stop_ = true;
+      if (line == "at once") at_once_ = true;
     });
     const auto begin = steady_clock::now();
-    std::string reason = supervisor.run(stop_, {[this] { before_stop_ = true; }, before_last_stage, {}});
+    std::string reason = supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}});
     duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
     restarts_ = supervisor.restarts();
     return reason;
   }
-  std::atomic<bool> stop_ = false;
+  std::atomic<bool> stop_ = false, at_once_ = false;
   std::vector<std::pair<std::string, std::string>> lines_;
   milliseconds duration_{0};
   int restarts_ = 0;
@@ -79,7 +81,7 @@ TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {
   });
   Supervisor::Hooks hooks;
   hooks.reload = [&ready] { return std::exchange(ready, false); };
-  EXPECT_EQ(supervisor.run(stop_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
   EXPECT_THAT(lines_, Contains(Pair("camera", "read")));
   EXPECT_THAT(lines_, Not(Contains(Pair("other", "read"))));
 }
@@ -184,12 +186,90 @@ TEST_F(SupervisorTest, StoppedItWaitsForNobodysWork) {
   EXPECT_THAT(lines_, Not(Contains(Pair("worker", "finished")))) << "Ctrl-C: nobody is to finish anything";
 }
 
+TEST_F(SupervisorTest, TheSourceIsStoppedBeforeTheOthersAreAsked) {
+  ChildProcess source =
+      shell("camera", "trap 'echo camera done; exit 0' TERM; echo stop; while :; do sleep 0.05; done");
+  source.source = true;
+  Supervisor supervisor({source, shell("server", "trap 'echo server done; exit 0' TERM; while :; do sleep 0.05; done")},
+                        quick(), [&](const std::string&, const std::string& line) {
+                          lines_.emplace_back("", line);
+                          if (line == "stop") stop_ = true;
+                        });
+  Supervisor::Hooks hooks;
+  hooks.before_stop = [&] { lines_.emplace_back("", "asked"); };
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  std::vector<std::string> order;
+  for (const auto& [name, line] : lines_) order.push_back(line);
+  EXPECT_EQ(order, (std::vector<std::string>{"stop", "camera done", "asked", "server done"}));
+}
+
+// A shell that is at work itself until it has used so much CPU time, in clock ticks of 10 ms, however long that takes.
+std::string at_work(int ticks) {
+  const std::string look = "read -r _ _ _ _ _ _ _ _ _ _ _ _ _ u s _ </proc/$$/stat; ";
+  return look + "end=$((u + s + " + std::to_string(ticks) + ")); while [ $((u + s)) -lt $end ]; do i=0; " +
+         "while [ $i -lt 2000 ]; do i=$((i + 1)); done; " + look + "done; ";
+}
+
+TEST_F(SupervisorTest, WhoIsAtWorkIsWaitedFor) {
+  SupervisorOptions options = quick();
+  options.stop_idle = milliseconds(700);
+  const std::string script =
+      "trap '" + at_work(100) + " echo done; exit 0' TERM; echo stop; while :; do sleep 0.05; done";
+  ChildProcess last = shell("map", "trap 'echo map done; exit 0' TERM; while :; do sleep 0.05; done");
+  last.stop_stage = 1;
+  EXPECT_EQ(run({last, shell("slow", script)}, options), "");
+  EXPECT_GT(duration_, options.stop_idle);
+  std::vector<std::string> order;
+  for (const auto& [name, line] : lines_) order.push_back(line);
+  EXPECT_EQ(order, (std::vector<std::string>{"stop", "done", "map done"}));
+}
+
+TEST_F(SupervisorTest, WhoWaitsForOneAtWorkIsWaitedForToo) {
+  SupervisorOptions options = quick();
+  options.stop_idle = milliseconds(700);
+  const std::string answers = std::filesystem::path(testing::TempDir()) / "supervisor_answers";
+  std::filesystem::remove(answers);
+  ASSERT_EQ(mkfifo(answers.c_str(), 0600), 0);
+  ChildProcess front = shell("front", "trap 'read -r answer <" + answers +
+                                          "; echo $answer; exit 0' TERM; echo stop; while :; do sleep 0.05; done");
+  ChildProcess map = shell(
+      "map", "trap 'exit 0' TERM; " + at_work(150) + " echo stored >" + answers + "; while :; do sleep 0.05; done");
+  map.stop_stage = 1;
+  EXPECT_EQ(run({map, front}, options), "");
+  EXPECT_THAT(lines_, Contains(Pair("front", "stored")));
+}
+
 TEST_F(SupervisorTest, KillsWhatDoesNotEnd) {
   SupervisorOptions options = quick();
-  options.stop_timeout = milliseconds(300);
-  EXPECT_EQ(run({shell("deaf", "trap '' TERM; echo stop; while :; do sleep 0.05; done")}, options), "");
-  EXPECT_LT(duration_, milliseconds(2000));
-  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("killed"))));
+  options.stop_idle = milliseconds(700);
+  ChildProcess last = shell("map", "trap 'echo map done; exit 0' TERM; while :; do sleep 0.05; done");
+  last.stop_stage = 1;
+  EXPECT_EQ(run({last, shell("deaf", "trap '' TERM; echo stop; while :; do sleep 1; done")}, options), "");
+  EXPECT_LT(duration_, milliseconds(5000));
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("deaf did not end when asked to: killed, as nothing was done"))));
+  EXPECT_THAT(lines_, Contains(Pair("map", "map done"))) << "the others end as ever";
+}
+
+TEST_F(SupervisorTest, KillsWhatNeverEnds) {
+  SupervisorOptions options = quick();
+  options.stop_limit = milliseconds(1500);
+  EXPECT_EQ(run({shell("mad", "trap '' TERM; echo stop; while :; do :; done")}, options), "");
+  EXPECT_GE(duration_, options.stop_limit);
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("still at work after"))));
+}
+
+TEST_F(SupervisorTest, AskedTwiceItWaitsForNobody) {
+  SupervisorOptions options = quick();
+  options.stop_idle = options.stop_limit = milliseconds(100'000);
+  ChildProcess last = shell("map", "trap '' TERM; while :; do sleep 0.05; done");
+  last.stop_stage = 1;
+  bool asked = false;
+  EXPECT_EQ(run({last, shell("deaf", "trap 'echo at once' TERM; echo stop; while :; do sleep 0.05; done")}, options,
+                [&asked] { asked = true; }),
+            "");
+  EXPECT_FALSE(asked);
+  EXPECT_LT(duration_, milliseconds(20'000));
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("at once"))));
 }
 
 TEST_F(SupervisorTest, KillsGrandchildrenToo) {
