@@ -98,16 +98,16 @@ cv::Mat draw_matches(const MatchHistory& history) {
   }
   const PlotAxes axes(image, area, 0, end_s, 0, top, "");
   const auto mark = [&](const std::map<int64_t, ImageMatches>& images, int ImageMatches::*count,
-                        const cv::Scalar& colour) {
+                        const cv::Scalar& colour, int width) {
     for (const auto& [utime_us, matches] : images) {
       const cv::Point at = axes.at(seconds(utime_us), matches.*count);
-      cv::line(image, axes.at(seconds(utime_us), 0), at, colour, 1);
-      cv::circle(image, at, 2, colour, cv::FILLED, cv::LINE_AA);
+      cv::line(image, axes.at(seconds(utime_us), 0), at, colour, width);
+      cv::circle(image, at, 2 * width, colour, cv::FILLED, cv::LINE_AA);
     }
   };
-  mark(history.back, &ImageMatches::matched, kPlotBlue);
-  mark(history.back, &ImageMatches::verified, kPlotRed);
-  mark(history.front, &ImageMatches::matched, kPlotBlack);
+  mark(history.back, &ImageMatches::matched, kPlotBlue, 3);
+  mark(history.back, &ImageMatches::verified, kPlotRed, 1);
+  mark(history.front, &ImageMatches::matched, kPlotBlack, 1);
   plot_text(image, "matched features of an image over time (s)", {kMargin, 24});
   plot_text(image, "with back submaps", {kMargin, 46}, kPlotBlue);
   plot_text(image, "of these, geometry agrees", {kMargin + 200, 46}, kPlotRed);
