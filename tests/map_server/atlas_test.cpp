@@ -138,7 +138,7 @@ TEST(Atlas, WhatIsSaidNotToHaveMovedStaysWhereItIs) {
   back.fused[atlas.find({7, -1})->submap.landmarks.begin()->first] = {{7, 1}, 1};
   atlas.place_map({{{7, -1}, back}}, {{7, 1}});
   EXPECT_TRUE(atlas.find({7, 1})->in_map);
-  expect_same(atlas.find({7, 1})->placement, front);
+  testing::expect_same(atlas.find({7, 1})->placement, front);
   EXPECT_EQ(atlas.find({7, -1})->placement.revision, before + 1);
   EXPECT_THROW(atlas.place_map({{{7, -1}, back}}, {{7, 99}}), std::invalid_argument);
   EXPECT_THROW(atlas.place_map({{{7, -1}, back}}), std::invalid_argument) << "fused into what is not in the map";
