@@ -165,7 +165,7 @@ TEST_F(ReportTest, IsOneFileWithAllSections) {
   EXPECT_THAT(html, HasSubstr("Window 1: lost at"));
   EXPECT_EQ(count_of(html, "data:image/jpeg"), 8u);
   EXPECT_EQ(count_of(html, "data:image/png"), 5u);
-  EXPECT_THAT(html, HasSubstr("<td>between front submaps alone</td><td>4</td><td>80</td><td>0</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>between front submaps alone</td><td>4</td><td>80</td><td>80</td>"));
 }
 
 TEST_F(ReportTest, FetchesNothing) {
