@@ -24,14 +24,23 @@ bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) 
   return keyframe && (places.empty() || places.contains(keyframe->utime_us));
 }
 
+bool is_between_its_frames(int64_t utime_us, const Submap& submap) {
+  return !submap.frames.empty() && submap.frames.begin()->first <= utime_us &&
+         utime_us <= submap.frames.rbegin()->first;
+}
+
+bool overlap_in_time(const Submap& a, const Submap& b) {
+  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
+         b.frames.begin()->first <= a.frames.rbegin()->first;
+}
+
 bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
 
-void check_placement(SubmapKey key, const std::map<SubmapKey, Placement>& all) {
-  const Placement& placement = all.at(key);
+void check_placement(SubmapKey key, const Placement& placement, const std::function<bool(SubmapKey)>& is_in_map) {
   bool ok = true;
   for (const auto& [utime_us, similarity] : placement.map_from_submap) ok = ok && is_similarity(similarity);
   for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
-  for (const auto& [id, into] : placement.fused) ok = ok && all.contains(into.submap);
+  for (const auto& [id, into] : placement.fused) ok = ok && is_in_map(into.submap);
   if (!ok)
     throw std::invalid_argument(fmt::format("the placement of submap {} of session {} is none", key.id, key.session));
 }
@@ -87,14 +96,23 @@ void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
     if (frame.revision > after_revision) frames_.try_emplace(utime_us, FrameRecord{.session = submap.key.session});
 }
 
-void Atlas::place_map(std::map<SubmapKey, Placement> placements) {
-  for (const auto& [key, placement] : placements) {
+void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
+  const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
+  const auto check_here = [this](SubmapKey key) {
     if (!submaps_.contains(key))
       throw std::invalid_argument(fmt::format("submap {} of session {} is not here to be placed", key.id, key.session));
-    check_placement(key, placements);
+  };
+  for (const SubmapKey& key : unmoved) check_here(key);
+  for (const auto& [key, placement] : placements) {
+    check_here(key);
+    check_placement(key, placement, is_in_map);
   }
   ++revision_;
   for (auto& [key, owner] : submaps_) {
+    if (unmoved.contains(key)) {
+      owner.in_map = true;
+      continue;
+    }
     const auto placed = placements.find(key);
     owner.in_map = placed != placements.end();
     if (!owner.in_map) {
@@ -157,8 +175,11 @@ int64_t Atlas::frames_in_map() const {
   int64_t frames = 0;
   for (const auto& [key, owner] : submaps_) {
     if (!owner.in_map) continue;
+    std::vector<const Submap*> beside;
+    for (const Submap* other : counted)
+      if (overlap_in_time(*other, owner.submap)) beside.push_back(other);
     for (const auto& [utime_us, frame] : owner.submap.frames)
-      frames += std::none_of(counted.begin(), counted.end(),
+      frames += std::none_of(beside.begin(), beside.end(),
                              [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
     counted.push_back(&owner.submap);
   }
@@ -175,7 +196,9 @@ std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)
-    if (candidate.submap.frame(utime_us) && (!best || order(candidate) < order(*best))) best = &candidate;
+    if (is_between_its_frames(utime_us, candidate.submap) && candidate.submap.frame(utime_us) &&
+        (!best || order(candidate) < order(*best)))
+      best = &candidate;
   if (!best) return std::nullopt;
   return LocatedFrame{best, best->submap.frame(utime_us)};
 }

@@ -9,6 +9,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,8 @@ class Atlas {
   // another one grows, it does not take the map's place. None: back to the largest front submap. The revisions of the
   // placements are set here. Throws std::invalid_argument, and changes nothing, for a submap that is not here, a
   // landmark fused into one of a submap that is not among these, or a number that is not finite.
-  void place_map(std::map<SubmapKey, Placement> placements);
+  // `unmoved`: submaps that form it too and stay where they are in it.
+  void place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved = {});
   // All there are, instead of those before. Throws std::invalid_argument, and changes nothing, for a submap that is not
   // here or a number that is not finite.
   void set_links(std::vector<Link> links);

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <numeric>
 
+#include "map_server/point_cells.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/features/matching.h"
 #include "slam/features/orb_extractor.h"
 
 namespace rumi {
 namespace {
+
+constexpr double kMinOctave = -1.5;  // from nearer by it is too large to be found
 
 // How a point looked to those who saw it.
 struct Look {
@@ -22,14 +25,19 @@ class Associator {
  public:
   Associator(const AssociationOptions& options, MapModel* model)
       : o_(options), model_(*model), scales_(octave_scales({})), looks_(model->points.size()) {
-    for (size_t p = 0; p < looks_.size(); ++p) looks_[p] = look_of(model_.points[p]);
+    std::vector<double> reach(looks_.size());
+    for (size_t p = 0; p < looks_.size(); ++p) {
+      looks_[p] = look_of(model_.points[p]);
+      reach[p] = looks_[p].octave0_distance * std::pow(scales_[1], -kMinOctave);
+    }
+    cells_ = PointCells(model_.points, reach);
   }
 
   AssociationReport run(const std::vector<int>& views) {
     for (int v : views) {
       const MapModel::View& view = model_.views[v];
       const KeypointGrid grid(view.features->undistorted, view.camera.width, view.camera.height);
-      for (size_t p = 0; p < model_.points.size(); ++p) visit(static_cast<int>(p), v, grid);
+      for (int p : cells_.may_be_seen(view)) visit(p, v, grid);
     }
     return report_;
   }
@@ -66,7 +74,7 @@ class Associator {
     const Eigen::Vector3d direction = view.cam_from_map.rotation.conjugate() * in_cam / distance;
     if (direction.dot(looks_[p].direction) < std::cos(o_.max_view_angle_deg * M_PI / 180)) return;
     const double octave = std::log(looks_[p].octave0_distance / distance) / std::log(scales_[1]);
-    if (octave < -1.5 || octave > static_cast<double>(scales_.size()) + 0.5 || sees(view, p)) return;
+    if (octave < kMinOctave || octave > static_cast<double>(scales_.size()) + 0.5 || sees(view, p)) return;
     const int keypoint = find(point.descriptor, view, grid, pixel, octave);
     if (keypoint == kNone) return;
     const int there = view.points[keypoint];
@@ -106,6 +114,7 @@ class Associator {
   MapModel& model_;
   std::vector<double> scales_;
   std::vector<Look> looks_;
+  PointCells cells_;
   AssociationReport report_;
 };
 

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <set>
+#include <utility>
 
 #include "slam/geometry/median.h"
 
@@ -178,11 +180,22 @@ std::set<SubmapKey> MapBuilder::search_beside(const std::set<SubmapKey>& members
   return places_.search_again(beside, submaps, joined) ? choose_members(submaps, placed) : members;
 }
 
-SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members,
-                                    const std::map<SubmapKey, Placement>& placed) const {
+MapPart MapBuilder::part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
+                            const Placements& placed) const {
+  std::set<SubmapKey> fresh;
+  for (const SubmapKey& key : members)
+    if (!built_.contains(key) || !placed.contains(key)) fresh.insert(key);
+  if (scope == Scope::kAll || fresh.empty()) return {members, {}};
+  SubmapContacts contacts = fused_;
+  for (const Tie& tie : ties(submaps)) contacts.insert(std::minmax(tie.link->a, tie.link->b));
+  return part_around(fresh, members, contacts, submaps, options_.weld_keyframes);
+}
+
+SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const {
+  if (!part.held.empty()) return *part.held.begin();
   SubmapKey anchor;
   size_t most = 0;
-  for (const SubmapKey& key : members) {
+  for (const SubmapKey& key : part.submaps) {
     const Submap& submap = *submaps.at(key);
     if (submap.kind != SubmapKind::kFront || submap.frames.empty()) continue;
     if (fixed_.empty() ? placed.contains(key) : fixed_.contains(key)) return key;
@@ -194,17 +207,19 @@ SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const std::set<Subma
 }
 
 // One after another, over the link with most inliers each time.
-MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const std::set<SubmapKey>& members,
-                                             SubmapKey anchor, const std::map<SubmapKey, Placement>& placed) const {
+MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor,
+                                             const Placements& placed) const {
   Placed result;
-  for (const auto& [key, placement] : placed)
-    if (members.contains(key)) result[key] = {submaps.at(key), placement, fixed_.contains(key)};
+  for (const SubmapKey& key : part.submaps)
+    if (const auto place = placed.find(key); place != placed.end())
+      result[key] = {submaps.at(key), place->second, fixed_.contains(key) || part.held.contains(key)};
   if (!result.contains(anchor)) result[anchor] = {submaps.at(anchor), rigid(*submaps.at(anchor), {})};
   const std::vector<Tie> all = ties(submaps);
   for (;;) {
     const Tie* best = nullptr;
     for (const Tie& tie : all)
-      if (members.contains(tie.link->a) && result.contains(tie.link->a) != result.contains(tie.link->b) &&
+      if (part.submaps.contains(tie.link->a) && part.submaps.contains(tie.link->b) &&
+          result.contains(tie.link->a) != result.contains(tie.link->b) &&
           (!best || tie.link->landmark_inliers > best->link->landmark_inliers))
         best = &tie;
     if (!best) return result;
@@ -280,16 +295,18 @@ bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, con
   return dropped > 0;
 }
 
-std::optional<SubmapKey> MapBuilder::arrange(const Submaps& submaps, const Placements& placed,
-                                             std::set<SubmapKey>* members, Placed* result) {
+std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Submaps& submaps, const Placements& placed,
+                                                        std::set<SubmapKey>* members) {
   for (;;) {
-    const SubmapKey anchor = choose_anchor(submaps, *members, placed);
-    if (!members->contains(anchor) || cancelled()) return std::nullopt;
-    *result = place_members(submaps, *members, anchor, placed);
-    const std::vector<KeyframeJoint> known = joints(*result);
+    Arranged arranged;
+    arranged.part = part_of(scope, *members, submaps, placed);
+    arranged.anchor = choose_anchor(submaps, arranged.part, placed);
+    if (!arranged.part.submaps.contains(arranged.anchor) || cancelled()) return std::nullopt;
+    arranged.submaps = place_members(submaps, arranged.part, arranged.anchor, placed);
+    const std::vector<KeyframeJoint> known = joints(arranged.submaps);
     if (known.empty()) return std::nullopt;
-    const MapGraphReport bent = bend(known, anchor, options_.graph, result);
-    if (!drop_contradicted(known, bent.joint_chi2)) return anchor;
+    const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
+    if (!drop_contradicted(known, bent.joint_chi2)) return arranged;
     *members = choose_members(submaps, placed);
   }
 }
@@ -300,19 +317,23 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;
-  Placed before;
-  const std::optional<SubmapKey> anchor = arrange(submaps, placed, &members, &before);
-  if (!anchor) return built;
+  std::optional<Arranged> arranged = arrange(scope, submaps, placed, &members);
+  if (!arranged) return built;
+  Placed& before = arranged->submaps;
+  const std::set<SubmapKey>& part = arranged->part.submaps;
   fuse_places(&before);
   MapModel model = join(before, options_.alignment.max_pixel_distance_px);
   built.report = adjust(scope, &model);
   built.report.members = static_cast<int>(members.size());
   if (cancelled()) return built;
-  note_joined(model);
+  note_joined(model, part == members);
   built_ = members;
   built.placements = split(model, before);
+  std::set_difference(members.begin(), members.end(), part.begin(), part.end(),
+                      std::inserter(built.unmoved, built.unmoved.end()));
   if (scope == Scope::kAll) built.culled = cull(submaps, &before, &model, &built.placements);
-  if (fixed_.empty()) keep_gauge(before.at(*anchor), *anchor, &built.placements);
+  if (fixed_.empty() && arranged->part.held.empty())
+    keep_gauge(before.at(arranged->anchor), arranged->anchor, &built.placements);
   return built;
 }
 
@@ -370,16 +391,27 @@ MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
   return report;
 }
 
-void MapBuilder::note_joined(const MapModel& model) {
-  std::map<std::pair<int64_t, int64_t>, int> shared;
+void MapBuilder::note_joined(const MapModel& model, bool whole) {
+  if (whole) {
+    joined_.clear();
+    fused_.clear();
+  }
+  std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
+  for (size_t v = 0; v < model.views.size(); ++v) {
+    for (int point : model.views[v].points)
+      if (point != kNone)
+        for (const MapModel::Observation& o : model.points[point].observations)
+          if (o.view < static_cast<int>(v) && shared[o.view]++ == 0) met.push_back(o.view);
+    for (int other : met)
+      if (std::exchange(shared[other], 0) >= options_.joined_points)
+        joined_.insert(std::minmax(model.views[other].utime_us, model.views[v].utime_us));
+    met.clear();
+  }
   for (const MapModel::Point& point : model.points)
-    for (size_t i = 0; i < point.observations.size(); ++i)
+    for (size_t i = 0; i < point.landmarks.size(); ++i)
       for (size_t j = 0; j < i; ++j)
-        ++shared[std::minmax(model.views[point.observations[i].view].utime_us,
-                             model.views[point.observations[j].view].utime_us)];
-  joined_.clear();
-  for (const auto& [views, points] : shared)
-    if (points >= options_.joined_points) joined_.insert(joined_.end(), views);
+        if (point.landmarks[i].submap != point.landmarks[j].submap)
+          fused_.insert(std::minmax(point.landmarks[i].submap, point.landmarks[j].submap));
 }
 
 }  // namespace rumi

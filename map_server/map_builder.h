@@ -17,6 +17,7 @@
 #include "map_server/map_bundle.h"
 #include "map_server/map_graph.h"
 #include "map_server/map_model.h"
+#include "map_server/map_part.h"
 #include "map_server/place_search.h"
 #include "map_server/post_culling.h"
 #include "map_server/submap_alignment.h"
@@ -36,6 +37,7 @@ struct MapBuilderOptions {
   PostCullingOptions culling;
   int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
   int weld_neighbours = 30;    // views around what is new that are adjusted with it
+  int weld_keyframes = 500;    // of the submaps around what is new that are bent with it, about
   int association_rounds = 2;  // association, then bundle adjustment; the radius is halved each time
 };
 
@@ -51,7 +53,9 @@ struct MapBuildReport {
 using CulledSubmaps = std::map<SubmapKey, std::shared_ptr<const Submap>>;
 
 struct BuiltMap {
-  std::map<SubmapKey, Placement> placements;  // of the submaps that form the map; fewer than two: nothing was joined
+  // Together the submaps that form the map. No placements: nothing was joined.
+  std::map<SubmapKey, Placement> placements;
+  std::set<SubmapKey> unmoved;
   CulledSubmaps culled;  // the next revision of back submaps of it, without what it can do without; placed like that
   MapBuildReport report;
 };
@@ -110,15 +114,22 @@ class MapBuilder {
   // The members, after those of all other submaps were searched for once more among the places of the members.
   std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
                                     const Placements& placed);
+  // Of the members, what is looked at: all, or what lies around those that are new.
+  MapPart part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
+                  const Placements& placed) const;
   // The front submap whose beginning stays where it is.
-  SubmapKey choose_anchor(const Submaps& submaps, const std::set<SubmapKey>& members, const Placements& placed) const;
-  Placed place_members(const Submaps& submaps, const std::set<SubmapKey>& members, SubmapKey anchor,
-                       const Placements& placed) const;
+  SubmapKey choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const;
+  Placed place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor, const Placements& placed) const;
   std::vector<KeyframeJoint> joints(const Placed& submaps) const;
+  struct Arranged {
+    MapPart part;
+    SubmapKey anchor;
+    Placed submaps;  // of the part
+  };
   // Places the members and bends them; again without what the others contradict, and with the members that this leaves,
-  // until nothing does. Returns the anchor; nothing: none of them has a frame, or nothing joins them.
-  std::optional<SubmapKey> arrange(const Submaps& submaps, const Placements& placed, std::set<SubmapKey>* members,
-                                   Placed* result);
+  // until nothing does. Nothing: none of them has a frame, or nothing joins them.
+  std::optional<Arranged> arrange(Scope scope, const Submaps& submaps, const Placements& placed,
+                                  std::set<SubmapKey>* members);
   // Of the link that is farthest out of what the map says, all of its joints; if there is none, every joint that is.
   bool drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2);
   void fuse_places(Placed* submaps) const;
@@ -133,7 +144,7 @@ class MapBuilder {
   bool stays_joined(const Submap& culled, const Submaps& submaps) const;
   void note_culled(const Submap& culled);
   bool cancelled() const { return cancel_ && *cancel_; }
-  void note_joined(const MapModel& model);
+  void note_joined(const MapModel& model, bool whole);
 
   MapBuilderOptions options_;
   const std::atomic<bool>* cancel_;
@@ -143,6 +154,7 @@ class MapBuilder {
   std::set<SubmapKey> built_;                     // the submaps of the last build
   size_t built_places_ = 0;                       // and how many places were known then
   std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
+  SubmapContacts fused_;                          // submaps that have points in common there
 };
 
 }  // namespace rumi

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "map_server/covisible_pieces.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/optimization/bundle_adjustment.h"
 
@@ -14,15 +15,10 @@ namespace {
 class Bundle {
  public:
   Bundle(const std::vector<int>& views, MapModel* model) : model_(*model), scales_(octave_scales({})) {
-    std::vector<int> free = views;
-    if (free.empty()) {
-      free.resize(model_.views.size());
-      std::iota(free.begin(), free.end(), 0);
-    }
     index_of_view_.assign(model_.views.size(), kNone);
-    for (int view : free) add_view(view, model_.views[view].fixed);
+    for (int view : views) add_view(view, model_.views[view].fixed);
     std::vector<char> wanted(model_.points.size(), 0);
-    for (int view : free)
+    for (int view : views)
       for (int point : model_.views[view].points)
         if (point != kNone) wanted[point] = 1;
     for (size_t point = 0; point < wanted.size(); ++point)
@@ -119,11 +115,39 @@ class Bundle {
   size_t free_views_ = 0;
 };
 
+MapBundleReport adjust_in_pieces(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model) {
+  MapBundleReport sum;
+  for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
+    MapBundleOptions one = options;
+    one.gates_chi2 = {options.gates_chi2[round]};
+    sum = {};
+    double squares = 0;
+    for (const std::vector<int>& piece :
+         covisible_pieces(*model, views, options.most_views, round % 2 ? options.most_views / 2 : options.most_views)) {
+      if (options.cancel && *options.cancel) return sum;
+      const MapBundleReport report = Bundle(piece, model).run(one);
+      sum.views += report.views;
+      sum.points += report.points;
+      sum.observations += report.observations;
+      sum.outliers += report.outliers;
+      squares += report.rmse * report.rmse * report.observations;
+    }
+    sum.rmse = std::sqrt(squares / std::max(1, sum.observations));
+  }
+  return sum;
+}
+
 }  // namespace
 
 MapBundleReport adjust_map(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model) {
   if (model->views.empty()) return {};
-  return Bundle(views, model).run(options);
+  std::vector<int> free = views;
+  if (free.empty()) {
+    free.resize(model->views.size());
+    std::iota(free.begin(), free.end(), 0);
+  }
+  if (free.size() <= static_cast<size_t>(options.most_views)) return Bundle(free, model).run(options);
+  return adjust_in_pieces(free, options, model);
 }
 
 }  // namespace rumi

@@ -15,6 +15,7 @@ struct MapBundleOptions {
   std::vector<double> gates_chi2 = {400, 36, 5.991};
   int iterations = 50;                        // of each round, at most
   double function_tolerance = 1e-5;           // looser ones leave the slow bends of a long path where they are
+  int most_views = 1000;                      // at once; more are adjusted in pieces
   const std::atomic<bool>* cancel = nullptr;  // true ends it soon
 };
 
@@ -26,6 +27,10 @@ struct MapBundleReport {
 
 // Adjusts these views (all if empty) and the points that they see; other views that see these points stay fixed. At
 // least one view is kept fixed. Outliers of the last round are forgotten.
+// More than most_views are adjusted in pieces that see the same points, in each round one after another while the
+// others stay, in other pieces each round: time and memory grow with the number of pieces only. What a pose graph has
+// brought about right is as good afterwards; slow bends of the whole it does not straighten. Outliers of every round
+// are forgotten.
 MapBundleReport adjust_map(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model);
 
 }  // namespace rumi

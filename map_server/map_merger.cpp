@@ -61,14 +61,21 @@ std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
   return options_.thread ? std::nullopt : end();
 }
 
-void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
-  std::map<SubmapKey, Placement> placed;
+// Only what has changed.
+void MapMerger::copy(const Atlas& atlas) {
   for (const auto& [key, owner] : atlas.submaps()) {
     if (fixed_.contains(key) && !owner.in_map) continue;
     std::shared_ptr<const Submap>& copy = copies_[key];
     if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
-    if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
+    if (!owner.in_map || owner.placement.revision == 0)
+      placed_.erase(key);
+    else if (Placement& place = placed_[key]; place.revision != owner.placement.revision)
+      place = owner.placement;
   }
+}
+
+void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
+  copy(atlas);
   last_begin_us_ = now_us;
   if (scope == MapBuilder::Scope::kAll) {
     last_adjustment_us_ = now_us;
@@ -78,20 +85,21 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
   if (last_adjustment_us_ == INT64_MIN) last_adjustment_us_ = now_us;
   running_ = true;
   done_ = false;
-  if (!options_.thread) return run(scope, placed);
-  thread_ = std::thread([this, scope, placed = std::move(placed)] {
+  if (!options_.thread) return run(scope);
+  thread_ = std::thread([this, scope] {
     setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), options_.nice);
-    run(scope, placed);
+    run(scope);
   });
 }
 
-void MapMerger::run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement>& placed) {
+void MapMerger::run(MapBuilder::Scope scope) {
   const double start_s = thread_cpu_s();
   MapBuilder::Submaps submaps;
   for (const auto& [key, copy] : copies_) submaps[key] = copy.get();
   builder_.find_links(submaps);
-  BuiltMap built = builder_.build(submaps, placed, scope);
+  BuiltMap built = builder_.build(submaps, placed_, scope);
   result_ = {.placements = std::move(built.placements),
+             .unmoved = std::move(built.unmoved),
              .culled = std::move(built.culled),
              .links = builder_.links(),
              .report = built.report,

@@ -19,6 +19,7 @@ namespace rumi {
 
 struct MergeResult {
   std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
+  std::set<SubmapKey> unmoved;                // form it too
   CulledSubmaps culled;                       // take the place of these; placed like that
   std::vector<Link> links;
   MapBuildReport report;
@@ -47,14 +48,17 @@ class MapMerger {
   bool has_news(const Atlas& atlas) const;
   std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
   void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
-  void run(MapBuilder::Scope scope, const std::map<SubmapKey, Placement>& placed);
+  void copy(const Atlas& atlas);
+  void run(MapBuilder::Scope scope);
   std::optional<MergeResult> end();
 
   MergeOptions options_;
   std::atomic<bool> cancel_ = false;
   MapBuilder builder_;
   std::set<SubmapKey> fixed_;
-  Copies copies_;  // of the submaps as they were when the last build began
+  // Of the submaps, and of where they lay, when the last build began.
+  Copies copies_;
+  std::map<SubmapKey, Placement> placed_;
   bool running_ = false, hurry_ = false;
   bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
   int64_t last_begin_us_ = INT64_MIN, last_adjustment_us_ = INT64_MIN;

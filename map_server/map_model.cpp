@@ -2,6 +2,7 @@
 #include "map_server/map_model.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "slam/features/keypoint_grid.h"
 #include "slam/geometry/median.h"
@@ -156,14 +157,17 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
 }
 
 // Which of the landmarks that are one point the others are fused into: one of a fixed submap, if there is one, that
-// stands for itself there.
+// stands for itself there; or what stands for it, which may be outside of the model.
 LandmarkRef stands_for(const std::vector<LandmarkRef>& landmarks, const std::map<SubmapKey, PlacedSubmap>& submaps) {
-  const auto stands = [&](const LandmarkRef& ref) {
+  std::optional<LandmarkRef> outside;
+  for (const LandmarkRef& ref : landmarks) {
     const PlacedSubmap& owner = submaps.at(ref.submap);
-    return owner.fixed && !owner.placement.fused.contains(ref.id);
-  };
-  const auto fixed = std::find_if(landmarks.begin(), landmarks.end(), stands);
-  return fixed == landmarks.end() ? landmarks.back() : *fixed;
+    if (!owner.fixed) continue;
+    const auto fused = owner.placement.fused.find(ref.id);
+    if (fused == owner.placement.fused.end()) return ref;
+    if (!submaps.contains(fused->second.submap)) outside = fused->second;
+  }
+  return outside.value_or(landmarks.back());
 }
 
 }  // namespace

@@ -151,8 +151,8 @@ void MapServerNode::absorb(MergeResult result) {
   if (!result.placements.empty()) {
     const int64_t frames_before = atlas_.frames_in_map();
     cull(result.culled);
-    const size_t submaps = result.placements.size();
-    atlas_.place_map(std::move(result.placements));
+    const size_t submaps = result.placements.size() + result.unmoved.size();
+    atlas_.place_map(std::move(result.placements), result.unmoved);
     spdlog::info(
         "{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
         submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),

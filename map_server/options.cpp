@@ -37,6 +37,10 @@ void describe(OptionTable& table, MergeOptions& o) {
             "search for the map's points in all its images, and adjustment, so often", 0, 100);
   table.add("map_server.association_radius_px", &s.radius_px, "px",
             "around the projection in the first round; halved each time", 0.5, 200);
+  table.add("map_server.weld_keyframes", &o.builder.weld_keyframes, "keyframes",
+            "of the submaps around what is new that are bent and welded with it, about; the others stay", 1, 1000000);
+  table.add("map_server.adjustment_views", &o.builder.bundle.most_views, "images",
+            "of the map, adjusted at once; a larger map is adjusted in pieces", 10, 1000000);
   PostCullingOptions& c = o.builder.culling;
   table.add("map_server.cull_back_keyframes", &c.enabled,
             "take out of back submaps what the map can do without (post-culling); every frame keeps its pose");

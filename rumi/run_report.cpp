@@ -11,9 +11,11 @@
 #include <stdexcept>
 
 #include "bus/image_codec.h"
+#include "map_server/submap_alignment.h"
 #include "rumi/evaluation_plot.h"
 #include "rumi/html_page.h"
 #include "rumi/map_file.h"
+#include "rumi/match_history.h"
 #include "rumi/output_folder.h"
 #include "rumi/process_load.h"
 #include "rumi/run_evaluation.h"
@@ -179,6 +181,32 @@ void add_joins(const Atlas& atlas, HtmlPage* page) {
   page->table({"submap", "submap", "by", "", "keyframes agree", "landmarks agree", "RMSE, px"}, rows);
 }
 
+void add_matches(const ordered_json& run, const Atlas& atlas, HtmlPage* page) {
+  page->section(
+      "Data association",
+      "Features of an image that two submaps know: what joins submaps. Of back submaps from which post-culling "
+      "has taken images, what is left.");
+  const AlignmentOptions defaults;
+  const auto option = [&](const char* name, double otherwise) {
+    return run.value(nlohmann::ordered_json::json_pointer(std::string("/options/map_server/") + name), otherwise);
+  };
+  const MatchHistory history = match_history(atlas, option("same_keypoint_px", defaults.max_pixel_distance_px),
+                                             option("max_reprojection_px", defaults.max_reprojection_px));
+  if (history.empty()) return page->paragraph("No two submaps have an image in common.");
+  page->picture(encode_png(draw_matches(history)), "png", "Matched features over time");
+  const auto row = [](const char* name, const std::map<int64_t, ImageMatches>& images) {
+    int64_t matched = 0, verified = 0;
+    for (const auto& [utime_us, matches] : images) {
+      matched += matches.matched;
+      verified += matches.verified;
+    }
+    return std::vector<std::string>{name, fmt::format("{}", images.size()), fmt::format("{}", matched),
+                                    fmt::format("{}", verified)};
+  };
+  page->table({"", "images", "features matched", "of these, geometry agrees"},
+              {row("with back submaps", history.back), row("between front submaps alone", history.front)});
+}
+
 void add_load(const ordered_json& run, HtmlPage* page) {
   page->section("Load");
   std::vector<std::vector<std::string>> rows;
@@ -228,6 +256,7 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
   add_windows(folder, atlas, scene.first_us, &page);
   add_joins(atlas, &page);
+  add_matches(run, atlas, &page);
   add_load(run, &page);
   if (!options.log.empty()) add_load_over_time(options.log, &page);
   return page.finish();

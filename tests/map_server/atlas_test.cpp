@@ -129,6 +129,22 @@ TEST(Atlas, OnlyWhatMovedGetsANewPlacementRevision) {
   EXPECT_EQ(atlas.find({7, -1})->placement.revision, before + 1);
 }
 
+TEST(Atlas, WhatIsSaidNotToHaveMovedStaysWhereItIs) {
+  Atlas atlas = placed_atlas();
+  const int64_t before = atlas.revision();
+  const Placement front = atlas.find({7, 1})->placement;
+  Placement back = atlas.find({7, -1})->placement;
+  back.landmarks.begin()->second.x() += 1;
+  back.fused[atlas.find({7, -1})->submap.landmarks.begin()->first] = {{7, 1}, 1};
+  atlas.place_map({{{7, -1}, back}}, {{7, 1}});
+  EXPECT_TRUE(atlas.find({7, 1})->in_map);
+  testing::expect_same(atlas.find({7, 1})->placement, front);
+  EXPECT_EQ(atlas.find({7, -1})->placement.revision, before + 1);
+  EXPECT_THROW(atlas.place_map({{{7, -1}, back}}, {{7, 99}}), std::invalid_argument);
+  EXPECT_THROW(atlas.place_map({{{7, -1}, back}}), std::invalid_argument) << "fused into what is not in the map";
+  EXPECT_EQ(atlas.revision(), before + 1);
+}
+
 TEST(Atlas, AnotherSubmapDoesNotTakeThePlaceOfAPlacedMapHoweverLarge) {
   Atlas atlas = placed_atlas();
   const int64_t revision = atlas.revision();

@@ -185,6 +185,32 @@ TEST_F(MapBuilderTest, RepeatedCallsKeepTheGaugeAndTheMap) {
   EXPECT_LT(error(placed).rmse, 0.04);
 }
 
+// Of a map that is large beside the limit.
+TEST_F(MapBuilderTest, AWeldMovesWhatIsAroundWhatIsNewOnly) {
+  MapBuilderOptions options;
+  options.weld_keyframes = 20;
+  MapBuilder builder(options);
+  const auto some = submaps({front1_, back1_, front2_, back2_});
+  builder.find_links(some);
+  Placements placed = builder.build(some, {}, MapBuilder::Scope::kWeld).placements;
+  ASSERT_EQ(placed.size(), 4u);
+  builder.find_links(submaps());
+  BuiltMap map = builder.build(submaps(), placed, MapBuilder::Scope::kWeld);
+  ASSERT_TRUE(map.placements.contains(front3_));
+  EXPECT_FALSE(map.placements.contains(front1_)) << "far away";
+  EXPECT_EQ(map.placements.size() + map.unmoved.size(), 5u);
+  EXPECT_EQ(map.report.members, 5);
+  EXPECT_TRUE(same_place(map.placements.at(back2_), placed.at(back2_))) << "the rest hangs on it";
+  for (const SubmapKey& key : map.unmoved) EXPECT_TRUE(map.placements.try_emplace(key, placed.at(key)).second);
+  print("welded", map, error(map.placements));
+  EXPECT_LT(error(map.placements).rmse, 0.08);
+  // Nothing is known to be new: the whole map is looked at when it is due.
+  const BuiltMap all = builder.build(submaps(), map.placements);
+  print("adjusted", all, error(all.placements));
+  EXPECT_EQ(all.placements.size(), 5u);
+  EXPECT_LT(error(all.placements).rmse, 0.04);
+}
+
 TEST_F(MapBuilderTest, AnUnlinkedSubmapStaysOut) {
   MapBuilder builder({});
   const auto some = submaps({front1_, back1_, front2_, front3_});

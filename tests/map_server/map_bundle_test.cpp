@@ -101,6 +101,33 @@ TEST_F(MapBundleWithOutliersTest, FindsTheTruthAgain) {
   EXPECT_EQ(inconsistency(model_), "");
 }
 
+TEST_F(MapBundleWithOutliersTest, InPiecesItFindsTheTruthToo) {
+  const MapModel truth = model_;
+  adjust_map({}, {}, &model_);
+  const double best_m = error().rmse;
+  model_ = truth;
+  disturb(0.2, 0.01, 0.03);
+  const double before_m = error().rmse;
+  MapBundleOptions options;
+  options.most_views = 12;
+  const MapBundleReport report = adjust_map({}, options, &model_);
+  const double after_m = error().rmse;
+  std::printf("in pieces: ATE %.1f -> %.2f mm, at once from the truth %.2f mm; rmse %.3f, %d outliers\n",
+              1000 * before_m, 1000 * after_m, 1000 * best_m, report.rmse, report.outliers);
+  EXPECT_GT(before_m, 0.012);
+  EXPECT_LT(after_m, best_m + 0.003);
+  EXPECT_EQ(report.views, static_cast<int>(model_.views.size()));
+  EXPECT_LT(report.rmse, 1);
+  EXPECT_GT(report.outliers, 0);
+  EXPECT_EQ(inconsistency(model_), "");
+  const MapModel adjusted = model_;
+  const std::atomic<bool> cancel = true;
+  options.cancel = &cancel;
+  adjust_map({}, options, &model_);
+  for (size_t v = 0; v < model_.views.size(); ++v)
+    EXPECT_EQ(model_.views[v].cam_from_map.translation, adjusted.views[v].cam_from_map.translation);
+}
+
 TEST_F(MapBundleTest, AWindowLeavesTheRestWhereItIs) {
   disturb(0.2, 0.01, 0.02);
   const MapModel before = model_;

@@ -162,6 +162,24 @@ TEST_F(MapModelTest, NothingIsFusedIntoWhatIsFusedItself) {
   EXPECT_GT(fused, 300u);
 }
 
+// In a part of the map: what a landmark of its edge is fused into lies beyond it.
+TEST_F(MapModelTest, WhatLiesOutsideStandsForWhatIsFusedIntoIt) {
+  Placed submaps = placed();
+  const LandmarkRef outside{{1, 9}, 7};
+  PlacedSubmap& edge = submaps[front1_];
+  edge.fixed = true;
+  for (const auto& [id, landmark] : edge.submap->landmarks) edge.placement.fused[id] = outside;
+  const auto placements = split(join(submaps, 1), submaps);
+  int fused = 0;
+  for (const auto& [id, into] : placements.at(back_).fused) {
+    EXPECT_NE(into.submap, front1_);
+    fused += into == outside;
+  }
+  EXPECT_GT(fused, 50);
+  submaps.erase(back_);
+  EXPECT_TRUE(same_place(split(join(submaps, 1), submaps).at(front1_), edge.placement));
+}
+
 TEST_F(MapModelTest, FusedLandmarksAreOnePoint) {
   Placed submaps = placed();
   const Landmark& in_front = well_seen(front1_);

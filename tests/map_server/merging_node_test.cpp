@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // map_server with what makers of submaps send it: one map of all that hangs together, in whatever order it comes.
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <thread>
 
 #include "bus/memory_bus.h"
@@ -303,6 +306,31 @@ TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
   const AtlasSubmap &was = *before.find(kFront1), &is = *node_->atlas().find(kFront1);
   const Keyframe& first = was.submap.keyframes.begin()->second;
   EXPECT_LT((was.placement.cam_from_map(first).center() - is.placement.cam_from_map(first).center()).norm(), 1e-6);
+  stop();
+}
+
+TEST_F(MergingNodeTest, KilledWhileItMergesItMakesTheSameMap) {
+  const TemporaryFolder folder;
+  options_.database = folder / "map.db";
+  const pid_t child = fork();
+  if (child == 0) {
+    options_.merge.thread = true;
+    start();
+    for (const SubmapKey key : kAll)
+      if (!send(key).ok) _exit(1);
+    wait();
+    ask_for(map_request_t::SNAPSHOT);
+    ask_for(map_request_t::STATUS);
+    if (side_->status.merging) raise(SIGKILL);
+    _exit(2);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << WEXITSTATUS(status);
+  start();
+  EXPECT_EQ(node_->atlas().submaps().size(), kAll.size()) << "what was acknowledged";
+  settle();
+  expect_one_map();
   stop();
 }
 

@@ -11,6 +11,7 @@
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "rumi/html_page.h"
 #include "rumi/map_file.h"
+#include "rumi/match_history.h"
 #include "rumi/output_folder.h"
 #include "rumi/process_load.h"
 #include "rumi/run_report.h"
@@ -72,6 +73,55 @@ WindowJob test_window() {
   return job;
 }
 
+void put(const Submap& submap, Atlas* atlas) {
+  atlas->change_submap(submap.key, [&](Submap* there) {
+    *there = submap;
+    return std::string();
+  });
+}
+
+TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
+  Atlas atlas = make_test_atlas();
+  EXPECT_TRUE(match_history(atlas, 1, 4).empty());
+  Submap back = make_test_submap(3);  // without the last of the four keyframes
+  back.key = {1, -1};
+  back.kind = SubmapKind::kBack;
+  for (auto& [id, landmark] : back.landmarks) landmark.position *= 2;  // in a unit of its own
+  for (auto& [id, keyframe] : back.keyframes) keyframe.cam_from_submap.translation *= 2;
+  put(back, &atlas);
+  const auto link = [](double scale) {
+    return Link{.a = {1, -1},
+                .b = {1, 1},
+                .kind = Link::Kind::kSameImages,
+                .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
+  };
+  atlas.set_links({link(0.5)});
+  MatchHistory history = match_history(atlas, 1, 4);
+  EXPECT_TRUE(history.front.empty());
+  ASSERT_EQ(history.back.size(), 3u);
+  for (const auto& [utime_us, matches] : history.back) {
+    EXPECT_EQ(matches.matched, 20) << utime_us;
+    EXPECT_EQ(matches.verified, 20) << utime_us;
+  }
+  using Span = std::pair<int64_t, int64_t>;
+  EXPECT_THAT(history.untracked, testing::ElementsAre(Span(1'400'000, 1'400'000)));
+  EXPECT_EQ(history.first_us, 1'000'000);
+  EXPECT_EQ(history.last_us, 1'400'000);
+  EXPECT_EQ(draw_matches(history).size(), cv::Size(1000, 360));
+  // A submap that is wrong has as much in common with others, but nothing agrees. The first camera is at the origin.
+  atlas.set_links({link(1)});
+  history = match_history(atlas, 1, 4);
+  EXPECT_EQ(history.back.at(1'200'000).matched, 20);
+  EXPECT_LT(history.back.at(1'200'000).verified, 20);
+  Submap front = make_test_submap();
+  front.key = {1, 2};
+  put(front, &atlas);
+  history = match_history(atlas, 1, 4);
+  EXPECT_EQ(history.front.at(1'300'000).matched, 20);
+  EXPECT_EQ(history.front.at(1'300'000).verified, 0) << "no link tells how they lie";
+  EXPECT_EQ(history.back.at(1'200'000).matched, 40) << "of two pairs";
+}
+
 // The folder of a run of two submaps, one of which was refused.
 class ReportTest : public testing::Test {
  protected:
@@ -106,7 +156,7 @@ size_t count_of(const std::string& html, const std::string& what) {
 
 TEST_F(ReportTest, IsOneFileWithAllSections) {
   const std::string html = make_report(folder_.string());
-  for (const char* section : {"Run", "Map", "Tracking over time", "Windows", "Joins", "Load"})
+  for (const char* section : {"Run", "Map", "Tracking over time", "Windows", "Joins", "Data association", "Load"})
     EXPECT_THAT(html, HasSubstr(std::string("<h2>") + section + "</h2>"));
   EXPECT_THAT(html, Not(HasSubstr("<h2>Error</h2>")));
   EXPECT_THAT(html, HasSubstr("a &lt;recording&gt;"));
@@ -114,7 +164,8 @@ TEST_F(ReportTest, IsOneFileWithAllSections) {
   EXPECT_THAT(html, HasSubstr("front_tracker"));
   EXPECT_THAT(html, HasSubstr("Window 1: lost at"));
   EXPECT_EQ(count_of(html, "data:image/jpeg"), 8u);
-  EXPECT_EQ(count_of(html, "data:image/png"), 4u);
+  EXPECT_EQ(count_of(html, "data:image/png"), 5u);
+  EXPECT_THAT(html, HasSubstr("<td>between front submaps alone</td><td>4</td><td>80</td><td>80</td>"));
 }
 
 TEST_F(ReportTest, FetchesNothing) {
@@ -153,7 +204,7 @@ TEST_F(ReportTest, TellsTheErrorWhereTheTruthIsGiven) {
   const std::string html = make_report(folder_.string(), {.groundtruth = (folder_ / "truth.txt").string()});
   EXPECT_THAT(html, HasSubstr("<h2>Error</h2>"));
   EXPECT_THAT(html, HasSubstr("ate_rmse_m"));
-  EXPECT_EQ(count_of(html, "data:image/png"), 5u);
+  EXPECT_EQ(count_of(html, "data:image/png"), 6u);
   EXPECT_THAT([&] { make_report(folder_.string(), {.groundtruth = "/nowhere/truth.txt"}); },
               ThrowsMessage<std::runtime_error>(HasSubstr("/nowhere/truth.txt")));
 }

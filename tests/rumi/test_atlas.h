@@ -44,6 +44,7 @@ inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
       features->keypoints.push_back({pixel->cast<float>(), 0, 0});
       features->descriptors.push_back({});
     }
+    features->undistort(submap.camera);
     keyframe.features = features;
     keyframe.landmark_ids.assign(landmarks, kNone);
     submap.keyframes[k] = keyframe;

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What map_server spends on one more submap, and on the map as a whole, against the size of the map. Two rounds of a
+// long corridor as front and back submaps in turns that overlap by ten keyframes: the second round sees again what the
+// first one saw. Submaps come one after another, and each is linked, welded and stored as map_server does it; told are
+// the figures of the last one. Each size is measured in a process of its own, one row each.
+#include <fmt/core.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numbers>
+
+#include "bus/bus.h"
+#include "bus/cpu_clock.h"
+#include "bus/submap_update.h"
+#include "map_server/map_messages.h"
+#include "map_server/map_store.h"
+#include "map_server/options.h"
+#include "tests/map_server/synthetic_submaps.h"
+#include "tests/temporary_folder.h"
+
+namespace rumi {
+namespace {
+
+using testing::CameraPath;
+using testing::Image;
+using testing::TemporaryFolder;
+using testing::World;
+
+constexpr int kImagesPerKeyframe = 3, kOverlap = 10 * kImagesPerKeyframe;
+constexpr double kStepM = 0.4 / kImagesPerKeyframe, kPointsPerM = 55, kReachM = 6;
+
+// Bent to a ring; its points are in order along it.
+struct Corridor {
+  double length_m = 0;
+  World world;
+
+  double radius() const { return length_m / (2 * std::numbers::pi); }
+  Eigen::Vector3d at(double along_m, double outwards_m, double height_m) const {
+    const double angle = along_m / radius(), r = radius() + outwards_m;
+    return {r * std::sin(angle), height_m, r * std::cos(angle)};
+  }
+};
+
+Corridor make_corridor(double length_m) {
+  Corridor corridor{length_m, {}};
+  std::mt19937_64 rng(1);
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(rng); };
+  const int points = static_cast<int>(length_m * kPointsPerM);
+  for (int i = 0; i < points; ++i) {
+    const double outwards_m = uniform(2, 4), height_m = uniform(-1.2, 1.2);
+    corridor.world.points.push_back(corridor.at(i / kPointsPerM, outwards_m, height_m));
+    corridor.world.descriptors.push_back({rng(), rng(), rng(), rng()});
+    corridor.world.octave0_distances.push_back(uniform(4, 8));
+  }
+  return corridor;
+}
+
+// The points near a stretch of it, and which they are.
+std::pair<World, std::vector<int>> stretch(const Corridor& corridor, double from_m, double to_m) {
+  const int all = static_cast<int>(corridor.world.points.size());
+  std::pair<World, std::vector<int>> part;
+  const int first = static_cast<int>(from_m * kPointsPerM), last = static_cast<int>(to_m * kPointsPerM);
+  for (int i = first; i < std::min(last, first + all); ++i) {
+    const int p = (i % all + all) % all;
+    part.second.push_back(p);
+    part.first.points.push_back(corridor.world.points[p]);
+    part.first.descriptors.push_back(corridor.world.descriptors[p]);
+    part.first.octave0_distances.push_back(corridor.world.octave0_distances[p]);
+  }
+  return part;
+}
+
+std::vector<Image> film_two_rounds(const Corridor& corridor, int images) {
+  constexpr int kAtOnce = 30;
+  std::vector<Image> filmed;
+  for (int begin = 0; begin < images; begin += kAtOnce) {
+    CameraPath path;
+    for (int i = begin; i < std::min(images, begin + kAtOnce); ++i) {
+      const double along_m = i * kStepM, angle = along_m / corridor.radius();
+      const Eigen::Vector3d center = corridor.at(along_m, 2 * i < images ? 0 : 0.3, 0.2 * std::sin(along_m));
+      path.push_back(SE3(so3_exp({0, angle + 0.4 * std::sin(0.3 * along_m), 0}), center).inverse());
+    }
+    const auto [world, ids] = stretch(corridor, begin * kStepM - kReachM, (begin + kAtOnce) * kStepM + kReachM);
+    std::vector<Image> some = testing::film(world, path,
+                                            {.seed = static_cast<unsigned>(begin),
+                                             .most_keypoints = 1000,
+                                             .every = kImagesPerKeyframe,
+                                             .first_utime_us = 1'000'000 + begin * int64_t{33'333},
+                                             .period_us = 33'333});
+    for (Image& image : some) {
+      for (int& point : image.point_of) point = ids[point];
+      filmed.push_back(std::move(image));
+    }
+  }
+  return filmed;
+}
+
+std::vector<Submap> make_submaps(int keyframes) {
+  const int images = keyframes * kImagesPerKeyframe;
+  const Corridor corridor = make_corridor(images * kStepM / 2);
+  const std::vector<Image> filmed = film_two_rounds(corridor, images);
+  const int length = std::min(100, keyframes / 4) * kImagesPerKeyframe;
+  std::vector<Submap> submaps;
+  for (int first = 0; first + kOverlap < images; first += length - kOverlap) {
+    const int number = static_cast<int>(submaps.size());
+    const bool back = number % 2 == 1;
+    testing::SubmapRecipe recipe{.key = {1, back ? -number : number + 1},
+                                 .kind = back ? SubmapKind::kBack : SubmapKind::kFront,
+                                 .first = first,
+                                 .last = std::min(images, first + length) - 1};
+    recipe.submap_from_world = testing::random_gauge(static_cast<unsigned>(number));
+    recipe.seed = static_cast<unsigned>(number);
+    recipe.wrong_landmarks = 0.03;
+    recipe.wrong_observations = 0.02;
+    submaps.push_back(testing::make_submap(corridor.world, filmed, recipe).submap);
+    submaps.back().closed = true;
+  }
+  return submaps;
+}
+
+double memory_mb(const char* field) {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with(field)) return std::stod(line.substr(line.find(':') + 1)) / 1024;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+class Server {
+ public:
+  explicit Server(const std::string& file) : store_(file), builder_(MergeOptions{}.builder) {}
+
+  void arrive(const Submap& made) {
+    times_.clear();
+    time("update", [&] {
+      submap_update_t update;
+      Bus::decode(encode_message(make_submap_update(made, 0)), &update);
+      atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
+    });
+    time("store it", [&] { save(); });
+    std::map<SubmapKey, Placement> placed;
+    time("copy", [&] { placed = copy(); });
+    time("search", [&] { builder_.find_links(submaps_); });
+    time("search, no news", [&] { builder_.find_links(submaps_); });
+    time("weld", [&] { built_ = builder_.build(submaps_, placed, MapBuilder::Scope::kWeld); });
+    welded_views_ = built_.report.adjusted_views;
+    absorb("");
+  }
+
+  void adjust() {
+    const std::map<SubmapKey, Placement> placed = copy();
+    time("adjust all", [&] { built_ = builder_.build(submaps_, placed, MapBuilder::Scope::kAll); });
+    absorb(" all");
+  }
+
+  void print(int keyframes) {
+    fmt::print("| {} | {} | {} | {} |", keyframes, atlas_.submaps().size(), built_.report.members, welded_views_);
+    for (const auto& [name, seconds] : times_) fmt::print(" {:.3g} |", 1e3 * seconds);
+    fmt::print(" {:.0f} | {:.0f} | {:.0f} |\n", static_cast<double>(store_.bytes()) * 1e-6, memory_mb("VmRSS"),
+               memory_mb("VmHWM"));
+  }
+  void print_header() const {
+    std::string names = "| keyframes | submaps | in one map | welded views |", rule = "|---|---|---|---|";
+    for (const auto& [name, seconds] : times_) names += " " + name + " |", rule += "---|";
+    fmt::print("{} file MB | memory MB | peak MB |\n{}---|---|---|\n", names, rule);
+  }
+
+ private:
+  template <class Work>
+  void time(const std::string& what, const Work& work) {
+    const double start_s = thread_cpu_s();
+    work();
+    times_.emplace_back(what, thread_cpu_s() - start_s);
+  }
+
+  void save() {
+    if (const std::string error = store_.save(atlas_, {}); !error.empty()) throw std::runtime_error(error);
+  }
+
+  // As MapMerger does.
+  std::map<SubmapKey, Placement> copy() {
+    std::map<SubmapKey, Placement> placed;
+    for (const auto& [key, owner] : atlas_.submaps()) {
+      std::shared_ptr<const Submap>& copy = copies_[key];
+      if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
+      submaps_[key] = copy.get();
+      if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
+    }
+    return placed;
+  }
+
+  // As MapServerNode does.
+  void absorb(const std::string& which) {
+    time("place" + which, [&] {
+      atlas_.set_links(builder_.links());
+      for (const auto& [key, left] : built_.culled)
+        atlas_.change_submap(key, [&](Submap* submap) {
+          *submap = *left;
+          return std::string();
+        });
+      if (!built_.placements.empty()) atlas_.place_map(std::move(built_.placements), built_.unmoved);
+    });
+    time("tell", [&] { make_map_status(atlas_, 0); });
+    time("store" + which, [&] { save(); });
+  }
+
+  Atlas atlas_;
+  MapStore store_;
+  MapBuilder builder_;
+  std::map<SubmapKey, std::shared_ptr<const Submap>> copies_;
+  MapBuilder::Submaps submaps_;
+  BuiltMap built_;
+  int welded_views_ = 0;
+  std::vector<std::pair<std::string, double>> times_;
+};
+
+int measure(int keyframes, bool adjust, bool header) {
+  const TemporaryFolder folder;
+  Server server(folder / "map.db");
+  const std::vector<Submap> submaps = make_submaps(keyframes);
+  for (const Submap& submap : submaps) server.arrive(submap);
+  if (adjust) server.adjust();
+  if (header) server.print_header();
+  server.print(keyframes);
+  std::fflush(stdout);
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  std::vector<int> sizes = {100, 1000};
+  bool no_adjustment = false;
+  CLI::App app("Time and memory of map_server against the size of its map. Milliseconds of CPU.");
+  app.add_option("KEYFRAMES", sizes, "sizes of the map")->check(CLI::Range(60, 1'000'000))->capture_default_str();
+  app.add_flag("--no-adjustment", no_adjustment, "without that of the whole map");
+  CLI11_PARSE(app, argc, argv);
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    const pid_t child = fork();
+    if (child == 0) return measure(sizes[i], !no_adjustment, i == 0);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace rumi
+
+int main(int argc, char** argv) { return rumi::run(argc, argv); }
