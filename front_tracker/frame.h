@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "slam/features/image_pyramid.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/map/submap.h"
 #include "slam/optimization/pose_optimizer.h"
@@ -14,9 +15,10 @@ namespace rumi {
 struct Frame {
   int64_t utime_us = 0;
   std::shared_ptr<const Features> features;
-  KeypointGrid grid;              // over the undistorted pixels
-  std::vector<int> landmark_ids;  // per keypoint, kNone where nothing is matched
-  SE3 cam_from_submap;            // meaningful once tracked
+  std::shared_ptr<const ImagePyramid> images;  // null: its keypoints stay where they were found
+  KeypointGrid grid;                           // over the undistorted pixels
+  std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
+  SE3 cam_from_submap;                         // meaningful once tracked
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
 

@@ -35,7 +35,8 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   kf.features = frame->features;
   kf.landmark_ids.assign(frame->features->size(), kNone);
   kf.revision = kf.created_revision = map.revision;
-  grids[id] = frame->grid;
+  grids[id] = KeypointGrid(frame->features->undistorted, map.camera.width, map.camera.height);
+  if (frame->images) images[id] = frame->images;
   for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
     if (frame->landmark_ids[i] == kNone) continue;
     if (!map.add_observation(frame->landmark_ids[i], id, static_cast<int>(i))) frame->landmark_ids[i] = kNone;
@@ -59,6 +60,25 @@ Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
 void FrontSubmap::remove_keyframe(int id, int heir) {
   map.remove_keyframe(id, heir);
   grids.erase(id);
+  images.erase(id);
+  moved_.erase(id);
+}
+
+void FrontSubmap::keypoints_moved(int keyframe_id) {
+  grids[keyframe_id] =
+      KeypointGrid(map.keyframe(keyframe_id)->features->undistorted, map.camera.width, map.camera.height);
+  moved_.insert(keyframe_id);
+}
+
+void FrontSubmap::keep_images(size_t n) {
+  while (images.size() > n) {
+    const int id = images.begin()->first;
+    images.erase(images.begin());
+    if (moved_.erase(id) == 0) continue;
+    Keyframe& kf = *map.keyframe(id);
+    map.touch(kf);
+    kf.created_revision = map.revision;  // its features are sent again
+  }
 }
 
 double FrontSubmap::median_depth(int keyframe_id) const {

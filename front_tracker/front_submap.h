@@ -2,6 +2,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -18,16 +20,23 @@ struct FrontSubmap {
 
   Submap map;
   std::vector<double> octave_scales;
-  std::map<int, KeypointGrid> grids;                  // of the keyframes, over undistorted pixels
+  std::map<int, KeypointGrid> grids;  // of the keyframes, over undistorted pixels
+  // Of the latest keyframes, while they may still be aligned with each other.
+  std::map<int, std::shared_ptr<const ImagePyramid>> images;
   std::vector<std::pair<int, int>> recent_landmarks;  // id, keyframe that made it: still on probation
 
   // A keyframe at the frame's pose, observing what the frame is matched to; the frame hangs on it afterwards.
   Keyframe& add_keyframe(Frame* frame);
   Landmark& add_landmark(const Eigen::Vector3d& position);
   void remove_keyframe(int id, int heir);
+  // Some of the keyframe's keypoints are elsewhere than they were.
+  void keypoints_moved(int keyframe_id);
+  // Keeps the newest `n` images; what became of the keypoints of the others is final.
+  void keep_images(size_t n);
   double median_depth(int keyframe_id) const;
 
  private:
+  std::set<int> moved_;  // keyframes with keypoints that were moved since they were made
   int next_keyframe_ = 0;
   int next_landmark_ = 0;
 };

@@ -2,6 +2,7 @@
 // The part of Mapper that triangulates: keypoints without a landmark in two keyframes, matched along the epipolar line.
 #include <algorithm>
 
+#include "front_tracker/align_keypoints.h"
 #include "front_tracker/mapper.h"
 #include "slam/geometry/epipolar.h"
 #include "slam/geometry/triangulation.h"
@@ -53,12 +54,31 @@ void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   }
 }
 
+// The point that both keypoints see, if they can be of one.
+std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,
+                                                           const Keyframe& b, int keypoint_b) const {
+  const std::vector<double>& scales = submap.octave_scales;
+  const Eigen::Vector2f &pa = a.features->undistorted[keypoint_a], &pb = b.features->undistorted[keypoint_b];
+  const auto point = triangulate(a.cam_from_submap, camera_.ray(pa), b.cam_from_submap, camera_.ray(pb));
+  if (!point) return std::nullopt;
+  const double sa = scales[a.features->keypoints[keypoint_a].octave],
+               sb = scales[b.features->keypoints[keypoint_b].octave];
+  const Eigen::Vector3d to_a = *point - a.cam_from_submap.center(), to_b = *point - b.cam_from_submap.center();
+  const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
+  if (to_a.normalized().dot(to_b.normalized()) > max_cosine) return std::nullopt;
+  if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
+    return std::nullopt;
+  // The ratio of the distances must go with that of the octaves.
+  const double distance_ratio = to_b.norm() / to_a.norm(), octave_ratio = sa / sb, slack = 1.5 * scales[1];
+  if (distance_ratio * slack < octave_ratio || distance_ratio > octave_ratio * slack) return std::nullopt;
+  return point;
+}
+
 void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
   const std::vector<double>& scales = submap.octave_scales;
   const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
   std::vector<Candidate> candidates = candidates_in(b, scales);
-  const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
-  const Eigen::Vector3d center_a = a.cam_from_submap.center(), center_b = b.cam_from_submap.center();
+  KeyframeAligner aligner(submap, a.id);
   for (int i : free_keypoints(a)) {
     const Eigen::Vector2f pa = a.features->undistorted[i];
     Eigen::Vector3f line = f * Eigen::Vector3f(pa.x(), pa.y(), 1);
@@ -75,18 +95,10 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
       }
     }
     if (!best) continue;
-    const Eigen::Vector2f pb(best->x, best->y);
-    const auto point = triangulate(a.cam_from_submap, camera_.ray(pa), b.cam_from_submap, camera_.ray(pb));
+    auto point = triangulate_between(submap, a, i, b, best->keypoint);
+    if (point && aligner.align(i, *point, {{b.id, best->keypoint}}))
+      point = triangulate_between(submap, a, i, b, best->keypoint);
     if (!point) continue;
-    const double sa = scales[a.features->keypoints[i].octave],
-                 sb = scales[b.features->keypoints[best->keypoint].octave];
-    const Eigen::Vector3d to_a = *point - center_a, to_b = *point - center_b;
-    if (to_a.normalized().dot(to_b.normalized()) > max_cosine) continue;
-    if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
-      continue;
-    // The ratio of the distances must go with that of the octaves.
-    const double distance_ratio = to_b.norm() / to_a.norm(), octave_ratio = sa / sb, slack = 1.5 * scales[1];
-    if (distance_ratio * slack < octave_ratio || distance_ratio > octave_ratio * slack) continue;
     Landmark& lm = submap.add_landmark(*point);
     submap.map.add_observation(lm.id, a.id, i);
     submap.map.add_observation(lm.id, b.id, best->keypoint);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "front_tracker/align_keypoints.h"
 #include "front_tracker/local_bundle.h"
 #include "front_tracker/projection_search.h"
 #include "slam/map/landmark_view.h"
@@ -69,6 +70,7 @@ void Mapper::fuse_landmarks(FrontSubmap& submap, int keyframe_id) const {
 void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids, int keyframe_id) const {
   Submap& map = submap.map;
   const KeypointGrid& grid = submap.grids[keyframe_id];
+  KeyframeAligner aligner(submap, keyframe_id);
   for (int id : landmark_ids) {
     const Landmark* lm = map.landmark(id);
     const Keyframe* kf = map.keyframe(keyframe_id);
@@ -92,12 +94,14 @@ void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids
     });
     if (best == kNone) continue;
     const int other = kf->landmark_ids[best];
-    if (other == kNone)
+    if (other == kNone) {
+      aligner.align(best, lm->position, lm->observations);
       map.add_observation(id, keyframe_id, best);
-    else if (map.landmark(other)->observations.size() > lm->observations.size())
+    } else if (map.landmark(other)->observations.size() > lm->observations.size()) {
       map.fuse_landmarks(other, id);
-    else
+    } else {
       map.fuse_landmarks(id, other);
+    }
   }
 }
 

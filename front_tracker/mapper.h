@@ -20,6 +20,8 @@ class Mapper {
   void cull_landmarks(FrontSubmap& submap, int keyframe_id) const;
   void make_landmarks(FrontSubmap& submap, int keyframe_id) const;
   void make_landmarks_between(FrontSubmap& submap, Keyframe& keyframe, Keyframe& neighbour) const;
+  std::optional<Eigen::Vector3d> triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,
+                                                     const Keyframe& b, int keypoint_b) const;
   void fuse_landmarks(FrontSubmap& submap, int keyframe_id) const;
   void fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids, int keyframe_id) const;
   void cull_keyframes(FrontSubmap& submap, int keyframe_id) const;

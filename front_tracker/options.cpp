@@ -34,6 +34,12 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
   t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
+  t.add(s + "sure_inliers", &r.sure_inliers, "",
+        "landmarks that make a pose believed wherever it is; with fewer, see the accelerations; 0: always", 0, 1000);
+  t.add(s + "max_angular_acceleration", &r.max_angular_acceleration, "deg/s²",
+        "between frames; beyond it a pose of few landmarks is not believed, and the camera lost", 1.0, 1e6);
+  t.add(s + "max_acceleration", &r.max_acceleration, "depths/s²",
+        "the same of the position, in median depths of the landmarks", 0.01, 1e6);
   t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
   t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
         10, 1000);
@@ -60,6 +66,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);
+  t.add(s + "keyframe_images", &m.keyframe_images, "keyframes",
+        "the latest, whose images are kept to align keypoints with (1 MB each at 640x480, a quarter more CPU; try 15); "
+        "0: no aligning",
+        0, 1000);
   t.add(s + "redundant_ratio", &m.redundant_ratio, "", "of a keyframe's landmarks seen by three others: it is dropped",
         0.5, 1.0);
 

@@ -31,7 +31,12 @@ struct TrackingOptions {
   int min_inliers = 25;          // fewer: lost
   int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
   int local_keyframes = 25;      // whose landmarks are looked for
-  double recently_lost_s = 1.0;  // only relocalization is tried; after it a new submap is begun
+  // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
+  // poses' own noise explain is not believed.
+  int sure_inliers = 80;
+  double max_angular_acceleration = 700;  // degrees/s²
+  double max_acceleration = 3.5;          // median depths of the landmarks/s²: a submap has no metres
+  double recently_lost_s = 1.0;           // only relocalization is tried; after it a new submap is begun
   int relocalization_min_inliers = 40;
   double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view
   int relocalization_candidates = 5;      // keyframes that are compared in full, per frame
@@ -54,6 +59,7 @@ struct MappingOptions {
   int bundle_keyframes = 12;         // free in the local bundle adjustment
   int bundle_fixed_keyframes = 12;   // that hold it in place, at most
   int bundle_iterations = 5;
+  int keyframe_images = 0;       // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
   double redundant_ratio = 0.9;  // of a keyframe's landmarks seen by three others: it is dropped
 };
 

@@ -20,6 +20,7 @@ void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
     if (all && !submap->map.closed) {
       submap->map.closed = true;
       ++submap->map.revision;
+      submap->keep_images(0);
     }
     // The revision rises after every update that is made: an unchanged submap is one ahead of what is stored.
     if (submap->map.revision <= progress.stored_revision + 1 && progress.stored_revision > 0) continue;

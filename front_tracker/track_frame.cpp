@@ -2,15 +2,25 @@
 // The part of Tracker that finds a frame's pose: short-term association with the last frame, then mid-term association
 // with the landmarks nearby (equation 5 of the paper).
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
+#include "front_tracker/align_keypoints.h"
 #include "front_tracker/projection_search.h"
 #include "front_tracker/tracker.h"
 #include "slam/features/matching.h"
+#include "slam/geometry/median.h"
 #include "slam/geometry/resection.h"
 
 namespace rumi {
+namespace {
+
+// Of two poses of few landmarks.
+constexpr double kRotationNoise_deg = 0.3;
+constexpr double kTranslationNoise = 0.005;  // of the landmarks' median depth
+
+}  // namespace
 
 bool Tracker::track(Frame* frame) {
   const Keyframe* reference = active().map.keyframe(last_.reference_keyframe);
@@ -32,11 +42,28 @@ bool Tracker::track(Frame* frame) {
   }
   frame->cam_from_submap = motion * before;
   frame->reference_keyframe = last_.reference_keyframe;
+  const SE3 predicted = frame->cam_from_submap;
   if (!match_last_frame(frame) && !match_by_brute_force(frame)) return false;
   if (!match_local_map(frame)) return false;
+  if (velocity_dt_us_ > 0 && !is_believable(*frame, predicted, std::max(dt_us, velocity_dt_us_))) return false;
   velocity_ = frame->cam_from_submap * before.inverse();
   velocity_dt_us_ = dt_us;
   return true;
+}
+
+// Few landmarks, in a corner of the image or some of them wrong, may agree with a pose far off. The motion so far then
+// tells: `predicted` by constant velocity, over `dt_us`.
+bool Tracker::is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us) {
+  const TrackingOptions& o = options_.tracking;
+  if (frame.matches() >= o.sure_inliers) return true;
+  std::vector<double> depths;
+  for (int id : frame.landmark_ids)
+    if (const Landmark* lm = id == kNone ? nullptr : active().map.landmark(id))
+      depths.push_back((frame.cam_from_submap * lm->position).z());
+  const double depth = median(&depths), dt2 = std::pow(1e-6 * static_cast<double>(dt_us), 2);
+  const Vector6d off = (frame.cam_from_submap * predicted.inverse()).log();  // translation, rotation
+  return off.tail<3>().norm() <= (o.max_angular_acceleration * dt2 + kRotationNoise_deg) * M_PI / 180 &&
+         off.head<3>().norm() <= (o.max_acceleration * dt2 + kTranslationNoise) * depth;
 }
 
 bool Tracker::match_last_frame(Frame* frame) {
@@ -136,7 +163,11 @@ bool Tracker::match_local_map(Frame* frame) {
   for (int id : frame->landmark_ids)
     if (id != kNone) visible.push_back(id);
   search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
-  const int inliers = refine_pose(camera_, active().map, scales_, frame);
+  int inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers >= options_.tracking.min_inliers && !active().images.empty()) {
+    align_keypoints(active(), frame);
+    inliers = refine_pose(camera_, active().map, scales_, frame);
+  }
   for (int id : visible)
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)

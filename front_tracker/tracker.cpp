@@ -25,8 +25,12 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   if (utime_us <= last_utime_us_) return std::nullopt;
   last_utime_us_ = utime_us;
   const bool tracking = state_ == TrackingState::kTracking;
+  const bool keep = options_.mapping.keyframe_images > 0;
+  const auto images = std::make_shared<const ImagePyramid>(extractor_.pyramid(keep ? grey.clone() : grey));
   Frame frame = make_frame(
-      utime_us, extractor_.extract(grey, tracking ? options_.orb.keypoints : options_.initializer.keypoints), camera_);
+      utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
+      camera_);
+  if (keep) frame.images = images;
 
   posed_afterwards_.clear();
   TrackResult result;
@@ -86,7 +90,10 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
 }
 
 void Tracker::go_on_in(size_t submap_index, const Frame& frame) {
-  if (submap_index != active_) initializer_.clear();
+  if (submap_index != active_) {
+    initializer_.clear();
+    active().keep_images(0);
+  }
   active_ = submap_index;
   ++active().map.revision;
   state_ = TrackingState::kTracking;
@@ -112,6 +119,8 @@ bool Tracker::begin_submap(Frame* frame) {
     spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
     return false;
   }
+  initial->frames.back().images = frame->images;
+  if (!submaps_.empty()) active().keep_images(0);
   open_submap({});
   active_ = submaps_.size() - 1;
   add_initial_map(std::move(*initial), &active());
@@ -212,6 +221,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
     if (needs_keyframe(frame)) {
       const Keyframe& kf = submap.add_keyframe(&frame);
+      submap.keep_images(options_.mapping.keyframe_images);
       relocalizer_.add_keyframe(active_, submap.map, kf);
       tasks_.emplace_back(&submap, kf.id);
       frames_since_keyframe_ = 0;

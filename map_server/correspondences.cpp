@@ -46,9 +46,15 @@ struct Observed {
   }
 };
 
-// Keypoints that are each other's nearest.
+// Keypoints that are the same, or each other's nearest.
 void match_keyframes(const Keyframe& a, const Keyframe& b, const Camera& camera, float max_distance_px, int shared,
                      std::vector<LandmarkMatch>* matches) {
+  if (same_corners(*a.features, *b.features)) {
+    for (size_t i = 0; i < a.landmark_ids.size(); ++i)
+      if (a.landmark_ids[i] != kNone && b.landmark_ids[i] != kNone)
+        matches->push_back({a.landmark_ids[i], b.landmark_ids[i], shared, static_cast<int>(i), static_cast<int>(i)});
+    return;
+  }
   const Observed in_a(a), in_b(b);
   const KeypointGrid grid_a(in_a.pixels, camera.width, camera.height), grid_b(in_b.pixels, camera.width, camera.height);
   for (size_t i = 0; i < in_a.pixels.size(); ++i) {
@@ -60,6 +66,12 @@ void match_keyframes(const Keyframe& a, const Keyframe& b, const Camera& camera,
 }
 
 }  // namespace
+
+bool same_corners(const Features& a, const Features& b) {
+  return a.descriptors == b.descriptors &&
+         std::equal(a.keypoints.begin(), a.keypoints.end(), b.keypoints.begin(), b.keypoints.end(),
+                    [](const Keypoint& x, const Keypoint& y) { return x.octave == y.octave; });
+}
 
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px) {
   Correspondences common;

@@ -30,7 +30,12 @@ struct Correspondences {
   std::vector<LandmarkMatch> landmarks;   // by shared keyframe; each keypoint at most once in each
 };
 
-// `max_distance_px` between keypoints (undistorted) that are taken for one.
+// Keypoint by keypoint the same corners of the same image: front_tracker may have moved some of them since, to where
+// they are more exactly.
+bool same_corners(const Features& a, const Features& b);
+
+// Where keyframes of one image do not have the same corners: `max_distance_px` between keypoints (undistorted) that are
+// taken for one.
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px);
 
 // Logarithm of the depth of the common landmarks of a shared keyframe in b over that in a: the median, and its standard

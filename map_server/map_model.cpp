@@ -2,8 +2,10 @@
 #include "map_server/map_model.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
+#include "map_server/correspondences.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/geometry/median.h"
 
@@ -15,8 +17,12 @@ constexpr size_t kMinScaleLandmarks = 5;
 // Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none. A detector
 // may find one pixel in two octaves: where both submaps have the same keypoints each is itself.
 std::vector<int> same_keypoints(const Features& from, const Features& to, const Camera& camera, float same_px) {
-  const KeypointGrid grid(to.undistorted, camera.width, camera.height);
   std::vector<int> same(from.size(), kNone);
+  if (same_corners(from, to)) {
+    std::iota(same.begin(), same.end(), 0);
+    return same;
+  }
+  const KeypointGrid grid(to.undistorted, camera.width, camera.height);
   for (size_t i = 0; i < from.size(); ++i) {
     if (i < to.size() && to.undistorted[i] == from.undistorted[i]) {
       same[i] = static_cast<int>(i);
@@ -76,6 +82,10 @@ class Joiner {
       view.cam_from_map = first.placement.cam_from_map(chosen);
       view.camera = first.submap->camera;
       view.features = chosen.features;
+      for (const KeyframeRef& ref : keyframes) {
+        const auto& features = submaps_.at(ref.submap).submap->keyframe(ref.id)->features;
+        if (ref.submap.id > 0 && same_corners(*features, *chosen.features)) view.features = features;
+      }
       view.points.assign(chosen.features->size(), kNone);
       view.keyframes = std::move(keyframes);
       first_seen_.emplace_back(chosen.features->size(), kNone);

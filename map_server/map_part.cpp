@@ -19,7 +19,7 @@ MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>&
   size_t count = 0;
   for (const SubmapKey& key : fresh) count += submaps.at(key)->keyframes.size();
   for (size_t i = 0; i < queue.size(); ++i)
-    for (const SubmapKey& other : neighbours[SubmapKey(queue[i])]) {
+    for (const SubmapKey& other : neighbours[queue[i]]) {
       if (i >= fresh.size() && count >= static_cast<size_t>(keyframes)) break;
       if (!part.submaps.insert(other).second) continue;
       queue.push_back(other);

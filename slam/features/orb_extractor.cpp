@@ -132,28 +132,20 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted)
   return corners;
 }
 
-Features OrbExtractor::extract(const cv::Mat& grey, int keypoints) const {
+ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, options_.levels, options_.scale_factor}; }
+
+Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) const {
   Features features;
-  const std::vector<double> scales = octave_scales(options_);
   const std::vector<int> wanted = quotas(options_, keypoints > 0 ? keypoints : options_.keypoints);
-  cv::Mat level = grey;
-  for (int octave = 0; octave < options_.levels; ++octave) {
-    const cv::Size size(cvRound(grey.cols / scales[octave]), cvRound(grey.rows / scales[octave]));
-    if (std::min(size.width, size.height) < 2 * kBorder + 8) break;
-    if (octave > 0) {
-      cv::Mat smaller;
-      cv::resize(level, smaller, size, 0, 0, cv::INTER_LINEAR);
-      level = smaller;
-    }
+  for (int octave = 0; octave < pyramid.levels(); ++octave) {
+    const cv::Mat& level = pyramid.level(octave);
+    if (std::min(level.cols, level.rows) < 2 * kBorder + 8) break;
     std::vector<cv::KeyPoint> corners = detect(level, wanted[octave]);
     if (corners.empty()) continue;
     cv::Mat descriptors;
     describer_->compute(level, corners, descriptors);
-    // Pixel centres: x_full + 0.5 = (x_level + 0.5) * width ratio.
-    const float rx = static_cast<float>(grey.cols) / size.width, ry = static_cast<float>(grey.rows) / size.height;
     for (size_t i = 0; i < corners.size(); ++i) {
-      const cv::Point2f p = corners[i].pt;
-      features.keypoints.push_back({{(p.x + 0.5f) * rx - 0.5f, (p.y + 0.5f) * ry - 0.5f},
+      features.keypoints.push_back({pyramid.to_full({corners[i].pt.x, corners[i].pt.y}, octave),
                                     corners[i].angle * static_cast<float>(CV_PI / 180.0),
                                     static_cast<uint8_t>(octave)});
       std::memcpy(features.descriptors.emplace_back().data(), descriptors.ptr(static_cast<int>(i)), sizeof(Descriptor));

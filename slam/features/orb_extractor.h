@@ -8,6 +8,7 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
+#include "slam/features/image_pyramid.h"
 #include "slam/map/submap.h"
 
 namespace rumi {
@@ -30,9 +31,11 @@ inline double scale_of(int octave, const std::vector<double>& scales) {
 class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options);
-  // From an 8-bit grey image, no smaller than 64 x 64 pixels. `keypoints` overrides the wanted number if positive.
-  // Pixels are full-resolution ones. Deterministic.
-  Features extract(const cv::Mat& grey, int keypoints = 0) const;
+  // The pyramid that extract() looks at, of an 8-bit grey image no smaller than 64 x 64 pixels; shares its pixels.
+  ImagePyramid pyramid(const cv::Mat& grey) const;
+  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. Deterministic.
+  Features extract(const ImagePyramid& pyramid, int keypoints = 0) const;
+  Features extract(const cv::Mat& grey, int keypoints = 0) const { return extract(pyramid(grey), keypoints); }
 
  private:
   std::vector<cv::KeyPoint> detect(const cv::Mat& level, int wanted) const;

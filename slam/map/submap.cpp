@@ -20,6 +20,11 @@ void Features::undistort(const Camera& camera) {
     undistorted[i] = camera.undistort(keypoints[i].pixel.cast<double>()).cast<float>();
 }
 
+void Features::move(size_t keypoint, const Eigen::Vector2f& pixel, const Camera& camera) {
+  keypoints[keypoint].pixel = pixel;
+  undistorted[keypoint] = camera.undistort(pixel.cast<double>()).cast<float>();
+}
+
 Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
 const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
 Landmark* Submap::landmark(int id) { return find_in(landmarks, id); }

@@ -26,7 +26,8 @@ struct Keypoint {
   uint8_t octave = 0;     // pyramid level, 0 = full resolution
 };
 
-// What a frame saw: never changes once made. All three have the same length.
+// What a frame saw. All three have the same length. Nothing but the place of a keypoint ever changes, and that only
+// while whoever found it is at work on it (front_tracker/align_keypoints.h).
 struct Features {
   std::vector<Keypoint> keypoints;
   std::vector<Descriptor> descriptors;
@@ -35,6 +36,7 @@ struct Features {
 
   size_t size() const { return keypoints.size(); }
   void undistort(const Camera& camera);
+  void move(size_t keypoint, const Eigen::Vector2f& pixel, const Camera& camera);
 };
 
 inline constexpr int kNone = -1;     // no keyframe, landmark or keypoint

@@ -24,6 +24,7 @@ class Fixture : public testing::Test {
                   [this](const auto& p) { return store(p); }) {
     FrontTrackerOptions options;
     options.mapping_thread = false;
+    options.mapping.keyframe_images = 5;  // fewer than there are keyframes: their keypoints are sent twice
     node_ = std::make_unique<FrontTrackerNode>(bus_, options);
     bus_.subscribe<track_t>(channels::kTrack, {}, [this](const track_t& t) { tracks_.push_back(t); });
   }
@@ -184,6 +185,9 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
     EXPECT_EQ(copy.keyframe(id)->cam_from_submap.translation, kf.cam_from_submap.translation);
     EXPECT_EQ(copy.keyframe(id)->landmark_ids, kf.landmark_ids);
     EXPECT_EQ(copy.keyframe(id)->features->descriptors, kf.features->descriptors);
+    for (size_t i = 0; i < kf.features->size(); ++i)
+      ASSERT_EQ(copy.keyframe(id)->features->keypoints[i].pixel, kf.features->keypoints[i].pixel)
+          << "keypoint " << i << " of keyframe " << id << ", which may have been moved after it was sent first";
   }
   for (const auto& [id, lm] : made.landmarks) {
     EXPECT_EQ(copy.landmark(id)->position, lm.position);

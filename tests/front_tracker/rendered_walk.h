@@ -18,6 +18,7 @@ namespace rumi::testing {
 struct RenderedWalk {
   std::vector<cv::Mat> images;
   std::vector<int64_t> utime_us;
+  std::vector<SE3> cam_from_room;             // m
   std::map<int64_t, Eigen::Vector3d> center;  // of the camera in the room, m, by utime
   Camera camera;
 };
@@ -37,6 +38,7 @@ inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 
   for (int i = 0; i < renderer.frames(); ++i) {
     made.images.push_back(renderer.render(i));
     made.utime_us.push_back(renderer.utime_us(i));
+    made.cam_from_room.push_back(renderer.map_from_cam(i).inverse());
     made.center[renderer.utime_us(i)] = renderer.map_from_cam(i).translation;
   }
   return made;

@@ -28,6 +28,23 @@ TEST(Tracker, TracksTheWholeWalkAndRepeatsItself) {
   EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
 }
 
+TEST(Tracker, AligningKeypointsIsTruer) {
+  double rmse_m[2] = {};
+  for (const int images : {0, 15}) {
+    FrontTrackerOptions options = replay_options();
+    options.mapping.keyframe_images = images;
+    Tracker tracker(sequence().camera, options, 1);
+    for (size_t i = 0; i < sequence().images.size(); ++i) tracker.process(sequence().utime_us[i], sequence().images[i]);
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+    EXPECT_EQ(tracker.submaps()[0]->images.empty(), images == 0);
+    EXPECT_LE(tracker.submaps()[0]->images.size(), static_cast<size_t>(images));
+    const Error e = error_of(tracker.submaps()[0]->map);
+    EXPECT_EQ(e.frames, sequence().images.size());
+    rmse_m[images > 0] = e.rmse_m;
+  }
+  EXPECT_LT(rmse_m[1], 0.8 * rmse_m[0]) << rmse_m[0] << " m without, " << rmse_m[1] << " m with";
+}
+
 TEST(Tracker, MappingInItsOwnThreadIsAsGood) {
   FrontTrackerOptions options = replay_options();
   options.mapping_thread = true;
@@ -77,6 +94,28 @@ TEST(Tracker, FrozenImagesKeepThePose) {
   ASSERT_EQ(after->state, TrackingState::kTracking);
   const double depth = tracker.submaps()[0]->median_depth(after->reference_keyframe);
   EXPECT_LT((after->cam_from_submap.center() - before->cam_from_submap.center()).norm(), 0.02 * depth);
+}
+
+// All but a piece of the image is covered, and that piece has jumped by a dozen pixels.
+cv::Mat jumped_piece(const cv::Mat& image) {
+  const cv::Rect piece(image.cols / 2, image.rows / 4, image.cols / 3, image.rows / 2);
+  cv::Mat covered(image.size(), CV_8U, cv::Scalar(0));
+  image(piece).copyTo(covered(piece + cv::Point(-12, -8)));
+  return covered;
+}
+
+TEST(Tracker, FewLandmarksAreNotBelievedFarFromTheMotionSoFar) {
+  for (const bool checked : {true, false}) {
+    FrontTrackerOptions options = replay_options();
+    if (!checked) options.tracking.sure_inliers = 0;
+    Tracker tracker(sequence().camera, options, 1);
+    const size_t jump = sequence().images.size() / 2;
+    for (size_t i = 0; i < jump; ++i) tracker.process(sequence().utime_us[i], sequence().images[i]);
+    const auto r = tracker.process(sequence().utime_us[jump], jumped_piece(sequence().images[jump]));
+    EXPECT_EQ(r->submap_id == kNoSubmap, checked) << r->inliers << " landmarks";
+    const auto next = tracker.process(sequence().utime_us[jump + 1], sequence().images[jump + 1]);
+    EXPECT_EQ(next->submap_id, 1);
+  }
 }
 
 TEST(Tracker, NothingToSeeIsNoSubmap) {

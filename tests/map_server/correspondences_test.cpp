@@ -26,7 +26,8 @@ Submap hand_made(const std::map<int64_t, std::vector<Seen>>& images, double dept
     Features features;
     for (const Seen& s : seen) {
       features.keypoints.push_back({s.pixel, 0, 0});
-      features.descriptors.push_back({});
+      const auto bits = [](float x) { return static_cast<uint64_t>(std::lround(1000 * x)); };
+      features.descriptors.push_back({bits(s.pixel.x()), bits(s.pixel.y())});  // like those of no other
     }
     features.undistort(submap.camera);
     Keyframe& keyframe = submap.keyframes[id];
@@ -63,6 +64,22 @@ TEST(Correspondences, AreTheLandmarksAtTheSamePixel) {
   EXPECT_EQ(common.landmarks[1].keypoint_a, 2);
   EXPECT_EQ(common.landmarks[1].keypoint_b, 0);
   EXPECT_EQ(landmark_pairs(find_correspondences(a, b, 2.5)), (Pairs{{1, 8}, {2, 7}, {3, 6}}));
+}
+
+TEST(Correspondences, AreTheSameKeypointsWhereverFrontTrackerMovedThem) {
+  const std::map<int64_t, std::vector<Seen>> seen = {
+      {10, {{{100, 100}, 1}, {{104, 100}, 2}, {{300, 100}, kNone}, {{400, 100}, 3}}}};
+  const Submap b = hand_made(seen);
+  Submap a = b;
+  Features moved = *b.keyframe(0)->features;
+  moved.move(0, {104, 100}, a.camera);  // onto its neighbour
+  moved.move(1, {107, 100}, a.camera);
+  a.keyframe(0)->features = std::make_shared<Features>(moved);
+  EXPECT_EQ(landmark_pairs(find_correspondences(a, b, 1.0)), (Pairs{{1, 1}, {2, 2}, {3, 3}}));
+  // Another detector's, or another image's: by distance.
+  moved.keypoints[2].octave = 1;
+  a.keyframe(0)->features = std::make_shared<Features>(moved);
+  EXPECT_EQ(landmark_pairs(find_correspondences(a, b, 1.0)), (Pairs{{1, 2}, {3, 3}}));
 }
 
 TEST(Correspondences, AreEachOthersNearestAndNoKeypointIsUsedTwice) {

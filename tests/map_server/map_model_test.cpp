@@ -272,6 +272,27 @@ TEST_F(MapModelTest, TwoKeypointsAtOnePixelStayTwo) {
     for (const LandmarkRef& ref : point.landmarks) EXPECT_EQ(world_point(ref), world_point(point.landmarks[0]));
 }
 
+// front_tracker moves keypoints to where they are more exactly; the ruminator finds them where the detector did.
+TEST_F(MapModelTest, KeypointsThatFrontTrackerMovedAreTheSameAndBelieved) {
+  const Placed before = placed();
+  const size_t points = join(before, 1).points.size();
+  for (auto& [id, keyframe] : made_[front1_].submap.keyframes) {
+    Features features = *keyframe.features;
+    for (Eigen::Vector2f& pixel : features.undistorted) pixel.x() += 3;
+    keyframe.features = std::make_shared<Features>(features);
+  }
+  const MapModel model = join(placed(), 1);
+  EXPECT_EQ(model.points.size(), points);
+  int shared = 0;
+  for (const MapModel::View& view : model.views)
+    for (const KeyframeRef& ref : view.keyframes)
+      if (ref.submap == front1_) {
+        EXPECT_EQ(view.features, made_[front1_].submap.keyframe(ref.id)->features);
+        shared += view.keyframes.size() > 1;
+      }
+  EXPECT_GT(shared, 2);
+}
+
 TEST_F(MapModelTest, ObserveForgetAndFuseKeepBothDirections) {
   MapModel model = join(placed(), 1);
   const int view = 5, point = *std::find_if(model.views[view].points.begin(), model.views[view].points.end(),

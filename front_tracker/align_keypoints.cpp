@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/align_keypoints.h"
+
+#include <Eigen/LU>
+
+#include "slam/features/patch_alignment.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kReferences = 2;  // keyframes that are tried
+constexpr double kStep_px = 4;  // between the points whose projections tell how a patch is distorted
+
+// Where the point and two beside it, in the reference's image plane, are seen.
+struct Projections {
+  Eigen::Vector2d center;
+  Eigen::Matrix2d steps;  // columns: to the points beside it, in x and y of the reference
+};
+
+std::optional<Projections> project(const Camera& camera, const SE3& cam_from_reference, const Eigen::Vector3d& point) {
+  const auto center = camera.project(cam_from_reference * point);
+  const double step = kStep_px * point.z();
+  const auto x = camera.project(cam_from_reference * Eigen::Vector3d(point + Eigen::Vector3d(step / camera.fx, 0, 0)));
+  const auto y = camera.project(cam_from_reference * Eigen::Vector3d(point + Eigen::Vector3d(0, step / camera.fy, 0)));
+  if (!center || !x || !y) return std::nullopt;
+  Projections p{*center, {}};
+  p.steps << *x - *center, *y - *center;
+  return p;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2f> aligned_pixel(const Camera& camera, const Eigen::Vector3d& position,
+                                             const ImagedView& reference, const Eigen::Vector2f& reference_pixel,
+                                             const ImagedView& view, const Keypoint& keypoint) {
+  // The surface is taken to be parallel to the reference's image plane.
+  const Eigen::Vector3d point = reference.cam_from_submap * position;
+  const auto there = project(camera, SE3(), point);
+  const auto here = project(camera, view.cam_from_submap * reference.cam_from_submap.inverse(), point);
+  if (!there || !here || !(std::abs(there->steps.determinant()) > 1e-6)) return std::nullopt;
+  const Eigen::Matrix2d view_from_reference = here->steps * there->steps.inverse();
+  return align_patch(reference.images, reference_pixel, view_from_reference.cast<float>(),
+                     {view.images, keypoint.pixel, keypoint.octave});
+}
+
+std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Eigen::Vector3d& position,
+                                             const std::vector<Observation>& references, const ImagedView& view,
+                                             const Keypoint& keypoint) {
+  int tried = 0;
+  for (const Observation& o : references) {
+    const auto images = submap.images.find(o.keyframe_id);
+    if (images == submap.images.end() || images->second.get() == &view.images) continue;
+    const Keyframe& kf = *submap.map.keyframe(o.keyframe_id);
+    const auto pixel = aligned_pixel(submap.map.camera, position, {kf.cam_from_submap, *images->second},
+                                     kf.features->keypoints[o.keypoint_index].pixel, view, keypoint);
+    if (pixel) return pixel;
+    if (++tried == kReferences) break;
+  }
+  return std::nullopt;
+}
+
+void align_keypoints(const FrontSubmap& submap, Frame* frame) {
+  if (!frame->images || submap.images.empty()) return;
+  const ImagedView view{frame->cam_from_submap, *frame->images};
+  auto features = std::make_shared<Features>(*frame->features);
+  for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
+    const Landmark* lm = frame->landmark_ids[i] == kNone ? nullptr : submap.map.landmark(frame->landmark_ids[i]);
+    if (!lm) continue;
+    if (const auto pixel = aligned_pixel(submap, lm->position, lm->observations, view, features->keypoints[i]))
+      features->move(i, *pixel, submap.map.camera);
+  }
+  frame->features = std::move(features);
+}
+
+bool KeyframeAligner::align(int keypoint, const Eigen::Vector3d& position, const std::vector<Observation>& references) {
+  const auto images = submap_.images.find(id_);
+  if (images == submap_.images.end()) return false;
+  Keyframe& kf = *submap_.map.keyframe(id_);
+  const auto pixel = aligned_pixel(submap_, position, references, {kf.cam_from_submap, *images->second},
+                                   kf.features->keypoints[keypoint]);
+  if (!pixel) return false;
+  if (!moved_) kf.features = moved_ = std::make_shared<Features>(*kf.features);
+  moved_->move(keypoint, *pixel, submap_.map.camera);
+  return true;
+}
+
+KeyframeAligner::~KeyframeAligner() {
+  if (moved_) submap_.keypoints_moved(id_);
+}
+
+}  // namespace rumi

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A corner detector finds a corner within a pixel of its pyramid level, here and there. What is matched is therefore
+// moved to where the patch around it looks as in the first keyframes that saw the landmark, as far as their images are
+// kept (FrontSubmap::images). Where none agrees a keypoint stays where it was found.
+#pragma once
+
+#include <optional>
+
+#include "front_tracker/front_submap.h"
+
+namespace rumi {
+
+// One view of a landmark: the camera's pose, and its image.
+struct ImagedView {
+  const SE3& cam_from_submap;
+  const ImagePyramid& images;
+};
+
+// The pixel (as detected) where `keypoint`, of the view, looks as `reference_pixel` of the view `reference` does, both
+// being near the landmark at `position`.
+std::optional<Eigen::Vector2f> aligned_pixel(const Camera& camera, const Eigen::Vector3d& position,
+                                             const ImagedView& reference, const Eigen::Vector2f& reference_pixel,
+                                             const ImagedView& view, const Keypoint& keypoint);
+
+// The same with the first of the submap's observations of the landmark whose images are kept; the view's own is none of
+// them.
+std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Eigen::Vector3d& position,
+                                             const std::vector<Observation>& references, const ImagedView& view,
+                                             const Keypoint& keypoint);
+
+// All that the frame is matched to, at its present pose.
+void align_keypoints(const FrontSubmap& submap, Frame* frame);
+
+// Keypoints of one keyframe, one by one, as they become observations. Hold the map's mutex while there is one.
+class KeyframeAligner {
+ public:
+  KeyframeAligner(FrontSubmap& submap, int keyframe_id) : submap_(submap), id_(keyframe_id) {}
+  KeyframeAligner(const KeyframeAligner&) = delete;
+  KeyframeAligner& operator=(const KeyframeAligner&) = delete;
+  ~KeyframeAligner();
+  // False: it stays where it is.
+  bool align(int keypoint, const Eigen::Vector3d& position, const std::vector<Observation>& references);
+
+ private:
+  FrontSubmap& submap_;
+  int id_;
+  std::shared_ptr<Features> moved_;  // the keyframe's, once one has moved
+};
+
+}  // namespace rumi

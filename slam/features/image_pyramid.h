@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+namespace rumi {
+
+// An 8-bit grey image in several sizes, level 0 as it is, each of the others 1 / scale_factor of the one before.
+class ImagePyramid {
+ public:
+  ImagePyramid() = default;
+  ImagePyramid(const cv::Mat& grey, int levels, double scale_factor);
+
+  int levels() const { return static_cast<int>(images_.size()); }
+  const cv::Mat& level(int i) const { return images_[i]; }
+  // Size of a pixel of the level in pixels of the full image, in x and y (nearly the same: sizes are whole pixels).
+  Eigen::Vector2f pixel_size(int i) const {
+    return {static_cast<float>(images_[0].cols) / static_cast<float>(images_[i].cols),
+            static_cast<float>(images_[0].rows) / static_cast<float>(images_[i].rows)};
+  }
+  // Between pixels of the full image and of a level; pixel (0, 0) is the centre of the upper-left one in both.
+  Eigen::Vector2f to_level(const Eigen::Vector2f& full, int i) const {
+    return (full.array() + 0.5F) / pixel_size(i).array() - 0.5F;
+  }
+  Eigen::Vector2f to_full(const Eigen::Vector2f& at_level, int i) const {
+    return (at_level.array() + 0.5F) * pixel_size(i).array() - 0.5F;
+  }
+
+ private:
+  std::vector<cv::Mat> images_;
+};
+
+}  // namespace rumi

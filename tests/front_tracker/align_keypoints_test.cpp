@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keypoints of rendered images against the true epipolar geometry.
+#include "front_tracker/align_keypoints.h"
+
+#include <gtest/gtest.h>
+
+#include "front_tracker/projection_search.h"
+#include "slam/features/matching.h"
+#include "slam/geometry/epipolar.h"
+#include "slam/geometry/median.h"
+#include "slam/geometry/triangulation.h"
+#include "slam/map/landmark_view.h"
+#include "tests/front_tracker/rendered_walk.h"
+
+namespace rumi {
+namespace {
+
+const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
+
+Frame frame_of(size_t i) {
+  const OrbExtractor extractor({});
+  const auto images = std::make_shared<const ImagePyramid>(extractor.pyramid(walk().images[i]));
+  Frame frame = make_frame(walk().utime_us[i], extractor.extract(*images), walk().camera);
+  frame.images = images;
+  frame.cam_from_submap = walk().cam_from_room[i];
+  return frame;
+}
+
+// Keyframes at their true poses, with landmarks of the corners that the first two have in common.
+std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images) {
+  auto s = std::make_unique<FrontSubmap>();
+  s->map.camera = walk().camera;
+  s->map.revision = 1;
+  s->octave_scales = octave_scales({});
+  for (size_t i : images) {
+    Frame frame = frame_of(i);
+    s->add_keyframe(&frame);
+  }
+  const Keyframe &a = *s->map.keyframe(0), &b = *s->map.keyframe(1);
+  for (const Match& m : match_features(*a.features, {}, *b.features, {}, {})) {
+    const auto ray = [](const Keyframe& kf, int i) { return walk().camera.ray(kf.features->undistorted[i]); };
+    const auto point = triangulate(a.cam_from_submap, ray(a, m.first), b.cam_from_submap, ray(b, m.second));
+    if (!point) continue;
+    const int id = s->add_landmark(*point).id;
+    s->map.add_observation(id, 0, m.first);
+    s->map.add_observation(id, 1, m.second);
+    update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
+  }
+  return s;
+}
+
+// Median distance of the frame's keypoints from the true epipolar lines of those of keyframe 0 that see the same
+// landmarks, in pixels of their level.
+double epipolar_error(const FrontSubmap& s, const Features& features, const std::vector<int>& landmark_ids,
+                      const SE3& cam_from_room) {
+  const Keyframe& kf = *s.map.keyframe(0);
+  const Eigen::Matrix3d f = fundamental_matrix(s.map.camera, cam_from_room * kf.cam_from_submap.inverse());
+  std::vector<double> errors;
+  for (size_t i = 0; i < landmark_ids.size(); ++i) {
+    if (landmark_ids[i] == kNone) continue;
+    const Observation& o = s.map.landmark(landmark_ids[i])->observations.front();
+    const Eigen::Vector2f p = kf.features->undistorted[o.keypoint_index], q = features.undistorted[i];
+    const Eigen::Vector3d line = f * Eigen::Vector3d(p.x(), p.y(), 1);
+    errors.push_back(std::abs(line.dot(Eigen::Vector3d(q.x(), q.y(), 1))) / line.head<2>().norm() /
+                     s.octave_scales[features.keypoints[i].octave]);
+  }
+  EXPECT_GT(errors.size(), 50u);
+  return median(&errors);
+}
+
+TEST(AlignKeypoints, BringsAFrameNearerToTheTruth) {
+  const auto s = submap_of({20, 32});
+  Frame frame = frame_of(40);
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : s->map.landmarks) landmarks.push_back(&lm);
+  search_by_projection(walk().camera, landmarks, {.radius_px = 4}, s->octave_scales, &frame);
+  const Features before = *frame.features;
+  const double error = epipolar_error(*s, before, frame.landmark_ids, frame.cam_from_submap);
+  align_keypoints(*s, &frame);
+  const double aligned = epipolar_error(*s, *frame.features, frame.landmark_ids, frame.cam_from_submap);
+  EXPECT_LT(aligned, 0.5 * error) << error << " px before, " << aligned << " px after";
+  for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
+    if (frame.landmark_ids[i] != kNone) continue;
+    EXPECT_EQ(frame.features->keypoints[i].pixel, before.keypoints[i].pixel) << "matched to nothing";
+  }
+}
+
+TEST(AlignKeypoints, WithoutImagesNothingMoves) {
+  const auto s = submap_of({20, 32});
+  Frame frame = frame_of(40);
+  for (size_t i = 0; i < frame.landmark_ids.size(); ++i) frame.landmark_ids[i] = static_cast<int>(i % 50);
+  const auto features = frame.features;
+  frame.images.reset();
+  align_keypoints(*s, &frame);
+  EXPECT_EQ(frame.features, features);
+  frame = frame_of(40);
+  s->keep_images(0);
+  align_keypoints(*s, &frame);
+  for (size_t i = 0; i < frame.features->size(); ++i)
+    EXPECT_EQ(frame.features->keypoints[i].pixel, features->keypoints[i].pixel);
+}
+
+TEST(KeyframeAligner, FeaturesOfAKeyframeThatChangedAreSentAgainOnceTheyAreFinal) {
+  const auto s = submap_of({20, 32, 40});
+  const std::shared_ptr<const Features> before = s->map.keyframe(1)->features;
+  int moved = 0;
+  {
+    KeyframeAligner aligner(*s, 1);
+    for (const auto& [id, lm] : s->map.landmarks)
+      moved += aligner.align(lm.observations[1].keypoint_index, lm.position, lm.observations);
+  }
+  EXPECT_GT(moved, 0.6 * static_cast<double>(s->map.landmarks.size()));
+  EXPECT_NE(s->map.keyframe(1)->features, before) << "whoever holds the old ones keeps them";
+  const std::vector<int>& landmark_ids = s->map.keyframe(1)->landmark_ids;
+  const SE3& pose = s->map.keyframe(1)->cam_from_submap;
+  const double error = epipolar_error(*s, *before, landmark_ids, pose),
+               aligned = epipolar_error(*s, *s->map.keyframe(1)->features, landmark_ids, pose);
+  EXPECT_LT(aligned, 0.5 * error) << error << " px before, " << aligned << " px after";
+
+  s->map.revision = 7;
+  s->keep_images(2);  // of the newest two: keyframe 1 may still change
+  EXPECT_EQ(s->images.size(), 2u);
+  EXPECT_EQ(s->map.keyframe(0)->created_revision, 1) << "nothing of it was moved";
+  EXPECT_EQ(s->map.keyframe(1)->created_revision, 1);
+  s->map.revision = 8;
+  s->keep_images(1);
+  EXPECT_EQ(s->map.keyframe(1)->created_revision, 8);
+  EXPECT_EQ(s->map.keyframe(1)->revision, 8);
+  s->map.revision = 9;
+  s->keep_images(0);
+  EXPECT_EQ(s->map.keyframe(1)->created_revision, 8) << "once";
+  EXPECT_EQ(s->map.keyframe(2)->created_revision, 1);
+  KeyframeAligner late(*s, 2);
+  EXPECT_FALSE(late.align(0, s->map.landmarks.begin()->second.position, {{0, 0}}));
+}
+
+}  // namespace
+}  // namespace rumi
