@@ -48,6 +48,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   map_server_ = add<MapServerNode>("map_server", map_server);
   ViewerOptions viewer = options.viewer_offscreen;
   if (!viewer.series) viewer.output.clear();
+  viewer.series_goes_on = false;
   add<ViewerNode>("viewer_offscreen", viewer);
 }
 

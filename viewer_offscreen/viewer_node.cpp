@@ -30,7 +30,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
   if (options.series && options.output.empty())
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
-  if (options.series) series_.emplace(options.output, options.video_fps);
+  if (options.series) series_.emplace(options.output, options.video_fps, options.series_goes_on);
   if (options.camera)
     bus.subscribe<image_t>(channels::kCamera, {.capacity = kImagesWhileDrawing, .drop = DropPolicy::kDropOldest},
                            [this](const image_t& image) { images_.add(image); });

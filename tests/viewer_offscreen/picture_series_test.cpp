@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
 
 namespace rumi {
 namespace {
@@ -22,11 +25,17 @@ class PictureSeriesTest : public testing::Test {
   }
   ~PictureSeriesTest() override { fs::remove_all(folder_); }
   static cv::Mat picture(int shade) { return {72, 128, CV_8UC3, cv::Scalar::all(shade)}; }
+  std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder_ / "pictures")) names.push_back(entry.path().filename());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
   fs::path folder_;
 };
 
 TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
-  PictureSeries series(folder_, 5);
+  PictureSeries series(folder_, 5, true);
   for (int i = 0; i < 7; ++i) ASSERT_EQ(series.add(picture(20 + 30 * i)), "");
   series.finish();
   EXPECT_EQ(series.size(), 7);
@@ -43,32 +52,54 @@ TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
   EXPECT_EQ(frames, 7);
 }
 
-TEST_F(PictureSeriesTest, ANewSeriesReplacesTheOldOneAndNothingElse) {
+TEST_F(PictureSeriesTest, ANewSeriesReplacesAnEndedOneAndNothingElse) {
   {
-    PictureSeries series(folder_, 5);
+    PictureSeries series(folder_, 5, true);
     for (int i = 0; i < 3; ++i) ASSERT_EQ(series.add(picture(9)), "");
+    series.finish();
   }
   std::ofstream(folder_ / "pictures" / "mine.png") << "x";
-  PictureSeries series(folder_, 5);
+  PictureSeries series(folder_, 5, true);
   ASSERT_EQ(series.add(picture(9)), "");
   series.finish();
-  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
-  EXPECT_FALSE(fs::exists(folder_ / "pictures" / "000002.png"));
-  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "mine.png"));
+  EXPECT_EQ(files(), (std::vector<std::string>{"000001.png", "mine.png"}));
+}
+
+TEST_F(PictureSeriesTest, GoesOnWithOneThatWasNotEnded) {
+  for (int process = 0; process < 3; ++process) {  // none of them ends it
+    PictureSeries series(folder_, 5, true);
+    for (int i = 0; i < 2; ++i) ASSERT_EQ(series.add(picture(30 * process + i)), "");
+    EXPECT_EQ(series.size(), 2 * process + 2);
+  }
+  EXPECT_EQ(files(), (std::vector<std::string>{"000001.png", "000002.png", "000003.png", "000004.png", "000005.png",
+                                               "000006.png", "unfinished"}));
+  EXPECT_EQ(cv::imread(folder_ / "pictures" / "000001.png").at<cv::Vec3b>(9, 9)[1], 0);
+  EXPECT_EQ(cv::imread(folder_ / "pictures" / "000006.png").at<cv::Vec3b>(9, 9)[1], 61);
+  PictureSeries series(folder_, 5, true);
+  series.finish();  // of none: nothing was added
+  EXPECT_TRUE(fs::exists(folder_ / "pictures" / "unfinished"));
+}
+
+TEST_F(PictureSeriesTest, GoesOnOnlyWhereItIsTo) {
+  ASSERT_EQ(PictureSeries(folder_, 5, true).add(picture(9)), "");
+  PictureSeries series(folder_, 5, false);
+  ASSERT_EQ(series.add(picture(9)), "");
+  series.finish();
+  EXPECT_EQ(files(), std::vector<std::string>{"000001.png"});
 }
 
 TEST_F(PictureSeriesTest, SaysWhatCannotBeWritten) {
-  PictureSeries lost((folder_ / "missing").string(), 5);
+  PictureSeries lost((folder_ / "missing").string(), 5, true);
   EXPECT_THAT(lost.add(picture(9)), testing::HasSubstr("missing/pictures"));
   fs::create_directory(folder_ / "missing");
   EXPECT_EQ(lost.add(picture(9)), "");  // it is there now
   std::ofstream(folder_ / "pictures") << "a file";
-  EXPECT_THAT(PictureSeries(folder_, 5).add(picture(9)), testing::HasSubstr("pictures"));
+  EXPECT_THAT(PictureSeries(folder_, 5, true).add(picture(9)), testing::HasSubstr("pictures"));
 }
 
 TEST_F(PictureSeriesTest, WithoutAVideoThereAreStillThePictures) {
   fs::create_directory(folder_ / "trajectory.mp4");  // in its way
-  PictureSeries series(folder_, 5);
+  PictureSeries series(folder_, 5, true);
   EXPECT_THAT(series.add(picture(9)), testing::HasSubstr("trajectory.mp4"));
   EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
 }

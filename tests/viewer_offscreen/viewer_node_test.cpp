@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include <filesystem>
+#include <memory>
 #include <opencv2/videoio.hpp>
 
 #include "bus/image_codec.h"
@@ -298,6 +299,35 @@ TEST_F(ViewerNodeTest, KeepsASeriesAtItsRate) {
   while (video.read(frame)) ++frames;
   EXPECT_EQ(frames, node.pictures());
   EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, StartedAgainItGoesOnWithItsSeries) {
+  options_.series = true;
+  std::vector<std::unique_ptr<ViewerNode>> processes;  // dead ones stay on the bus, but do nothing
+  const auto pictures_of_a_process = [&](bool ends) {
+    ViewerNode& node = *processes.emplace_back(std::make_unique<ViewerNode>(bus_, options_));
+    publish_tracks();
+    publish_status();
+    run(node, 3);
+    if (ends) {
+      node.finish();
+      run(node, 3);
+      EXPECT_TRUE(node.finished());
+    }
+    EXPECT_GT(node.pictures(), 0);
+    return node.pictures();
+  };
+  const auto files = [this] {
+    int64_t count = 0;
+    for (const auto& entry : fs::directory_iterator(folder_ + "/pictures")) count += entry.path().extension() == ".png";
+    return count;
+  };
+  const int64_t before = pictures_of_a_process(false);
+  EXPECT_EQ(files(), before) << "and it died";
+  const int64_t after = pictures_of_a_process(true);
+  EXPECT_EQ(files(), before + after);
+  const int64_t anew = pictures_of_a_process(true);
+  EXPECT_EQ(files(), anew) << "a new run";
 }
 
 TEST_F(ViewerNodeTest, ASeriesNeedsAFolder) {
