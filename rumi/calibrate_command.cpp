@@ -17,12 +17,14 @@
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
 #include "rumi/commands.h"
+#include "rumi/coverage_picture.h"
+#include "viewer_offscreen/draw_map.h"
 
 namespace rumi {
 namespace {
 
 struct Arguments {
-  std::string source, file, board = Board().to_string(), model = "pinhole", lcm_url = kDefaultLcmUrl;
+  std::string source, file, picture, board = Board().to_string(), model = "pinhole", lcm_url = kDefaultLcmUrl;
   ChannelNames names;
   int every = 1;
   bool force = false, quiet = false;
@@ -137,6 +139,10 @@ std::string calibrate_from(const Arguments& arguments, const ViewCollector& coll
   if (!arguments.quiet)
     fmt::print("{}: {}\n{}", source, collector.counts().to_string(), collector.coverage().to_text());
   std::fflush(stdout);
+  if (!arguments.picture.empty()) {
+    const std::string error = write_png(draw_coverage(collector), arguments.picture);
+    if (!error.empty()) return error;
+  }
   const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
   const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
                                             collector.image_size(), model, arguments.options);
@@ -161,6 +167,7 @@ int run(const Arguments& arguments) {
   std::string error = parse_board(arguments.board, &board);
   if (!error.empty()) return complain(error, 2);
   error = check_writable(arguments.file);
+  if (error.empty() && !arguments.picture.empty()) error = check_writable(arguments.picture);
   if (!error.empty()) return complain(error, 1);
   start_logging("rumi", false, arguments.quiet);
   ViewCollector collector(board, {});
@@ -179,6 +186,10 @@ void add_calibrate_command(CLI::App& app, std::function<int()>* chosen) {
       "images of the board: a folder, a dataset folder, a video or an lcm log; without it: those that come in live, "
       "until there are enough or Ctrl-C");
   command->add_option("-o,--output", arguments->file, "the calibration, our YAML")->required();
+  command->add_option(
+      "--picture", arguments->picture,
+      "PNG of where in the image and from which sides the board was seen; also where the calibration is "
+      "refused");
   command->add_option("--board", arguments->board, "as written below it; columns and rows count squares")
       ->type_name(kBoardSyntax)
       ->capture_default_str();

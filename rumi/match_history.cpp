@@ -3,31 +3,29 @@
 
 #include <algorithm>
 #include <iterator>
-#include <limits>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
 #include "map_server/correspondences.h"
+#include "map_server/place_consensus.h"
 #include "rumi/plot_axes.h"
 #include "slam/features/orb_extractor.h"
 
 namespace rumi {
 namespace {
 
-bool agrees(const Submap& a, const Submap& b, const SharedKeyframe& shared, const LandmarkMatch& match,
-            const Sim3& b_from_a, double max_reprojection_px) {
-  const auto error_px = [](const Submap& submap, int keyframe_id, int keypoint, const Eigen::Vector3d& position) {
-    const Keyframe& keyframe = *submap.keyframe(keyframe_id);
-    const Eigen::Vector3d in_cam = keyframe.cam_from_submap * position;
-    if (!(in_cam.z() > 1e-9)) return std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d pixel = keyframe.features->undistorted[keypoint].cast<double>();
-    const double sigma_px = scale_of(keyframe.features->keypoints[keypoint].octave, octave_scales({}));
-    return (submap.camera.project_undistorted(in_cam) - pixel).norm() / sigma_px;
-  };
-  const Eigen::Vector3d in_b = b_from_a * a.landmark(match.a)->position;
-  const Eigen::Vector3d in_a = b_from_a.inverse() * b.landmark(match.b)->position;
-  return error_px(b, shared.b, match.keypoint_b, in_b) <= max_reprojection_px &&
-         error_px(a, shared.a, match.keypoint_a, in_a) <= max_reprojection_px;
+// What a landmark of both is to be scored by, as seen in the keyframe that they share.
+PlaceEquation equation_of(const Submap& a, const Submap& b, const SharedKeyframe& shared, const LandmarkMatch& match,
+                          const std::vector<double>& scales) {
+  const Keyframe &in_a = *a.keyframe(shared.a), &in_b = *b.keyframe(shared.b);
+  return {.point_a = a.landmark(match.a)->position,
+          .point_b = b.landmark(match.b)->position,
+          .cam_from_a = in_a.cam_from_submap,
+          .cam_from_b = in_b.cam_from_submap,
+          .pixel_a = in_a.features->undistorted[match.keypoint_a].cast<double>(),
+          .pixel_b = in_b.features->undistorted[match.keypoint_b].cast<double>(),
+          .sigma_a_px = scale_of(in_a.features->keypoints[match.keypoint_a].octave, scales),
+          .sigma_b_px = scale_of(in_b.features->keypoints[match.keypoint_b].octave, scales)};
 }
 
 const Link* link_of(const Atlas& atlas, SubmapKey a, SubmapKey b) {
@@ -62,19 +60,23 @@ MatchHistory match_history(const Atlas& atlas, double max_pixel_distance_px, dou
   history.first_us = atlas.frames().begin()->first;
   history.last_us = atlas.frames().rbegin()->first;
   history.untracked = untracked_spans(atlas);
+  const std::vector<double> scales = octave_scales({});
   const auto& submaps = atlas.submaps();
   for (auto one = submaps.begin(); one != submaps.end(); ++one)
     for (auto other = std::next(one); other != submaps.end(); ++other) {
       const Submap &a = one->second.submap, &b = other->second.submap;
       const Correspondences common = find_correspondences(a, b, max_pixel_distance_px);
       const Link* link = link_of(atlas, a.key, b.key);
+      const Sim3 a_from_b = link ? link->b_from_a.inverse() : Sim3();
       const bool both_front = a.kind == SubmapKind::kFront && b.kind == SubmapKind::kFront;
       auto& images = both_front ? history.front : history.back;
       for (const SharedKeyframe& shared : common.keyframes) images[shared.utime_us];
       for (const LandmarkMatch& match : common.landmarks) {
         const SharedKeyframe& shared = common.keyframes[match.shared];
         ++images[shared.utime_us].matched;
-        images[shared.utime_us].verified += link && agrees(a, b, shared, match, link->b_from_a, max_reprojection_px);
+        images[shared.utime_us].verified +=
+            link && reprojection_error_px(equation_of(a, b, shared, match, scales), a.camera, b.camera, link->b_from_a,
+                                          a_from_b) <= max_reprojection_px;
       }
     }
   return history;

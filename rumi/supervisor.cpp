@@ -288,6 +288,26 @@ void Supervisor::ask_to_reload() const {
     if (child.process.reloads && child.pid > 0) kill(child.pid, SIGUSR2);
 }
 
+std::string Supervisor::run_beside(const ChildProcess& process, const std::atomic<bool>& at_once) {
+  Child& child = children_.emplace_back();
+  child.process = process;
+  std::string error;
+  if (start(child)) {
+    int status = 0;
+    while (!at_once && !reap(child, &status)) read_output(kLook);
+    if (child.pid > 0) {
+      kill_child(child);
+      error = fmt::format("{} was killed, as everything is to end at once", process.name);
+    } else if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+      error = fmt::format("{} {}", process.name, describe_status(status));
+    }
+  } else {
+    error = fmt::format("{} cannot be started: {}", process.name, strerror(errno));
+  }
+  children_.pop_back();
+  return error;
+}
+
 std::string Supervisor::run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks) {
   std::string reason;
   for (Child& child : children_) {

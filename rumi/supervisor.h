@@ -55,6 +55,10 @@ class Supervisor {
   // up.
   std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
 
+  // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on: who is
+  // not listened to waits in the middle of its work. Returns an empty string, or why it failed.
+  std::string run_beside(const ChildProcess& process, const std::atomic<bool>& at_once);
+
   int restarts() const { return restarts_; }
 
  private:

@@ -100,22 +100,12 @@ std::vector<ChildProcess> processes(const UpOptions& up, const std::string& conf
   return children;
 }
 
-void take_snapshot(const UpOptions& up, const std::string& out, bool update) {
+ChildProcess snapshot_process(const UpOptions& up, const std::string& out, bool update) {
   std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
   if (update) command.push_back("--update");
   if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
   if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
-  ChildProcess child{"snapshot", command, true, 0};
-  SupervisorOptions once;
-  once.source_delay = std::chrono::milliseconds(0);
-  once.max_failed_starts = 1;
-  once.failed_start = std::chrono::hours(1);
-  once.settle = std::chrono::milliseconds(0);
-  Supervisor supervisor({child}, once, [](const std::string& name, const std::string& line) {
-    fmt::print(stderr, "{:>16}| {}\n", name, line);
-  });
-  if (const std::string reason = supervisor.run(g_at_once, g_at_once, {}); !reason.empty())
-    throw std::runtime_error(reason);
+  return {"snapshot", command};
 }
 
 // On SIGUSR2. True if the shared options are new.
@@ -159,12 +149,7 @@ int up(const Arguments& arguments) {
     hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
     std::string snapshot_error;
     const auto snapshot = [&](bool update) {
-      try {
-        take_snapshot(options.up, arguments.snapshot, update);
-        snapshot_error.clear();
-      } catch (const std::exception& e) {
-        snapshot_error = e.what();
-      }
+      snapshot_error = supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, update), g_at_once);
     };
     if (!arguments.snapshot.empty()) {
       hooks.before_stop = [&] { snapshot(false); };

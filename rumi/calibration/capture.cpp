@@ -11,7 +11,7 @@ std::string collect_from_recording(const std::string& input, const std::string& 
                                    const std::function<bool()>& go_on, ViewCollector* collector) {
   if (is_camera(input))
     return fmt::format(
-        "{}: is a camera: start `camera_driver {}` in another terminal, and `rumi calibrate` without SOURCE", input,
+        "{}: is a camera: start `camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE", input,
         input);
   CameraOptions options;
   options.log_channel = log_channel;

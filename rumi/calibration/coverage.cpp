@@ -124,13 +124,16 @@ std::vector<std::string> Coverage::missing() const {
   return missing;
 }
 
-std::string Coverage::to_text() const {
+std::vector<std::string> Coverage::figures() const {
   const Range tilt_x = range(&ViewShape::tilt_x), tilt_y = range(&ViewShape::tilt_y), size = range(&ViewShape::size);
-  const std::vector<std::string> beside = {
-      fmt::format("{} views; corners in {:.0f} % of the image", views(), 100 * covered()),
-      fmt::format("tilt left/right  {:+.0f} to {:+.0f} degrees", tilt_x.low, tilt_x.high),
-      fmt::format("tilt up/down     {:+.0f} to {:+.0f} degrees", tilt_y.low, tilt_y.high),
-      fmt::format("size             {:.0f} to {:.0f} % of the image's sides", 100 * size.low, 100 * size.high)};
+  return {fmt::format("{} views; corners in {:.0f} % of the image", views(), 100 * covered()),
+          fmt::format("tilt left/right: {:+.0f} to {:+.0f} degrees", tilt_x.low, tilt_x.high),
+          fmt::format("tilt up/down: {:+.0f} to {:+.0f} degrees", tilt_y.low, tilt_y.high),
+          fmt::format("size: {:.0f} to {:.0f} % of the image's sides", 100 * size.low, 100 * size.high)};
+}
+
+std::string Coverage::to_text() const {
+  const std::vector<std::string> beside = figures();
   std::string text = "+" + std::string(2 * kColumns, '-') + "+\n";
   for (int row = 0; row < kRows; ++row) {
     text += "|";

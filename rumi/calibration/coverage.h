@@ -42,10 +42,15 @@ class Coverage {
   void add(const BoardView& view, const ViewShape& shape);
 
   int views() const { return static_cast<int>(shapes_.size()); }
-  double covered() const;  // part of the cells
+  const std::vector<ViewShape>& shapes() const { return shapes_; }
+  const CoverageGoal& goal() const { return goal_; }
+  int corners(int row, int column) const { return corners_[row][column]; }  // seen in a cell
+  double covered() const;                                                   // part of the cells
   // What to do next, as told to who holds the board, most important first; empty: it is enough.
   std::vector<std::string> missing() const;
-  // A picture of the cells in letters beside the ranges of position, tilt and size; lines end with '\n'.
+  // Number of views and ranges of position, tilt and size, a line each.
+  std::vector<std::string> figures() const;
+  // A picture of the cells in letters beside the figures; lines end with '\n'.
   std::string to_text() const;
 
  private:

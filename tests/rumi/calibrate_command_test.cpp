@@ -38,6 +38,29 @@ TEST_F(CalibrateCommand, WritesAFileAndSaysHowGoodItIs) {
   const Outcome replayed =
       shell("$RUMI/rumi export " + images() + " --rate 5 --camera " + file("a.yaml") + " -o " + file("boards.lcm"));
   EXPECT_EQ(replayed.exit_code, 0) << replayed.output;
+  // The log shows what the folder shows, up to what JPEG does to it.
+  const Outcome logged = calibrate(file("boards.lcm") + " -o " + file("b.yaml") + " --picture " + file("b.png"));
+  EXPECT_EQ(logged.exit_code, 0) << logged.output;
+  EXPECT_THAT(read_file(file("b.png")), HasSubstr("PNG"));
+}
+
+TEST_F(CalibrateCommand, APictureShowsWhatWasSeenAlsoIfItIsNotEnough) {
+  const Outcome outcome =
+      calibrate(images() + " -o " + file("none.yaml") + " --every 10 --picture " + file("refused.png"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(read_file(file("refused.png")), HasSubstr("PNG"));
+  const Outcome nowhere = calibrate(images() + " -o " + file("none.yaml") + " --picture " + file("no/where.png"));
+  EXPECT_EQ(nowhere.exit_code, 1);
+  EXPECT_THAT(nowhere.output, HasSubstr("there is no folder"));
+}
+
+TEST_F(CalibrateCommand, ACameraIsToBePublishedByCameraDriver) {
+  for (const char* camera : {"/dev/video0", "camera:HD"}) {
+    const Outcome outcome = calibrate(std::string(camera) + " -o " + file("none.yaml"));
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.output,
+                AllOf(HasSubstr(camera), HasSubstr("start `camera_driver "), HasSubstr("without SOURCE")));
+  }
 }
 
 TEST_F(CalibrateCommand, WhatCannotBeEndsWithAReasonAndNoFile) {

@@ -85,6 +85,24 @@ TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
     EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();
 }
 
+// The map is of the first 5 s, the run begins at 3 s.
+TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
+  const fs::path first = work_->path / "to_localize_in", out = work_->path / "localized", map = first / "map.db";
+  const Outcome mapping =
+      shell("$RUMI/rumi replay -q '" + sequence_.string() + "' -o '" + first.string() + "' --duration 5");
+  ASSERT_EQ(mapping.exit_code, 0) << mapping.output;
+  const std::string bytes = read_file(map);
+  const Outcome localizing =
+      shell(up(out, "--start 3 --set map_server.localize_only=true --set map_server.database='" + map.string() + "'"));
+  ASSERT_EQ(localizing.exit_code, 0) << localizing.output;
+  EXPECT_TRUE(read_file(map) == bytes);
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_EQ(figures["submaps"], 2);
+  EXPECT_GE(figures["tracked_frames"], 216) << "old and new";
+  EXPECT_GE(figures["true_rate"], 0.9);
+  EXPECT_LE(figures["ate_rmse_m"], 0.05);
+}
+
 TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
   const fs::path out = work_->path / "interrupted";
   const Outcome outcome = shell(up(out, "--loop") +

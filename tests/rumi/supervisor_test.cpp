@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -270,6 +271,55 @@ TEST_F(SupervisorTest, AskedTwiceItWaitsForNobody) {
   EXPECT_FALSE(asked);
   EXPECT_LT(duration_, milliseconds(20'000));
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("at once"))));
+}
+
+// 300 kB are more than a pipe holds.
+TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
+  const auto fifo = [](const char* name) {
+    const std::string file = std::filesystem::path(testing::TempDir()) / name;
+    std::filesystem::remove(file);
+    EXPECT_EQ(mkfifo(file.c_str(), 0600), 0);
+    return file;
+  };
+  const std::string request = fifo("supervisor_request"), answer = fifo("supervisor_answer");
+  const ChildProcess server =
+      shell("server", "trap 'exit 0' TERM; echo stop; read -r what <" + request +
+                          "; i=0; while [ $i -lt 3000 ]; do i=$((i + 1)); echo " + std::string(99, 'x') +
+                          "; done; echo written >" + answer + "; while :; do sleep 0.05; done");
+  Supervisor supervisor({server}, quick(), [this](const std::string& name, const std::string& line) {
+    lines_.emplace_back(name, line);
+    if (line == "stop") stop_ = true;
+  });
+  Supervisor::Hooks hooks;
+  std::string error;
+  hooks.before_stop = [&] {
+    const std::string ask = "echo write >" + request + "; timeout 20 cat " + answer;
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+  };
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(error, "");
+  EXPECT_THAT(lines_, Contains(Pair("snapshot", "written")));
+  EXPECT_EQ(std::count_if(lines_.begin(), lines_.end(), [](const auto& line) { return line.second[0] == 'x'; }), 3000);
+  EXPECT_EQ(supervisor.restarts(), 0);
+}
+
+TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
+  Supervisor supervisor({shell("server", "echo stop; sleep 100")}, quick(),
+                        [this](const std::string&, const std::string& line) {
+                          if (line == "stop") stop_ = true;
+                          if (line == "at once") at_once_ = true;
+                        });
+  Supervisor::Hooks hooks;
+  std::string failed, missing, killed;
+  hooks.before_stop = [&] {
+    failed = supervisor.run_beside(shell("snapshot", "exit 3"), at_once_);
+    missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_);
+    killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_);
+  };
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(failed, "snapshot ended with exit code 3");
+  EXPECT_EQ(missing, "snapshot ended with exit code 127");
+  EXPECT_THAT(killed, HasSubstr("snapshot was killed"));
 }
 
 TEST_F(SupervisorTest, KillsGrandchildrenToo) {
