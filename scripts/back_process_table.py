@@ -7,9 +7,7 @@ import pathlib
 import statistics
 import sys
 
-# An error beyond this share of the window's path: the submap is wrong.
-WRONG_PERCENT = 3.0
-KINDS = ["blur", "dark", "textureless", "rotation"]
+from rendered_runs import WRONG_PERCENT, identity, spread, write_tables
 
 
 def frames_with_pose(run):
@@ -38,11 +36,7 @@ def measure(run):
     built = [w for w in windows if w["built"] and w["ate_m"] is not None]
     submaps = [s for s in evaluation["per_submap"] if s["ate_rmse_m"] is not None]
     largest = max(submaps, key=lambda s: s["frames"], default=None)
-    sequence, kind, seed = run.name.rsplit("_", 2)
-    return {
-        "sequence": sequence,
-        "kind": kind,
-        "seed": int(seed),
+    return identity(run) | {
         "frames": len(all_frames),
         "front_ratio": len(front) / len(all_frames),
         "both_ratio": len((front | back_utimes(run)) & all_frames) / len(all_frames),
@@ -60,14 +54,6 @@ def measure(run):
         "back_cpu_s": sum(w["cpu_s"] for w in windows),
         "failures": "; ".join(w["failure"] for w in windows if not w["built"]),
     }
-
-
-def spread(values, scale=1.0, digits=1):
-    values = [v * scale for v in values if v is not None]
-    if not values:
-        return "-"
-    mean = f"{statistics.fmean(values):.{digits}f}"
-    return f"{mean} ± {statistics.stdev(values):.{digits}f}" if len(values) > 1 else mean
 
 
 def table_row(sequence, kind, runs):
@@ -88,29 +74,12 @@ COLUMNS = ["sequence", "passage", "runs", "front: frames %", "ATE cm", "CPU s", 
            "with back: frames %", "gap frames", "back ATE cm", "back wall s", "back CPU s"]
 
 
-def write_csv(path, header, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)
-
-
 def main():
     out = pathlib.Path(sys.argv[1])
     runs = [measure(f.parent.parent) for f in out.glob("*/back/windows.jsonl")]
     if not runs:
         sys.exit(f"{out}: nothing measured")
-    runs.sort(key=lambda r: (r["sequence"], KINDS.index(r["kind"]) if r["kind"] in KINDS else 9, r["kind"], r["seed"]))
-    write_csv(out / "runs.csv", list(runs[0]), [list(r.values()) for r in runs])
-    groups = dict.fromkeys((r["sequence"], r["kind"]) for r in runs)
-    rows = [table_row(*g, [r for r in runs if (r["sequence"], r["kind"]) == g]) for g in groups]
-    for kind in dict.fromkeys(r["kind"] for r in runs):
-        rows.append(table_row("all", kind, [r for r in runs if r["kind"] == kind]))
-    rows.append(table_row("all", "all", runs))
-    write_csv(out / "table.csv", COLUMNS, rows)
-    print("| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    write_tables(runs, COLUMNS, table_row, out / "runs.csv", out / "table.csv")
 
 
 if __name__ == "__main__":

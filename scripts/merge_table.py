@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Table of what scripts/merge_table.sh measured: python3 merge_table.py OUT"""
-import csv
 import json
 import math
 import pathlib
 import sqlite3
-import statistics
 import sys
 
-# An error beyond this share of the true path: the map is wrong.
-WRONG_PERCENT = 3.0
-KINDS = ["blur", "dark", "textureless", "rotation"]
+from rendered_runs import WRONG_PERCENT, identity, spread, write_tables
+
 WAYS = ["front", "kept", "culled"]
 FIGURES = ["span_rate", "tracked_frame_ratio", "true_rate", "ate_rmse_m"]
 
@@ -31,9 +28,8 @@ def of_map(file):
 
 def measure(run):
     """One row: a rendering, replayed in every way."""
-    sequence, kind, seed = run.name.rsplit("_", 2)
     path_m = true_path_m(run / "sequence" / "groundtruth.txt")
-    row = {"sequence": sequence, "kind": kind, "seed": int(seed), "path_m": path_m}
+    row = identity(run) | {"path_m": path_m}
     for way in WAYS:
         evaluation = json.loads((run / way / "evaluation.json").read_text())
         figures = {key: evaluation[key] for key in FIGURES} | of_map(run / way / "map.db")
@@ -41,14 +37,6 @@ def measure(run):
         figures["wrong"] = ate is not None and 100 * ate > WRONG_PERCENT * path_m
         row |= {f"{way}_{key}": value for key, value in figures.items()}
     return row
-
-
-def spread(values, scale=1.0, digits=1):
-    values = [v * scale for v in values if v is not None]
-    if not values:
-        return "-"
-    mean = f"{statistics.fmean(values):.{digits}f}"
-    return f"{mean} ± {statistics.stdev(values):.{digits}f}" if len(values) > 1 else mean
 
 
 def table_row(sequence, kind, runs):
@@ -67,30 +55,13 @@ COLUMNS = ["sequence", "passage", "runs"] + [
     for column in ("rate %", "frames %", "true %", "RMSE cm", "keyframes", "wrong")]
 
 
-def write_csv(path, header, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(header)
-        writer.writerows(rows)
-
-
 def main():
     out = pathlib.Path(sys.argv[1])
     # `kept` is measured last.
     runs = [measure(f.parent.parent) for f in out.glob("*/kept/evaluation.json")]
     if not runs:
         sys.exit(f"{out}: nothing measured")
-    runs.sort(key=lambda r: (r["sequence"], KINDS.index(r["kind"]) if r["kind"] in KINDS else 9, r["kind"], r["seed"]))
-    write_csv(out / "merge_runs.csv", list(runs[0]), [list(r.values()) for r in runs])
-    groups = dict.fromkeys((r["sequence"], r["kind"]) for r in runs)
-    rows = [table_row(*g, [r for r in runs if (r["sequence"], r["kind"]) == g]) for g in groups]
-    for kind in dict.fromkeys(r["kind"] for r in runs):
-        rows.append(table_row("all", kind, [r for r in runs if r["kind"] == kind]))
-    rows.append(table_row("all", "all", runs))
-    write_csv(out / "merge_table.csv", COLUMNS, rows)
-    print("| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    write_tables(runs, COLUMNS, table_row, out / "merge_runs.csv", out / "merge_table.csv")
 
 
 if __name__ == "__main__":
