@@ -38,9 +38,9 @@ struct Recording {
   std::vector<TimedPose> truth;
 };
 
-Recording read_recording(const std::string& folder) {
+Recording read_recording(const std::string& folder, const CameraOptions& options) {
   Recording r;
-  OpenedSource opened = open_image_source(folder, {});
+  OpenedSource opened = open_image_source(folder, options);
   if (!opened.ok()) throw std::runtime_error(opened.error);
   r.camera = opened.source->camera();
   while (const auto image = opened.source->next()) {
@@ -146,12 +146,14 @@ void bench_whole(const Recording& r, const FrontTrackerOptions& options) {
   quantiles("all", whole.ms);
   quantiles("untracked", whole.start_ms);
   size_t posed = 0;
+  double squares_m2 = 0;
   for (const SubmapResult& s : whole.submaps) {
     posed += s.frames;
+    if (!std::isnan(s.ate_m)) squares_m2 += static_cast<double>(s.frames) * s.ate_m * s.ate_m;
     fmt::print("submap: {} frames, path {:.2f} m, ATE {:.4f} m\n", s.frames, s.path_m, s.ate_m);
   }
-  fmt::print("{} of {} frames in {} submaps, first pose after {}\n", posed, whole.frames, whole.submaps.size(),
-             whole.begun_after);
+  fmt::print("{} of {} frames in {} submaps, {:.4f} m over all of them, first pose after {}\n", posed, whole.frames,
+             whole.submaps.size(), std::sqrt(squares_m2 / static_cast<double>(posed)), whole.begun_after);
 }
 
 void bench_starts(const Recording& r, const FrontTrackerOptions& options, int starts, size_t frames, bool verbose) {
@@ -261,10 +263,13 @@ int main_of(int argc, char** argv) {
   size_t frames = 120;
   bool verbose = false;
   FrontTrackerOptions options;
+  CameraOptions part;
   OptionTable table;
   describe(table, options);
   std::vector<std::string> settings;
   app.add_option("recording", folder, "as for `rumi replay`, with a groundtruth.txt");
+  app.add_option("--start", part.start_s, "leave out so much at the beginning, s");
+  app.add_option("--every", part.every, "every Nth frame only");
   app.add_option("--starts", starts, "begin at so many random frames instead of running the whole");
   app.add_option("--frames", frames, "of each start")->capture_default_str();
   app.add_option("--kidnap", jumps, "map the whole, then jump to so many random places of it");
@@ -275,7 +280,7 @@ int main_of(int argc, char** argv) {
     if (const std::string error = table.set(setting); !error.empty()) throw std::runtime_error(error);
   spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
   cv::setNumThreads(1);
-  const Recording recording = folder.empty() ? rendered_recording() : read_recording(folder);
+  const Recording recording = folder.empty() ? rendered_recording() : read_recording(folder, part);
   if (starts > 0)
     bench_starts(recording, options, starts, frames, verbose);
   else if (jumps > 0)

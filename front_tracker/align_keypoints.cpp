@@ -2,6 +2,7 @@
 #include "front_tracker/align_keypoints.h"
 
 #include <Eigen/LU>
+#include <optional>
 
 #include "slam/features/patch_alignment.h"
 
@@ -11,38 +12,42 @@ namespace {
 constexpr int kReferences = 2;  // keyframes that are tried
 constexpr double kStep_px = 4;  // between the points whose projections tell how a patch is distorted
 
-// Where the point and two beside it, in the reference's image plane, are seen.
-struct Projections {
-  Eigen::Vector2d center;
-  Eigen::Matrix2d steps;  // columns: to the points beside it, in x and y of the reference
+// One view of a landmark: the camera's pose, and its image.
+struct ImagedView {
+  const SE3& cam_from_submap;
+  const ImagePyramid& images;
 };
 
-std::optional<Projections> project(const Camera& camera, const SE3& cam_from_reference, const Eigen::Vector3d& point) {
+// How steps from the point, parallel to the reference's image plane in x and y (columns), appear in the image.
+std::optional<Eigen::Matrix2d> projected_steps(const Camera& camera, const SE3& cam_from_reference,
+                                               const Eigen::Vector3d& point) {
   const auto center = camera.project(cam_from_reference * point);
   const double step = kStep_px * point.z();
   const auto x = camera.project(cam_from_reference * Eigen::Vector3d(point + Eigen::Vector3d(step / camera.fx, 0, 0)));
   const auto y = camera.project(cam_from_reference * Eigen::Vector3d(point + Eigen::Vector3d(0, step / camera.fy, 0)));
   if (!center || !x || !y) return std::nullopt;
-  Projections p{*center, {}};
-  p.steps << *x - *center, *y - *center;
-  return p;
+  Eigen::Matrix2d steps;
+  steps << *x - *center, *y - *center;
+  return steps;
 }
 
-}  // namespace
-
+// The pixel (as detected) where `keypoint`, of the view, looks as `reference_pixel` of the view `reference` does, both
+// being near the landmark at `position`.
 std::optional<Eigen::Vector2f> aligned_pixel(const Camera& camera, const Eigen::Vector3d& position,
                                              const ImagedView& reference, const Eigen::Vector2f& reference_pixel,
                                              const ImagedView& view, const Keypoint& keypoint) {
   // The surface is taken to be parallel to the reference's image plane.
   const Eigen::Vector3d point = reference.cam_from_submap * position;
-  const auto there = project(camera, SE3(), point);
-  const auto here = project(camera, view.cam_from_submap * reference.cam_from_submap.inverse(), point);
-  if (!there || !here || !(std::abs(there->steps.determinant()) > 1e-6)) return std::nullopt;
-  const Eigen::Matrix2d view_from_reference = here->steps * there->steps.inverse();
+  const auto there = projected_steps(camera, SE3(), point);
+  const auto here = projected_steps(camera, view.cam_from_submap * reference.cam_from_submap.inverse(), point);
+  if (!there || !here || !(std::abs(there->determinant()) > 1e-6)) return std::nullopt;
+  const Eigen::Matrix2d view_from_reference = *here * there->inverse();
   return align_patch(reference.images, reference_pixel, view_from_reference.cast<float>(),
                      {view.images, keypoint.pixel, keypoint.octave});
 }
 
+// The same with the first of the submap's observations of the landmark whose images are kept; the view's own is none of
+// them.
 std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Eigen::Vector3d& position,
                                              const std::vector<Observation>& references, const ImagedView& view,
                                              const Keypoint& keypoint) {
@@ -59,8 +64,10 @@ std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Ei
   return std::nullopt;
 }
 
-void align_keypoints(const FrontSubmap& submap, Frame* frame) {
-  if (!frame->images || submap.images.empty()) return;
+}  // namespace
+
+bool align_keypoints(const FrontSubmap& submap, Frame* frame) {
+  if (!frame->images || submap.images.empty()) return false;
   const ImagedView view{frame->cam_from_submap, *frame->images};
   auto features = std::make_shared<Features>(*frame->features);
   for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
@@ -70,6 +77,8 @@ void align_keypoints(const FrontSubmap& submap, Frame* frame) {
       features->move(i, *pixel, submap.map.camera);
   }
   frame->features = std::move(features);
+  frame->grid = KeypointGrid(frame->features->undistorted, submap.map.camera.width, submap.map.camera.height);
+  return true;
 }
 
 bool KeyframeAligner::align(int keypoint, const Eigen::Vector3d& position, const std::vector<Observation>& references) {

@@ -4,32 +4,15 @@
 // kept (FrontSubmap::images). Where none agrees a keypoint stays where it was found.
 #pragma once
 
-#include <optional>
+#include <memory>
+#include <vector>
 
 #include "front_tracker/front_submap.h"
 
 namespace rumi {
 
-// One view of a landmark: the camera's pose, and its image.
-struct ImagedView {
-  const SE3& cam_from_submap;
-  const ImagePyramid& images;
-};
-
-// The pixel (as detected) where `keypoint`, of the view, looks as `reference_pixel` of the view `reference` does, both
-// being near the landmark at `position`.
-std::optional<Eigen::Vector2f> aligned_pixel(const Camera& camera, const Eigen::Vector3d& position,
-                                             const ImagedView& reference, const Eigen::Vector2f& reference_pixel,
-                                             const ImagedView& view, const Keypoint& keypoint);
-
-// The same with the first of the submap's observations of the landmark whose images are kept; the view's own is none of
-// them.
-std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Eigen::Vector3d& position,
-                                             const std::vector<Observation>& references, const ImagedView& view,
-                                             const Keypoint& keypoint);
-
-// All that the frame is matched to, at its present pose.
-void align_keypoints(const FrontSubmap& submap, Frame* frame);
+// All that the frame is matched to, at its present pose. False, and nothing done, where no images are kept.
+bool align_keypoints(const FrontSubmap& submap, Frame* frame);
 
 // Keypoints of one keyframe, one by one, as they become observations. Hold the map's mutex while there is one.
 class KeyframeAligner {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/front_submap.h"
 
-#include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -35,7 +34,7 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   kf.features = frame->features;
   kf.landmark_ids.assign(frame->features->size(), kNone);
   kf.revision = kf.created_revision = map.revision;
-  grids[id] = KeypointGrid(frame->features->undistorted, map.camera.width, map.camera.height);
+  grids[id] = frame->grid;
   if (frame->images) images[id] = frame->images;
   for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
     if (frame->landmark_ids[i] == kNone) continue;
@@ -79,16 +78,6 @@ void FrontSubmap::keep_images(size_t n) {
     map.touch(kf);
     kf.created_revision = map.revision;  // its features are sent again
   }
-}
-
-double FrontSubmap::median_depth(int keyframe_id) const {
-  const Keyframe* kf = map.keyframe(keyframe_id);
-  std::vector<double> depths;
-  for (int landmark_id : kf->landmark_ids)
-    if (const Landmark* lm = landmark_id == kNone ? nullptr : map.landmark(landmark_id))
-      depths.push_back((kf->cam_from_submap * lm->position).z());
-  if (depths.empty()) return 1.0;
-  return median(&depths);
 }
 
 }  // namespace rumi

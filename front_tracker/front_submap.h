@@ -33,7 +33,6 @@ struct FrontSubmap {
   void keypoints_moved(int keyframe_id);
   // Keeps the newest `n` images; what became of the keypoints of the others is final.
   void keep_images(size_t n);
-  double median_depth(int keyframe_id) const;
 
  private:
   std::set<int> moved_;  // keyframes with keypoints that were moved since they were made

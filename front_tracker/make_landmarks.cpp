@@ -44,7 +44,7 @@ bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen:
 void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   Keyframe& kf = *map.keyframe(keyframe_id);
-  const double depth = submap.median_depth(keyframe_id);
+  const double depth = median_depth(map, kf.cam_from_submap, kf.landmark_ids);
   int used = 0;
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     if (used++ == options_.neighbours) break;

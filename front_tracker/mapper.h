@@ -3,6 +3,7 @@
 #pragma once
 
 #include <mutex>
+#include <optional>
 
 #include "front_tracker/front_submap.h"
 #include "front_tracker/options.h"

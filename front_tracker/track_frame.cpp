@@ -10,8 +10,8 @@
 #include "front_tracker/projection_search.h"
 #include "front_tracker/tracker.h"
 #include "slam/features/matching.h"
-#include "slam/geometry/median.h"
 #include "slam/geometry/resection.h"
+#include "slam/map/landmark_view.h"
 
 namespace rumi {
 namespace {
@@ -56,11 +56,8 @@ bool Tracker::track(Frame* frame) {
 bool Tracker::is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us) {
   const TrackingOptions& o = options_.tracking;
   if (frame.matches() >= o.sure_inliers) return true;
-  std::vector<double> depths;
-  for (int id : frame.landmark_ids)
-    if (const Landmark* lm = id == kNone ? nullptr : active().map.landmark(id))
-      depths.push_back((frame.cam_from_submap * lm->position).z());
-  const double depth = median(&depths), dt2 = std::pow(1e-6 * static_cast<double>(dt_us), 2);
+  const double depth = median_depth(active().map, frame.cam_from_submap, frame.landmark_ids);
+  const double dt2 = std::pow(1e-6 * static_cast<double>(dt_us), 2);
   const Vector6d off = (frame.cam_from_submap * predicted.inverse()).log();  // translation, rotation
   return off.tail<3>().norm() <= (o.max_angular_acceleration * dt2 + kRotationNoise_deg) * M_PI / 180 &&
          off.head<3>().norm() <= (o.max_acceleration * dt2 + kTranslationNoise) * depth;
@@ -164,10 +161,8 @@ bool Tracker::match_local_map(Frame* frame) {
     if (id != kNone) visible.push_back(id);
   search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
   int inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers >= options_.tracking.min_inliers && !active().images.empty()) {
-    align_keypoints(active(), frame);
+  if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame))
     inliers = refine_pose(camera_, active().map, scales_, frame);
-  }
   for (int id : visible)
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)

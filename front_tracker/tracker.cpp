@@ -89,12 +89,17 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
   return true;
 }
 
-void Tracker::go_on_in(size_t submap_index, const Frame& frame) {
-  if (submap_index != active_) {
-    initializer_.clear();
+void Tracker::activate(size_t submap_index) {
+  if (submap_index != active_ && !active().images.empty()) {
+    ++active().map.revision;  // keypoints that moved are sent again
     active().keep_images(0);
   }
   active_ = submap_index;
+}
+
+void Tracker::go_on_in(size_t submap_index, const Frame& frame) {
+  if (submap_index != active_) initializer_.clear();
+  activate(submap_index);
   ++active().map.revision;
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
@@ -120,9 +125,8 @@ bool Tracker::begin_submap(Frame* frame) {
     return false;
   }
   initial->frames.back().images = frame->images;
-  if (!submaps_.empty()) active().keep_images(0);
   open_submap({});
-  active_ = submaps_.size() - 1;
+  activate(submaps_.size() - 1);
   add_initial_map(std::move(*initial), &active());
   *frame = last_;
   state_ = TrackingState::kTracking;

@@ -67,6 +67,7 @@ class Tracker {
   bool needs_keyframe(const Frame& frame) const;
   bool recover(Frame* frame);
   bool go_on_in_back_submap(Frame* frame);
+  void activate(size_t submap_index);  // it is the one that is tracked from now on
   void go_on_in(size_t submap_index, const Frame& frame);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);

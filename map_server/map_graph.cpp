@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/geometry/median.h"
+#include "slam/map/landmark_view.h"
 #include "slam/optimization/sim3_graph.h"
 
 namespace rumi {
@@ -59,17 +59,11 @@ class Bender {
 
   void add_edge(SubmapKey key, const Submap& submap, const Keyframe& a, const Keyframe& b, int shared) {
     const SE3 b_from_a = b.cam_from_submap * a.cam_from_submap.inverse();
-    const double weaker = std::sqrt(100.0 / shared), depth = median_depth(submap, b);
+    const double weaker = std::sqrt(100.0 / shared),
+                 depth = std::max(median_depth(submap, b.cam_from_submap, b.landmark_ids), 1e-6);
     graph_.edges.push_back({node_.at({key, a.id}), node_.at({key, b.id}), Sim3(b_from_a),
                             weaker * o_.sigma_rotation_deg * M_PI / 180, weaker * o_.sigma_translation * depth,
                             weaker * o_.sigma_log_scale, b_from_a.inverse() * Eigen::Vector3d(0, 0, depth)});
-  }
-
-  static double median_depth(const Submap& submap, const Keyframe& keyframe) {
-    std::vector<double> depths;
-    for (int id : keyframe.landmark_ids)
-      if (id != kNone) depths.push_back((keyframe.cam_from_submap * submap.landmark(id)->position).z());
-    return depths.empty() ? 1 : std::max(median(&depths), 1e-6);
   }
 
   void apply() {

@@ -15,8 +15,10 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.add("map_server.adjustment_s_per_view", &o.adjustment_s_per_view, "s", "the same, for each image of the map", 0,
             100);
   table.add("map_server.merge_nice", &o.nice, "", "of the thread that merges", 0, 19);
-  table.add("map_server.same_keypoint_px", &a.max_pixel_distance_px, "px",
-            "between keypoints of one image in two submaps that are taken for one (M_com)", 0.01, 20);
+  table.add(
+      "map_server.same_keypoint_px", &a.max_pixel_distance_px, "px",
+      "between keypoints of one image that are taken for one (M_com), where two submaps have not the same keypoints",
+      0.01, 20);
   table.add("map_server.min_shared_keyframes", &a.min_shared_keyframes, "keyframes",
             "of two submaps, of the same images, for them to be joined", 2, 1000);
   table.add("map_server.min_landmarks", &a.min_landmarks, "landmarks", "in common, that agree", 3, 100000);

@@ -5,11 +5,9 @@
 
 namespace rumi {
 
-ImagePyramid::ImagePyramid(const cv::Mat& grey, int levels, double scale_factor) : images_{grey} {
-  double scale = 1;
-  for (int i = 1; i < levels; ++i) {
-    scale *= scale_factor;
-    const cv::Size size(cvRound(grey.cols / scale), cvRound(grey.rows / scale));
+ImagePyramid::ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales) : images_{grey} {
+  for (size_t i = 1; i < scales.size(); ++i) {
+    const cv::Size size(cvRound(grey.cols / scales[i]), cvRound(grey.rows / scales[i]));
     if (size.empty()) break;
     cv::Mat smaller;
     cv::resize(images_.back(), smaller, size, 0, 0, cv::INTER_LINEAR);

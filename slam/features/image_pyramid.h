@@ -7,11 +7,11 @@
 
 namespace rumi {
 
-// An 8-bit grey image in several sizes, level 0 as it is, each of the others 1 / scale_factor of the one before.
+// An 8-bit grey image in several sizes.
 class ImagePyramid {
  public:
-  ImagePyramid() = default;
-  ImagePyramid(const cv::Mat& grey, int levels, double scale_factor);
+  // `scales`: of the levels' pixels, growing, the first 1; levels without pixels are left out.
+  ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales);
 
   int levels() const { return static_cast<int>(images_.size()); }
   const cv::Mat& level(int i) const { return images_[i]; }

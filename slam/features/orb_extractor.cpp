@@ -132,7 +132,7 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted)
   return corners;
 }
 
-ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, options_.levels, options_.scale_factor}; }
+ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, octave_scales(options_)}; }
 
 Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) const {
   Features features;

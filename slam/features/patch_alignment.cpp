@@ -31,7 +31,8 @@ struct Template {
   int radius = kMaxRadius;             // 0 is what the patches hold beyond it
   Patch grey{}, slope_x{}, slope_y{};  // without mean; the slopes also without what contrast explains
   float norm2 = 0;                     // of grey
-  Eigen::Matrix2f information;         // sums of the products of the slopes
+  float pixels() const { return static_cast<float>((2 * radius + 1) * (2 * radius + 1)); }
+  Eigen::Matrix2f information;  // sums of the products of the slopes
 };
 
 float interpolate(const cv::Mat& image, float x, float y) {
@@ -94,13 +95,13 @@ bool make_template(const WidePatch& wide, int radius, Template* out) {
       mean += v;
       products += v * v.transpose();
     }
-  const float n = static_cast<float>((2 * radius + 1) * (2 * radius + 1));
+  *out = {};
+  out->radius = radius;
+  const float n = out->pixels();
   mean /= n;
   products -= n * mean * mean.transpose();
   if (!(products(0, 0) > n * kMinContrast * kMinContrast)) return false;
   const Eigen::Vector2f explained = products.block<2, 1>(1, 0) / products(0, 0);
-  *out = {};
-  out->radius = radius;
   out->norm2 = products(0, 0);
   out->information = products.block<2, 2>(1, 1) - products(0, 0) * explained * explained.transpose();
   for (int y = begin; y <= end; ++y)
@@ -166,8 +167,7 @@ float correlation(const Template& t, const cv::Mat& image, const Eigen::Vector2f
       product += lanes[k] * t.grey[i + k];
     }
   });
-  const float n = static_cast<float>((2 * t.radius + 1) * (2 * t.radius + 1));
-  const float norm2 = squares - sum * sum / n;
+  const float norm2 = squares - sum * sum / t.pixels();
   return norm2 > 0 ? product / std::sqrt(norm2 * t.norm2) : 0;
 }
 

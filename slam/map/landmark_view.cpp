@@ -61,4 +61,12 @@ int predict_octave(const Landmark& landmark, double distance, const std::vector<
   return std::clamp(static_cast<int>(std::ceil(octave)), 0, static_cast<int>(scales.size()) - 1);
 }
 
+double median_depth(const Submap& submap, const SE3& cam_from_submap, const std::vector<int>& landmark_ids) {
+  std::vector<double> depths;
+  for (int id : landmark_ids)
+    if (const Landmark* lm = id == kNone ? nullptr : submap.landmark(id))
+      depths.push_back((cam_from_submap * lm->position).z());
+  return depths.empty() ? 1 : median(&depths);
+}
+
 }  // namespace rumi

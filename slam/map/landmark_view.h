@@ -14,4 +14,7 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& octav
 // The octave at which a landmark should appear from this distance, clamped to the pyramid.
 int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& octave_scales);
 
+// Of the landmarks (kNone and unknown ones are passed over) as the camera sees them; 1 if there is none.
+double median_depth(const Submap& submap, const SE3& cam_from_submap, const std::vector<int>& landmark_ids);
+
 }  // namespace rumi

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/map/landmark_view.h"
 #include "tests/front_tracker/rendered_walk.h"
 
 namespace rumi {
@@ -92,7 +93,9 @@ TEST(Tracker, FrozenImagesKeepThePose) {
   for (int i = 1; i <= 60; ++i)
     after = tracker.process(sequence().utime_us[freeze - 1] + 50'000 * i, sequence().images[freeze - 1]);
   ASSERT_EQ(after->state, TrackingState::kTracking);
-  const double depth = tracker.submaps()[0]->median_depth(after->reference_keyframe);
+  const Submap& map = tracker.submaps()[0]->map;
+  const Keyframe& reference = *map.keyframe(after->reference_keyframe);
+  const double depth = median_depth(map, reference.cam_from_submap, reference.landmark_ids);
   EXPECT_LT((after->cam_from_submap.center() - before->cam_from_submap.center()).norm(), 0.02 * depth);
 }
 

@@ -47,7 +47,7 @@ cv::Mat take(const View& view) {
   return image;
 }
 
-ImagePyramid pyramid(const cv::Mat& image) { return {image, 8, 1.2}; }
+ImagePyramid pyramid(const cv::Mat& image) { return {image, octave_scales({})}; }
 
 struct Outcome {
   int tried = 0, aligned = 0;
