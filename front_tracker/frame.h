@@ -19,6 +19,7 @@ struct Frame {
   KeypointGrid grid;                           // over the undistorted pixels
   std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
   SE3 cam_from_submap;                         // meaningful once tracked
+  bool is_believable = true;                   // else the pose is nothing to build on
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
 

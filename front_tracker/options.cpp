@@ -35,9 +35,9 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
   t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
   t.add(s + "sure_inliers", &r.sure_inliers, "",
-        "landmarks that make a pose believed wherever it is; with fewer, see the accelerations; 0: always", 0, 1000);
+        "landmarks that make a pose believable wherever it is; with fewer, see the accelerations; 0: always", 0, 1000);
   t.add(s + "max_angular_acceleration", &r.max_angular_acceleration, "deg/s²",
-        "between frames; beyond it a pose of few landmarks is not believed, and the camera lost", 1.0, 1e6);
+        "between frames; a pose of few landmarks beyond it becomes no keyframe", 1.0, 1e6);
   t.add(s + "max_acceleration", &r.max_acceleration, "depths/s²",
         "the same of the position, in median depths of the landmarks", 0.01, 1e6);
   t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);

@@ -32,7 +32,7 @@ struct TrackingOptions {
   int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
   int local_keyframes = 25;      // whose landmarks are looked for
   // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
-  // poses' own noise explain is not believed.
+  // poses' own noise explain becomes no keyframe.
   int sure_inliers = 80;
   double max_angular_acceleration = 700;  // degrees/s²
   double max_acceleration = 3.5;          // median depths of the landmarks/s²: a submap has no metres

@@ -45,7 +45,7 @@ bool Tracker::track(Frame* frame) {
   const SE3 predicted = frame->cam_from_submap;
   if (!match_last_frame(frame) && !match_by_brute_force(frame)) return false;
   if (!match_local_map(frame)) return false;
-  if (velocity_dt_us_ > 0 && !is_believable(*frame, predicted, std::max(dt_us, velocity_dt_us_))) return false;
+  frame->is_believable = velocity_dt_us_ == 0 || is_believable(*frame, predicted, std::max(dt_us, velocity_dt_us_));
   velocity_ = frame->cam_from_submap * before.inverse();
   velocity_dt_us_ = dt_us;
   return true;

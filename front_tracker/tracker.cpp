@@ -196,7 +196,7 @@ void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
   const FrontSubmap& submap = *submaps_[active_];
-  if (mapping_.pending() > 2) return false;
+  if (mapping_.pending() > 2 || !frame.is_believable) return false;
   const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
   int established = 0;
   for (int id : reference->landmark_ids) {
