@@ -9,7 +9,7 @@
 namespace rumi {
 
 struct AssociationOptions {
-  double radius_px = 10;           // around the projection, at octave 0
+  double radius_px = 40;           // around the projection, at octave 0; as far as a long loop may be off
   int max_distance = 50;           // Hamming
   double max_ratio = 0.8;          // best over second best
   double max_view_angle_deg = 45;  // between the direction to look from and the mean of those it was seen from
