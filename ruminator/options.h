@@ -17,7 +17,7 @@ struct WindowOptions {
   int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
   int departure_max_samples = 40;   // complete the window anyway, for a camera that stands still
   int gap_max_frames = 120;         // samples of the gap; beyond it they are thinned
-  int gap_dense_frames = 60;        // samples of the gap that are kept whatever the motion: a small window costs little
+  int gap_dense_frames = 120;       // samples of the gap that are kept whatever the motion: a small window costs little
   double gap_motion_px = 12;        // set point of the motion between samples of a thinned gap
   double gap_min_motion_px = 1.5;   // beyond, frames that moved less since the last sample add nothing
   double gap_max_step = 3;          // set points that dropping a blurred frame may leave between its neighbours
