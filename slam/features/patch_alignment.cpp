@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <opencv2/core/hal/intrin.hpp>
 
 namespace rumi {
@@ -126,7 +127,11 @@ bool for_patch(const Template& t, const cv::Mat& image, const Eigen::Vector2f& a
   const int ix = static_cast<int>(left), iy = static_cast<int>(top);
   const cv::v_float32x4 fx = cv::v_setall_f32(left - static_cast<float>(ix)),
                         fy = cv::v_setall_f32(top - static_cast<float>(iy));
-  const auto pixels = [](const uchar* p) { return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(p))); };
+  const auto pixels = [](const uchar* p) {
+    alignas(4) uchar four[4];  // OpenCV reads them as one int
+    std::memcpy(four, p, sizeof four);
+    return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(four)));
+  };
   constexpr int kVectors = kColumns / cv::v_float32x4::nlanes;
   std::array<cv::v_float32x4, kVectors> above;
   for (int y = kMaxRadius - t.radius; y <= kMaxRadius + t.radius + 1; ++y) {
