@@ -33,9 +33,10 @@ FrameObservations observations_of(const Frame& frame, const Submap& submap, cons
   return out;
 }
 
-int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame) {
+int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame,
+                const std::vector<EpipolarView>& views) {
   const FrameObservations matched = observations_of(*frame, submap, octave_scales);
-  const PoseResult result = optimize_pose(camera, frame->cam_from_submap, matched.observations);
+  const PoseResult result = optimize_pose(camera, frame->cam_from_submap, matched.observations, {}, views);
   if (!result.converged) return 0;
   frame->cam_from_submap = result.cam_from_submap;
   for (size_t i = 0; i < matched.keypoints.size(); ++i)

@@ -34,6 +34,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
   t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
+  t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
+        "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
+        "supports the pose (epipolar constraint); 0: never",
+        0, 1000);
   t.add(s + "sure_inliers", &r.sure_inliers, "",
         "landmarks that make a pose believable wherever it is; with fewer, see the accelerations; 0: always", 0, 1000);
   t.add(s + "max_angular_acceleration", &r.max_angular_acceleration, "deg/s²",
@@ -67,7 +71,7 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);
   t.add(s + "keyframe_images", &m.keyframe_images, "keyframes",
-        "the latest, whose images are kept to align keypoints with (1 MB each at 640x480, a quarter more CPU; try 15); "
+        "the latest, whose images are kept to align keypoints with (1 MB each at 640x480, a quarter more CPU); "
         "0: no aligning",
         0, 1000);
   t.add(s + "redundant_ratio", &m.redundant_ratio, "", "of a keyframe's landmarks seen by three others: it is dropped",

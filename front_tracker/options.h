@@ -30,6 +30,7 @@ struct TrackingOptions {
   double max_ratio = 0.9;        // best over second-best distance at the same octave
   int min_inliers = 25;          // fewer: lost
   int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
+  int epipolar_inliers = 70;     // fewer: matches with earlier frames that are no landmarks help too; 0: never
   int local_keyframes = 25;      // whose landmarks are looked for
   // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
   // poses' own noise explain becomes no keyframe.
@@ -59,7 +60,7 @@ struct MappingOptions {
   int bundle_keyframes = 12;         // free in the local bundle adjustment
   int bundle_fixed_keyframes = 12;   // that hold it in place, at most
   int bundle_iterations = 5;
-  int keyframe_images = 0;       // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
+  int keyframe_images = 15;      // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
   double redundant_ratio = 0.9;  // of a keyframe's landmarks seen by three others: it is dropped
 };
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "front_tracker/align_keypoints.h"
+#include "front_tracker/epipolar_matches.h"
 #include "front_tracker/projection_search.h"
 #include "front_tracker/tracker.h"
 #include "slam/features/matching.h"
@@ -163,11 +164,28 @@ bool Tracker::match_local_map(Frame* frame) {
   int inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame))
     inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)
+    inliers = support_by_epipolar_matches(frame);
   for (int id : visible)
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)
     if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
   return inliers >= options_.tracking.min_inliers;
+}
+
+// A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
+int Tracker::support_by_epipolar_matches(Frame* frame) {
+  const Submap& map = active().map;
+  std::vector<EpipolarView> views = {
+      match_epipolar(camera_, scales_, {last_.features, last_.landmark_ids, last_.cam_from_submap}, *frame)};
+  const Keyframe& newest = map.keyframes.rbegin()->second;
+  const auto nearby = map.covisible_keyframes(frame->reference_keyframe);
+  const bool is_here = newest.id == frame->reference_keyframe ||  // else the camera was found again elsewhere
+                       std::any_of(nearby.begin(), nearby.end(), [&](const auto& kf) { return kf.first == newest.id; });
+  if (is_here && newest.utime_us != last_.utime_us)
+    views.push_back(
+        match_epipolar(camera_, scales_, {newest.features, newest.landmark_ids, newest.cam_from_submap}, *frame));
+  return refine_pose(camera_, map, scales_, frame, views);
 }
 
 // Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.

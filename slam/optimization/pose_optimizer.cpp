@@ -24,9 +24,8 @@ struct NormalEquations {
   double cost = 0;
 };
 
-NormalEquations linearize(const Camera& camera, const SE3& pose, const std::vector<PointObservation>& observations,
-                          const std::vector<bool>& use, bool robust, double delta2) {
-  NormalEquations n;
+void add_observations(const Camera& camera, const SE3& pose, const std::vector<PointObservation>& observations,
+                      const std::vector<bool>& use, bool robust, double delta2, NormalEquations* n) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
   for (size_t i = 0; i < observations.size(); ++i) {
     if (!use[i]) continue;
@@ -37,23 +36,60 @@ NormalEquations linearize(const Camera& camera, const SE3& pose, const std::vect
     const Eigen::Vector2d e = s * (camera.project_undistorted(p) - o.pixel);
     const double e2 = e.squaredNorm();
     const double w = robust && e2 > delta2 ? std::sqrt(delta2 / e2) : 1.0;
-    n.cost += robust ? huber_cost(e2, delta2) : e2;
+    n->cost += robust ? huber_cost(e2, delta2) : e2;
     // d(pixel)/d(twist), twist applied on the left: exp(twist) * pose.
     const double a = s * camera.fx, b = s * camera.fy;
     Vector6d ju, jv;
     ju << a * iz, 0, -a * x * iz, -a * x * y, a * (1 + x * x), -a * y;
     jv << 0, b * iz, -b * y * iz, -b * (1 + y * y), b * x * y, b * x;
-    n.h.noalias() += w * (ju * ju.transpose() + jv * jv.transpose());
-    n.g.noalias() += w * (e.x() * ju + e.y() * jv);
+    n->h.noalias() += w * (ju * ju.transpose() + jv * jv.transpose());
+    n->g.noalias() += w * (e.x() * ju + e.y() * jv);
   }
+}
+
+constexpr double kEpipolarChi2 = 3.841;  // 95 % of a 1-D normal distribution
+
+void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& view, NormalEquations* n) {
+  const double f = 0.5 * (camera.fx + camera.fy);
+  const SE3 cam_from_view = pose * view.cam_from_submap.inverse();
+  const Eigen::Matrix3d r = cam_from_view.rotation.toRotationMatrix();
+  for (const EpipolarView::Match& match : view.matches) {
+    // The epipolar constraint b·(t × R a) = 0, over the length of its gradient by both rays.
+    const Eigen::Vector3d b = camera.ray(match.pixel), ra = r * camera.ray(match.pixel_there);
+    const Eigen::Vector3d normal = cam_from_view.translation.cross(ra);
+    const Eigen::Vector3d normal_there = r.transpose() * b.cross(cam_from_view.translation);
+    const double gradient = std::sqrt(normal.head<2>().squaredNorm() + normal_there.head<2>().squaredNorm());
+    if (!(gradient > 1e-9)) continue;  // no baseline, or not finite
+    const double s = f / (match.sigma_px * gradient), e = s * b.dot(normal), e2 = e * e;
+    const bool is_far = e2 > kEpipolarChi2;
+    const double w = is_far ? kEpipolarChi2 * kEpipolarChi2 / (e2 * e2) : 1.0;
+    n->cost += is_far ? kEpipolarChi2 * (2 - kEpipolarChi2 / e2) : e2;
+    // d/d(twist) with the gradient held; the rotation's part is (t × R a) × b by Jacobi's identity.
+    Vector6d j;
+    j << s * ra.cross(b), s * normal.cross(b);
+    n->h.noalias() += w * j * j.transpose();
+    n->g.noalias() += w * e * j;
+  }
+}
+
+// What a pose is to explain.
+struct Seen {
+  const std::vector<PointObservation>& observations;
+  const std::vector<bool>& use;  // per observation
+  const std::vector<EpipolarView>& views;
+};
+
+NormalEquations linearize(const Camera& camera, const SE3& pose, const Seen& seen, bool robust, double delta2) {
+  NormalEquations n;
+  add_observations(camera, pose, seen.observations, seen.use, robust, delta2, &n);
+  for (const EpipolarView& view : seen.views) add_epipolar(camera, pose, view, &n);
   return n;
 }
 
 // Levenberg-Marquardt steps until the cost stalls. False on a singular system.
-bool minimize(const Camera& camera, const std::vector<PointObservation>& observations, const std::vector<bool>& use,
-              bool robust, const PoseOptimizerOptions& options, SE3* pose) {
+bool minimize(const Camera& camera, const Seen& seen, bool robust, const PoseOptimizerOptions& options, SE3* pose) {
   double lambda = 1e-6;
-  NormalEquations n = linearize(camera, *pose, observations, use, robust, options.inlier_chi2);
+  NormalEquations n = linearize(camera, *pose, seen, robust, options.inlier_chi2);
   for (int i = 0; i < options.iterations; ++i) {
     Matrix6d h = n.h;
     h.diagonal() += lambda * n.h.diagonal() + Vector6d::Constant(1e-12);
@@ -61,7 +97,7 @@ bool minimize(const Camera& camera, const std::vector<PointObservation>& observa
     const Vector6d step = -ldlt.solve(n.g);
     if (!step.allFinite()) return false;
     const SE3 moved = SE3::exp(step) * *pose;
-    const NormalEquations next = linearize(camera, moved, observations, use, robust, options.inlier_chi2);
+    const NormalEquations next = linearize(camera, moved, seen, robust, options.inlier_chi2);
     if (next.cost > n.cost) {
       lambda = std::max(lambda * 10, 1e-4);
       if (lambda > 1e3) break;
@@ -79,7 +115,7 @@ bool minimize(const Camera& camera, const std::vector<PointObservation>& observa
 }  // namespace
 
 PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::vector<PointObservation>& observations,
-                         const PoseOptimizerOptions& options) {
+                         const PoseOptimizerOptions& options, const std::vector<EpipolarView>& views) {
   PoseResult result;
   result.cam_from_submap = initial;
   result.inlier.resize(observations.size());
@@ -94,7 +130,8 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
     // The last round trusts its inliers; the earlier ones need the robust loss.
     const bool robust = round + 1 < options.rounds;
     SE3 pose = result.cam_from_submap;
-    if (!minimize(camera, observations, result.inlier, robust, options, &pose) || !pose.is_finite()) return result;
+    if (!minimize(camera, {observations, result.inlier, views}, robust, options, &pose) || !pose.is_finite())
+      return result;
     result.cam_from_submap = pose;
     const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
     result.inliers = 0;

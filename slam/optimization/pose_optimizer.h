@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Camera pose from known landmarks: Gauss-Newton on the reprojection error, robust, re-sorting inliers and outliers
-// between rounds. Written out rather than given to Ceres because it runs several times per frame (0.1 ms for 300
-// points).
+// Camera pose from known landmarks, and from what other views see of points that are none yet: Gauss-Newton on the
+// reprojection error and on Sampson's distance (Hartley and Zisserman, section 11.4.3), robust, re-sorting inliers and
+// outliers between rounds. Written out rather than given to Ceres because it runs several times per frame (0.1 ms for
+// 300 points).
 #pragma once
 
 #include <Eigen/Core>
@@ -17,6 +18,17 @@ struct PointObservation {
   Eigen::Vector3d point;  // in the submap
   Eigen::Vector2d pixel;  // undistorted
   double sigma_px = 1.0;  // standard deviation of the pixel
+};
+
+// Another view, whose pose is held, and what both see. Such a point may be anywhere along its ray: it tells of the
+// rotation and of the direction of the motion, but nothing of its length.
+struct EpipolarView {
+  struct Match {
+    Eigen::Vector2d pixel_there, pixel;  // undistorted
+    double sigma_px = 1.0;               // standard deviation of either
+  };
+  SE3 cam_from_submap;
+  std::vector<Match> matches;
 };
 
 struct PoseOptimizerOptions {
@@ -36,7 +48,10 @@ struct PoseResult {
   bool converged = false;  // false: fewer than 6 inliers or a singular system; the pose is the last good one
 };
 
+// `views` count in every round, each match less the farther it is off: 1 within 95 % of a normal distribution, then
+// with the inverse fourth power. They are no inliers.
 PoseResult optimize_pose(const Camera& camera, const SE3& initial_cam_from_submap,
-                         const std::vector<PointObservation>& observations, const PoseOptimizerOptions& options = {});
+                         const std::vector<PointObservation>& observations, const PoseOptimizerOptions& options = {},
+                         const std::vector<EpipolarView>& views = {});
 
 }  // namespace rumi
