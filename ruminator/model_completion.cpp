@@ -117,6 +117,10 @@ void ModelCompletion::complete_images(ColmapModel* model) const {
 // Where nothing tells how two sides relate there are two models, and one of them is kept.
 void ModelCompletion::drop_unrelated(WindowModel* candidate) const {
   ColmapModel& model = candidate->model;
+  if (const int strays = remove_strays(&model); strays > 0) {
+    candidate->broken_off += strays;
+    candidate->quality = adjust(&model);
+  }
   if (const std::set<int> off = torn(model); !off.empty()) {
     remove_images(off, &model);
     candidate->broken_off += static_cast<int>(off.size());

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/geometry/median.h"
 #include "slam/geometry/resection.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/map/submap.h"
@@ -242,6 +243,26 @@ int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* mode
     remove_images({loosest->first}, model);
     ++removed;
   }
+}
+
+int remove_strays(ColmapModel* model) {
+  std::vector<double> distances;
+  for (const ColmapModel::Point& point : model->points)
+    for (const auto& [image, keypoint] : point.track)
+      distances.push_back((point.position - model->cam_from_world.at(image).center()).norm());
+  if (distances.empty()) return 0;
+  Eigen::Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> positions;
+    for (const auto& [image, pose] : model->cam_from_world) positions.push_back(pose.center()[axis]);
+    middle[axis] = median(&positions);
+  }
+  const double farthest = kMaxStray * median(&distances);
+  std::set<int> strays;
+  for (const auto& [image, pose] : model->cam_from_world)
+    if (!((pose.center() - middle).norm() <= farthest)) strays.insert(image);
+  remove_images(strays, model);
+  return static_cast<int>(strays.size());
 }
 
 int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,

@@ -60,6 +60,12 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
 // its rays. Returns how many went.
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model);
 
+// Removes images that are farther from the middle of all (the median of the positions) than kMaxStray times the median
+// distance of a point to a camera that sees it: a few images and points of their own, put where their scale is another
+// by orders of magnitude, contradict nothing. Returns how many went; adjust_model should follow.
+constexpr double kMaxStray = 100;
+int remove_strays(ColmapModel* model);
+
 // Images without a pose get one by resection over their verified matches with images that have one; then their matches
 // become observations and new points. Returns how many were added, `limit` at most; adjust_model should follow.
 int resect_missing_images(const Camera& camera, const std::vector<ColmapImage>& images,

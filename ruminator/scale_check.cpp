@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ruminator/scale_check.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "slam/geometry/median.h"
@@ -15,7 +16,14 @@ void summarize(std::vector<double>* logs, ScaleCut* cut) {
   if (logs->empty()) return;
   cut->log_ratio = median(logs);
   for (double& value : *logs) value = std::abs(value - cut->log_ratio);
+  cut->log_spread = *std::max_element(logs->begin(), logs->end());
   cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
+}
+
+// Do the points across the cut tell how the scales of its sides relate?
+bool is_carried(const ScaleCut& cut, const ScaleCheckOptions& o) {
+  return (cut.points >= o.min_carrying_points && cut.log_error <= o.max_carried_log_error) ||
+         (cut.points >= o.few_carrying_points && cut.log_spread <= o.few_max_log_spread);
 }
 
 // Points of which the images of one side of the cut have enough parallax; no more than asked for are counted.
@@ -65,8 +73,8 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
     cuts.push_back({.image = pose->first, .tracks = crossing});
     ScaleCut& cut = cuts.back();
     summarize(&logs, &cut);
-    const bool is_known = cut.points >= options.min_carrying_points && cut.log_error <= options.max_carried_log_error;
-    cut.is_break = !is_known && points_with_depth(model, cut.image, true, options) >= options.min_depth_points &&
+    cut.is_break = !is_carried(cut, options) &&
+                   points_with_depth(model, cut.image, true, options) >= options.min_depth_points &&
                    points_with_depth(model, cut.image, false, options) >= options.min_depth_points;
   }
   return cuts;

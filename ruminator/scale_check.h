@@ -22,7 +22,9 @@ struct ScaleCheckOptions {
   double max_change = 0.25;            // of the scale, relative, that is no slip
   double max_log_error = 0.2;          // of what they tell
   int min_carrying_points = 5;         // across a cut, for the scale to be carried over it,
-  double max_carried_log_error = 0.2;  // and how well
+  double max_carried_log_error = 0.2;  // and how well; or,
+  int few_carrying_points = 3;         // if all of them agree
+  double few_max_log_spread = 0.1;     // as closely: points that are wrong do not
   int min_depth_points = 20;           // that a side must see by itself, for it to have a scale
   int repairs = 3;                     // of one model, at most
 };
@@ -36,6 +38,7 @@ struct ScaleCut {
   // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
   // from `image`, and its standard error.
   double log_ratio = 0, log_error = 0;
+  double log_spread = 0;  // how far the farthest is from the median
 };
 
 // A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.

@@ -173,6 +173,35 @@ TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
 }
 
+TEST(RemoveStrays, RemovesWhatHasAnotherScale) {
+  const TestWindow w = testing::sideways_window(10);
+  ColmapModel model = testing::true_model(w);
+  EXPECT_EQ(remove_strays(&model), 0);
+  // Three images with points of their own, ten thousand times as large.
+  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first > 6; });
+  for (const int image : {7, 8, 9}) {
+    SE3& pose = model.cam_from_world.at(image);
+    pose.translation = -(pose.rotation * (1e4 * pose.center() + Eigen::Vector3d(0, 3e3, 0)));
+  }
+  EXPECT_EQ(remove_strays(&model), 3);
+  EXPECT_EQ(model.cam_from_world.size(), 7U);
+  EXPECT_TRUE(model.cam_from_world.contains(0));
+}
+
+TEST(RemoveStrays, LeavesALongWayAndAStandAlone) {
+  std::vector<SE3> standing(8), way;
+  for (int i = 0; i < 20; ++i) way.push_back(SyntheticScene::pose(0.3 * i, 0, 0));
+  way.insert(way.begin(), standing.begin(), standing.end());
+  std::vector<Eigen::Vector3d> points;
+  SyntheticScene scene(9);
+  for (int i = 0; i < 20; ++i)
+    for (const Eigen::Vector3d& p : scene.cloud(40)) points.push_back(p + Eigen::Vector3d(0.3 * i, 0, 0));
+  ColmapModel model = testing::true_model(testing::make_window(way, points, 0.5));
+  EXPECT_EQ(remove_strays(&model), 0);
+  ColmapModel nothing;
+  EXPECT_EQ(remove_strays(&nothing), 0);
+}
+
 TEST(ResectMissingImages, PutsThemBack) {
   TestWindow w = testing::sideways_window(10);
   testing::spoil(&w, 0.1, 0);

@@ -61,6 +61,42 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
 }
 
+// As many tracks cross the cut as are left over by `keep`; their points on the far side are `scatter` times farther or
+// nearer, in turn.
+std::vector<ScaleCut> cuts_with_few_points(int keep, double scatter) {
+  TestWindow w = testing::sideways_window(12, 0.3);
+  const ColmapModel model = testing::true_model(w);
+  std::vector<Track> tracks;
+  for (const Track& track : join_tracks(w.images, w.pairs)) {
+    Track before, after;
+    for (const auto& o : track) (o.first <= 7 ? before : after).push_back(o);
+    if (before.size() >= 4 && after.size() >= 4 && keep > 0) {
+      const double factor = keep-- % 2 == 0 ? scatter : 1 / scatter;
+      const auto point = triangulate_track(w.camera, w.images, after, {}, model);
+      const Eigen::Vector3d center = model.cam_from_world.at(7).center();
+      for (const auto& [image, keypoint] : after)
+        w.images[image].keypoints[keypoint] =
+            w.camera
+                .project_undistorted(model.cam_from_world.at(image) *
+                                     (center + factor * (point->position - center)).eval())
+                .cast<float>();
+      tracks.push_back(track);
+      continue;
+    }
+    for (const Track& part : {before, after})
+      if (part.size() >= 2) tracks.push_back(part);
+  }
+  return check_scale(w.camera, w.images, tracks, kOptions, model);
+}
+
+TEST(ScaleCheck, AFewPointsWillDoWhereTheyAgree) {
+  const auto agreeing = cuts_with_few_points(3, 1.0);
+  EXPECT_EQ(agreeing[7].points, 3);
+  EXPECT_FALSE(agreeing[7].is_break);
+  EXPECT_TRUE(cuts_with_few_points(3, 1.3)[7].is_break);
+  EXPECT_TRUE(cuts_with_few_points(2, 1.0)[7].is_break);
+}
+
 TEST(ScaleCheck, ACameraThatStandsStillHasNoScaleToLose) {
   TestWindow w = testing::sideways_window(12);
   ColmapModel model = testing::true_model(w);
