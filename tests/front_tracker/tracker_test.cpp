@@ -46,6 +46,25 @@ TEST(Tracker, AligningKeypointsIsTruer) {
   EXPECT_LT(rmse_m[1], 0.8 * rmse_m[0]) << rmse_m[0] << " m without, " << rmse_m[1] << " m with";
 }
 
+// Every third image: more new things come into view from one to the next, and fewer landmarks are left.
+TEST(Tracker, EpipolarSupportIsTrueWhereImagesAreFew) {
+  std::vector<Eigen::Vector3d> end;
+  for (const int below : {0, 10000}) {
+    FrontTrackerOptions options = replay_options();
+    options.tracking.epipolar_inliers = below;
+    Tracker tracker(sequence().camera, options, 1);
+    std::optional<TrackResult> last;
+    for (size_t i = 0; i < sequence().images.size(); i += 3)
+      last = tracker.process(sequence().utime_us[i], sequence().images[i]);
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+    const Error e = error_of(tracker.submaps()[0]->map);
+    EXPECT_GE(e.frames, sequence().images.size() / 3);
+    EXPECT_LT(e.rmse_m, 0.01 * e.path_m) << "below " << below;
+    end.push_back(last->cam_from_submap.translation);
+  }
+  EXPECT_NE(end[0], end[1]) << "it is not used";
+}
+
 TEST(Tracker, MappingInItsOwnThreadIsAsGood) {
   FrontTrackerOptions options = replay_options();
   options.mapping_thread = true;
