@@ -61,8 +61,8 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
 }
 
-// As many tracks cross the cut as are left over by `keep`; their points on the far side are `scatter` times farther or
-// nearer, in turn.
+// `keep` tracks cross the cut after image 7, all others end at it. Beyond the cut the points of those that cross are
+// `scatter` times farther or nearer, in turn.
 std::vector<ScaleCut> cuts_with_few_points(int keep, double scatter) {
   TestWindow w = testing::sideways_window(12, 0.3);
   const ColmapModel model = testing::true_model(w);
