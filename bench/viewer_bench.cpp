@@ -5,7 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "tests/viewer_offscreen/test_map.h"
 #include "viewer_offscreen/draw_map.h"
 #include "viewer_offscreen/renderer.h"

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "bus/jpeg_decoder.h"
@@ -145,12 +144,6 @@ image_t make_rgb_image(int64_t utime_us, const cv::Mat& bgr) {
   cv::Mat rgb;
   cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
   return make_raw(utime_us, rgb, image_t::PIXEL_FORMAT_RGB);
-}
-
-image_t make_jpeg_image(int64_t utime_us, const cv::Mat& image, int quality) {
-  std::vector<uint8_t> jpeg;
-  cv::imencode(".jpg", image, jpeg, {cv::IMWRITE_JPEG_QUALITY, quality});
-  return wrap_jpeg(utime_us, image.cols, image.rows, std::move(jpeg));
 }
 
 image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> jpeg) {

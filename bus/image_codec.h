@@ -23,7 +23,6 @@ cv::Mat decode_bgr(const image_t& image, std::string* error);
 
 image_t make_grey_image(int64_t utime_us, const cv::Mat& grey);
 image_t make_rgb_image(int64_t utime_us, const cv::Mat& bgr);
-image_t make_jpeg_image(int64_t utime_us, const cv::Mat& image, int quality = 90);
 // JPEG bytes as they are (not decoded); width and height must be right.
 image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> jpeg);
 

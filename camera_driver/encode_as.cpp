@@ -2,6 +2,7 @@
 #include "camera_driver/encode_as.h"
 
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 
 namespace rumi {
 

@@ -41,6 +41,16 @@ void Initializer::buffer(Frame frame) {
   frames_.push_back(std::move(frame));
   follow();
   trim();
+  drop_images();
+}
+
+// A submap begins with a reference and what comes after it. Of that there is much, and the smaller images are made
+// again for the few that become keyframes.
+void Initializer::drop_images() {
+  const size_t oldest = references_.empty() ? frames_.size() : references_.front().frame;
+  for (size_t i = 0; i < oldest; ++i) frames_[i].images = nullptr;
+  std::shared_ptr<const ImagePyramid>& newest = frames_.back().images;
+  if (newest) newest = std::make_shared<const ImagePyramid>(newest->full_image_alone());
 }
 
 void Initializer::follow() {

@@ -23,7 +23,8 @@ class Initializer {
   Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& octave_scales);
 
   void clear();
-  // Keeps the frame, and follows the references into it, without trying to begin.
+  // Keeps the frame, and follows the references into it, without trying to begin. Of its images only the full one is
+  // kept, and that as long as it may become a keyframe.
   void buffer(Frame frame);
   // Buffers the frame and tries to begin with it.
   std::optional<InitialMap> add(Frame frame);
@@ -39,6 +40,7 @@ class Initializer {
   };
   void follow();
   void trim();
+  void drop_images();
   Reference* most_promising();
   std::optional<InitialMap> begin_with(Reference* reference);
   bool refuse(const TwoViewResult& pair, int matches, Reference* reference);

@@ -124,7 +124,6 @@ bool Tracker::begin_submap(Frame* frame) {
     spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
     return false;
   }
-  initial->frames.back().images = frame->images;
   open_submap({});
   activate(submaps_.size() - 1);
   add_initial_map(std::move(*initial), &active());
@@ -150,7 +149,9 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
     frame.clear_matches();
     frame.cam_from_submap = views[v].cam_from_submap;
     posed[views[v].frame] = true;
-    if (views[v].keyframe) keyframe_of_view[v] = submap->add_keyframe(&frame).id;
+    if (!views[v].keyframe) continue;
+    if (frame.images) frame.images = std::make_shared<const ImagePyramid>(extractor_.pyramid(frame.images->level(0)));
+    keyframe_of_view[v] = submap->add_keyframe(&frame).id;
   }
   for (const InitialMap::Point& point : initial.points) {
     const int id = submap->add_landmark(point.position).id;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 
 namespace rumi {
 namespace {

@@ -8,7 +8,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "viewer_offscreen/draw_map.h"

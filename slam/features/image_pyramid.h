@@ -13,6 +13,9 @@ class ImagePyramid {
   // `scales`: of the levels' pixels, growing, the first 1; levels without pixels are left out.
   ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales);
 
+  // The full image without the others, which can be made from it again; shares its pixels.
+  ImagePyramid full_image_alone() const { return ImagePyramid(images_[0], {1.0}); }
+
   int levels() const { return static_cast<int>(images_.size()); }
   const cv::Mat& level(int i) const { return images_[i]; }
   // Size of a pixel of the level in pixels of the full image, in x and y (nearly the same: sizes are whole pixels).

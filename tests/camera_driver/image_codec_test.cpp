@@ -6,6 +6,7 @@
 #include <random>
 
 #include "bus/bus.h"
+#include "bus/jpeg_image.h"
 #include "recording.h"
 
 namespace rumi {

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/memory_bus.h"
 #include "camera_driver/camera_node.h"
 #include "fake_camera.h"

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "bus/bus.h"
-#include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/log_file.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "rumi/html_page.h"

@@ -5,6 +5,7 @@
 
 #include "board_scene.h"
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/memory_bus.h"
 #include "rumi/calibration/capture.h"
 

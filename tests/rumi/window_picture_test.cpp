@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "bus/bus.h"
-#include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/log_file.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/window_scene.h"

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 
 namespace rumi {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "rumi/synth/sequence_renderer.h"
 
 namespace rumi::testing {

@@ -9,6 +9,7 @@
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/memory_bus.h"
 #include "bus/submap_update.h"
 #include "test_jobs.h"

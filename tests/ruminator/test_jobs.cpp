@@ -5,6 +5,7 @@
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 
 namespace rumi::testing {
 namespace {

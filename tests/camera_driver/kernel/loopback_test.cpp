@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "bus/image_codec.h"
+#include "bus/jpeg_image.h"
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
 #include "camera_feeder.h"
