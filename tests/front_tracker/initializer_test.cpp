@@ -127,5 +127,31 @@ TEST(Initializer, UnrelatedImagesAndEmptyOnesGiveNothing) {
   }
 }
 
+// Hours in the dark must not fill the memory, nor seconds without parallax.
+TEST(Initializer, KeepsImagesOnlyOfWhatMayBecomeAKeyframe) {
+  FeatureScene scene(0);
+  Initializer initializer(test_camera(), {}, test_octave_scales());
+  std::vector<std::weak_ptr<const ImagePyramid>> given;
+  const auto add = [&](const SE3& cam_from_world, bool dark) {
+    Frame frame = scene.frame(33'333 * static_cast<int64_t>(given.size() + 1), cam_from_world);
+    if (dark) frame = make_frame(frame.utime_us, {}, test_camera());
+    auto images = std::make_shared<const ImagePyramid>(cv::Mat::zeros(480, 640, CV_8U), test_octave_scales());
+    given.push_back(images);
+    frame.images = std::move(images);
+    return initializer.add(std::move(frame));
+  };
+  constexpr int kDark = 5;
+  std::optional<InitialMap> map;
+  for (int i = 0; i < 60 && !map; ++i) map = add(SyntheticScene::pose(0.03 * (i - kDark), 0, 0), i < kDark);
+  ASSERT_TRUE(map);
+  for (const auto& images : given) EXPECT_TRUE(images.expired()) << "the smaller images are not kept";
+  for (int i = 0; i < kDark; ++i) EXPECT_FALSE(map->frames[i].images) << "dark image " << i;
+  for (const InitialMap::View& view : map->views) {
+    if (!view.keyframe) continue;
+    ASSERT_TRUE(map->frames[view.frame].images);
+    EXPECT_EQ(map->frames[view.frame].images->levels(), 1);
+  }
+}
+
 }  // namespace
 }  // namespace rumi

@@ -29,6 +29,16 @@ TEST(Tracker, TracksTheWholeWalkAndRepeatsItself) {
   EXPECT_LT(e.rmse_m, 0.02 * e.path_m);
 }
 
+TEST(Tracker, TheFirstKeyframesHaveAllSizesOfTheirImages) {
+  Tracker tracker(sequence().camera, replay_options(), 1);
+  for (size_t i = 0; i < sequence().images.size() && tracker.submaps().empty(); ++i)
+    tracker.process(sequence().utime_us[i], sequence().images[i]);
+  ASSERT_EQ(tracker.submaps().size(), 1u);
+  const FrontSubmap& submap = *tracker.submaps()[0];
+  EXPECT_EQ(submap.images.size(), submap.map.keyframes.size());
+  for (const auto& [keyframe, images] : submap.images) EXPECT_EQ(images->levels(), OrbOptions().levels) << keyframe;
+}
+
 TEST(Tracker, AligningKeypointsIsTruer) {
   double rmse_m[2] = {};
   for (const int images : {0, 15}) {
