@@ -99,6 +99,8 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "of two images, that a model contradicts to be torn between them", 5, 10000);
   table.add("ruminator.tear_max_severed", &o.tear.max_severed, "",
             "part of two images' matches that a model may contradict", 0.01, 1);
+  table.add("ruminator.tear_max_severed_adrift", &o.tear.max_severed_adrift, "",
+            "the same where else no part is left that front_tracker knows enough images of", 0.01, 1);
   table.add("ruminator.tear_max_severed_ratio", &o.tear.max_severed_ratio, "",
             "times that part in the whole model, which it may be too", 1, 1000);
   table.add("ruminator.tear_regrow_parallax_deg", &o.tear.regrow_parallax_deg, "degrees",

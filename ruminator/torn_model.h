@@ -15,6 +15,7 @@ namespace rumi {
 struct TearOptions {
   int min_matches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hang together
   double max_severed = 0.15;         // of the matches that it has points of: more is torn,
+  double max_severed_adrift = 0.25;  // the same where else nothing is left that joins the window to the front
   double max_severed_ratio = 2.5;    // if it is more than that times the part in the whole model: noise severs too
   double regrow_parallax_deg = 0.5;  // of the points that what is torn off is tied to the rest with
   int regrow_images = 3;             // from one adjustment to the next

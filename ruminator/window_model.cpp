@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "ruminator/colmap_model_writer.h"
 #include "ruminator/model_completion.h"
@@ -178,11 +179,12 @@ void judge_model(const WindowModelInput& input, const std::vector<RelativeRotati
   }
 }
 
-WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
-                                     const std::string& work_folder, const std::function<void(double)>& progress,
-                                     const std::atomic<bool>& cancel) {
-  Attempts attempts(input, options, work_folder, cancel);
-  if (std::string error = write_colmap_database(work_folder + "/database.db", input.camera, input.images, input.pairs);
+namespace {
+
+WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
+                          const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
+  Attempts attempts(input, options, folder, cancel);
+  if (std::string error = write_colmap_database(folder + "/database.db", input.camera, input.images, input.pairs);
       !error.empty()) {
     attempts.result.failure = std::move(error);
     attempts.result.retryable = true;
@@ -202,6 +204,40 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
   }
   attempts.choose();
   return attempts.result;
+}
+
+// front_tracker knows part of the window, and the model has nothing of that.
+bool is_adrift(const WindowModelInput& input, const BuildOptions& options, const WindowModelResult& result) {
+  if (!result.failure.empty() || result.best.broken_off == 0 || !result.best.agreement.empty()) return false;
+  std::map<int32_t, int> known;
+  for (const Sample& sample : input.front) ++known[sample.submap_id];
+  return std::any_of(known.begin(), known.end(),
+                     [&options](const auto& submap) { return submap.second >= options.min_front_frames; });
+}
+
+}  // namespace
+
+WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
+                                     const std::string& work_folder, const std::function<void(double)>& progress,
+                                     const std::atomic<bool>& cancel) {
+  WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
+  if (!is_adrift(input, options, first)) return first;
+  // Between sharp images and blurred ones noise severs more than among either. It is told from a tear by less, but a
+  // model of the blurred ones alone is of no use at all.
+  BuildOptions lenient = options;
+  lenient.tear.max_severed = std::max(options.tear.max_severed, options.tear.max_severed_adrift);
+  const std::string folder = work_folder + "/lenient";
+  std::error_code ignored;  // write_colmap_database tells
+  fs::create_directories(folder, ignored);
+  WindowModelResult second = attempt(
+      input, lenient, folder, [](double) {}, cancel);
+  WindowModelResult& better =
+      second.cancelled || (second.failure.empty() && !second.best.agreement.empty()) ? second : first;
+  const int attempts = first.attempts + second.attempts;
+  const double child_cpu_s = first.child_cpu_s + second.child_cpu_s;
+  better.attempts = attempts;
+  better.child_cpu_s = child_cpu_s;
+  return better;
 }
 
 }  // namespace rumi

@@ -2,9 +2,9 @@
 // The model of a window: several attempts, each completed and adjusted alike, and the best of them that is credible.
 //
 // 1. the global model (global_model.h), extended by COLMAP's mapper, whose bundle adjustment is free to change the
-// focal
-//    lengths: a false solution bends them;
-// 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs.
+//    focal lengths: a false solution bends them;
+// 2. if that leaves images out, or is not credible, COLMAP's mapper alone, from several first pairs;
+// 3. if all images that front_tracker knows were torn off (torn_model.h), the same with a wider limit for tears.
 #pragma once
 
 #include <atomic>

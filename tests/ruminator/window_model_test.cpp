@@ -26,9 +26,11 @@ std::vector<int64_t> utimes_of(const TestWindow& w) {
 }
 
 WindowModelResult build(const TestWindow& w, const BuildOptions& options, const TemporaryFolder& folder,
-                        const std::function<void(double)>& progress = kNoProgress) {
+                        const std::function<void(double)>& progress = kNoProgress,
+                        const std::vector<Sample>& front = {}) {
   const std::atomic<bool> never = false;
-  return build_window_model({w.camera, w.images, utimes_of(w), w.pairs, {}}, options, folder.path(), progress, never);
+  return build_window_model({w.camera, w.images, utimes_of(w), w.pairs, front}, options, folder.path(), progress,
+                            never);
 }
 
 BuildOptions without_colmap() {
@@ -69,6 +71,31 @@ TEST(WindowModel, HasEveryImageAtItsPlace) {
   const WindowModelResult again = build(w, {}, other);
   EXPECT_TRUE(testing::is_identical(again.best.model, result.best.model));
   EXPECT_EQ(again.best.origin, result.best.origin);
+}
+
+// Images 0 to 5 are known to front_tracker; from there to the others, blurred, a fifth of the matches is wrong.
+TEST(WindowModel, IsMoreThanAGapThatNothingJoinsToTheFront) {
+  constexpr int kKnown = 6;
+  TestWindow w = testing::sideways_window(18);
+  TestWindow spoiled = w;
+  testing::spoil(&spoiled, 0.2, 0);
+  for (size_t p = 0; p < w.pairs.size(); ++p)
+    if (w.pairs[p].first < kKnown && w.pairs[p].second >= kKnown) w.pairs[p] = spoiled.pairs[p];
+  std::vector<Sample> front;
+  for (int i = 0; i < kKnown; ++i) front.push_back({utimes_of(w)[i], true, 1, w.cam_from_world[i]});
+
+  const TemporaryFolder folder;
+  const WindowModelResult alone = build(w, without_colmap(), folder);
+  ASSERT_EQ(alone.failure, "");
+  EXPECT_EQ(alone.best.broken_off, kKnown) << "front_tracker knows nothing: the larger part will do";
+  const TemporaryFolder other;
+  const WindowModelResult joined = build(w, without_colmap(), other, kNoProgress, front);
+  ASSERT_EQ(joined.failure, "");
+  EXPECT_EQ(joined.best.model.cam_from_world.size(), w.images.size());
+  EXPECT_LT(testing::worst_center_error(w, joined.best.model), 0.01);
+  ASSERT_EQ(joined.best.agreement.size(), 1u);
+  EXPECT_EQ(joined.best.agreement[0].frames, kKnown);
+  EXPECT_GT(joined.attempts, alone.attempts);
 }
 
 TEST(WindowModel, IsTheGlobalOneWithoutColmap) {
