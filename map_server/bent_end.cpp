@@ -58,8 +58,8 @@ std::vector<SharedRun> runs_beside_bent_end(const Submap& a, const Submap& b, co
   const Span front(a.kind == SubmapKind::kFront ? a : b), back(a.kind == SubmapKind::kFront ? b : a);
   const size_t all = common.keyframes.size(), least = std::max(kMinRun, (all + kMinRunShare - 1) / kMinRunShare);
   for (size_t count = all - 1; count >= least && count < all; --count) {
-    if (back.last_us > front.last_us) runs.push_back({0, count});
-    if (back.first_us < front.first_us) runs.push_back({all - count, count});
+    runs.push_back({0, count, back.last_us <= front.last_us});
+    runs.push_back({all - count, count, back.first_us >= front.first_us});
   }
   return runs;
 }

@@ -32,14 +32,15 @@ struct BuildOptions {
   TearOptions tear;
   JoiningOptions joining;
   BackLandmarkOptions landmarks;
-  int look_images = 6;                // of a long gap, looked at first
-  int look_min_keypoints = 50;        // in one of them, or the gap is blind
-  double min_parallax_px = 2;         // of some pair of images, or the camera has only turned
-  double max_rmse_px = 1.5;           // of the reprojection
-  double max_pair_rotation_deg = 3;   // median difference to the relative rotations of the pairs
-  double max_front_rotation_deg = 5;  // median difference to a front submap that is warned of
-  int min_front_frames = 5;           // that such a comparison needs
-  double complete_ratio = 0.95;       // of the images that hang together: a model with so many needs no rival
+  int look_images = 6;                    // of a long gap, looked at first
+  int look_min_keypoints = 50;            // in one of them, or the gap is blind
+  double min_parallax_px = 2;             // of some pair of images, or the camera has only turned
+  double max_rmse_px = 1.5;               // of the reprojection
+  double max_pair_rotation_deg = 3;       // median difference to the relative rotations of the pairs
+  double max_front_rotation_deg = 5;      // median difference to a front submap that is warned of
+  double max_rival_position_ratio = 0.1;  // difference of a model that COLMAP began to the global one: FrontAgreement
+  int min_front_frames = 5;               // that such a comparison needs
+  double complete_ratio = 0.95;           // of the images that hang together: a model with so many needs no rival
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {
@@ -141,6 +142,10 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "median difference to the rotations between pairs of images: beyond it the model is false", 0.1, 180);
   table.add("ruminator.max_front_rotation_deg", &o.max_front_rotation_deg, "degrees",
             "median difference to a front submap's rotations: beyond it that submap is warned of", 0.1, 180);
+  table.add("ruminator.max_rival_position_ratio", &o.max_rival_position_ratio, "",
+            "difference of a model that COLMAP's mapper began alone to a credible global one, over the spread of the "
+            "positions: beyond it it is false",
+            0.001, 10);
   table.add("ruminator.min_front_frames", &o.min_front_frames, "frames", "that such a comparison needs", 3, 1000);
   table.add("ruminator.complete_ratio", &o.complete_ratio, "",
             "of the images with matches: a model with as many poses needs no rival", 0, 1);

@@ -11,8 +11,7 @@ namespace rumi {
 // How the frames of a rumination window are chosen (paper, section IV.B).
 struct WindowOptions {
   int stride = 5;                   // frames from one sample to the next while tracked (paper: inter), at most
-  double stride_s = 0.15;           // the same as a time: at a low frame rate a stride may leave nothing in common
-  double max_turn_deg = 5;          // the same as an angle
+  double max_turn_deg = 5;          // the same as an angle: at a low frame rate a stride may leave nothing in common
   int window_length = 10;           // samples before the loss (paper: len); keyframes beyond it see shared_keyframes
   int shared_keyframes = 10;        // wanted on each side; a merge is the more accurate the more there are, up to that
   int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
@@ -46,7 +45,6 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
   WindowOptions& w = o.window;
   table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked, at most (inter)", 1,
             1000);
-  table.add("ruminator.stride_s", &w.stride_s, "s", "the same as a time", 0, 1000);
   table.add("ruminator.max_turn_deg", &w.max_turn_deg, "deg", "the same as a turn of the camera", 0.1, 180);
   table.add("ruminator.window_length", &w.window_length, "frames", "samples kept from before a loss (len)", 1, 1000);
   table.add("ruminator.shared_keyframes", &w.shared_keyframes, "keyframes",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Samples of tracked frames: every keyframe, because the front submap has landmarks for it and the merge needs frames
 // that both submaps share; between keyframes as many as keep neighbours alike enough to be matched, which is a frame
-// per stride, or sooner when its time has passed or the camera has turned.
+// per stride, or sooner when the camera has turned.
 #pragma once
 
 #include <cstdlib>
@@ -14,8 +14,8 @@ namespace rumi {
 
 class StrideSampler {
  public:
-  StrideSampler(int stride, double stride_s, double max_turn_deg)
-      : stride_(stride), stride_us_(1e6 * stride_s), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
+  StrideSampler(int stride, double max_turn_deg)
+      : stride_(stride), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
 
   // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
   // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
@@ -24,8 +24,7 @@ class StrideSampler {
     ++since_last_;
     if (!has_image) return;
     if (!samples_.empty()) {
-      const bool is_due =
-          since_last_ >= stride_ || us_since_last(frame) >= stride_us_ || has_turned(samples_.back(), frame);
+      const bool is_due = since_last_ >= stride_ || has_turned(samples_.back(), frame);
       if (!frame.is_keyframe && !is_due) return;
       if (frame.is_keyframe && can_replace_last(frame)) samples_.pop_back();
     }
@@ -62,17 +61,12 @@ class StrideSampler {
   bool has_turned(const Sample& from, const Sample& to) const {
     return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > max_turn_rad_;
   }
-  double us_since_last(const Sample& frame) const {
-    return static_cast<double>(frame.utime_us - samples_.back().utime_us);
-  }
   bool can_replace_last(const Sample& frame) const {
-    if (samples_.size() < 2 || samples_.back().is_keyframe) return false;
-    if (since_last_ > stride_ / 2 || us_since_last(frame) > stride_us_ / 2) return false;
+    if (samples_.size() < 2 || samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
     return !has_turned(samples_[samples_.size() - 2], frame);
   }
 
   int stride_;
-  double stride_us_;
   double max_turn_rad_;
   int since_last_ = 0;  // frames
   std::deque<Sample> samples_;

@@ -2,6 +2,7 @@
 #include "ruminator/window_model.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -52,6 +53,7 @@ class Attempts {
     else
       extend(seed, &ours);
     add(std::move(ours));
+    globals_ = candidates_.size();
   }
 
   void colmap_alone(double angle_deg) {
@@ -59,9 +61,9 @@ class Attempts {
     settings.init_min_tri_angle_deg = angle_deg;
     const MapperOutcome outcome = run_mapper("", settings);
     const std::string origin = fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg);
-    for (const ColmapModel& model : outcome.models) add(completion_.complete(model, origin));
+    for (const ColmapModel& model : outcome.models) add_rival(completion_.complete(model, origin));
     for (const ColmapModel& model : completion_.joined(outcome.models))
-      add(completion_.complete(model, origin + ", two models joined"));
+      add_rival(completion_.complete(model, origin + ", two models joined"));
   }
 
   bool is_complete() const {
@@ -137,6 +139,24 @@ class Attempts {
 
   void add(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
+    keep(std::move(candidate));
+  }
+
+  // What began with a pair may have begun with a wrong one. So it may add to what the global model tells, if that is
+  // credible, but not contradict it.
+  void add_rival(WindowModel candidate) {
+    judge_model(in_, rotations_, o_, &candidate);
+    for (size_t i = 0; i < globals_ && candidate.doubt.empty(); ++i)
+      if (candidates_[i].doubt.empty())
+        candidate.doubt = contradiction(candidates_[i].model, candidate.model, in_.utimes_us, o_);
+    keep(std::move(candidate));
+  }
+
+  void keep(WindowModel candidate) {
+    spdlog::debug("{}: {} of {} images, {} left out, {:.2f} px, pair rotations {:.1f} degrees off{}{}",
+                  candidate.origin, candidate.model.cam_from_world.size(), in_.images.size(), candidate.broken_off,
+                  candidate.quality.rmse_px, candidate.pair_rotation_deg, candidate.doubt.empty() ? "" : "; ",
+                  candidate.doubt);
     candidates_.push_back(std::move(candidate));
   }
 
@@ -158,6 +178,7 @@ class Attempts {
   std::vector<int> keypoint_counts_;
   int connected_ = 0;  // images of the largest group that hangs together
   std::vector<WindowModel> candidates_;
+  size_t globals_ = 0;  // the first of them are of the global model
 };
 
 }  // namespace
@@ -177,6 +198,19 @@ void judge_model(const WindowModelInput& input, const std::vector<RelativeRotati
     candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
                                    candidate->pair_rotation_deg);
   }
+}
+
+std::string contradiction(const ColmapModel& global, const ColmapModel& rival, const std::vector<int64_t>& utimes_us,
+                          const BuildOptions& options) {
+  constexpr int32_t kGlobal = 1;
+  std::vector<Sample> samples;
+  for (const auto& [image, pose] : global.cam_from_world) samples.push_back({utimes_us[image], false, kGlobal, pose});
+  std::map<int64_t, SE3> poses;
+  for (const auto& [image, pose] : rival.cam_from_world) poses[utimes_us[image]] = pose;
+  const std::vector<FrontAgreement> shape = compare_with_front(samples, poses, options.min_front_frames);
+  if (shape.empty() || shape[0].position_ratio <= options.max_rival_position_ratio) return {};
+  return fmt::format("its positions differ from those of the global model by {:.2f} of their spread",
+                     shape[0].position_ratio);
 }
 
 namespace {

@@ -52,6 +52,11 @@ struct WindowModelInput {
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate);
 
+// How the rival, which COLMAP's mapper began with a pair of images, differs in shape from the global model, if it does:
+// it may be larger, but two that contradict each other are not both true, and a first pair can be a wrong one.
+std::string contradiction(const ColmapModel& global, const ColmapModel& rival, const std::vector<int64_t>& utimes_us,
+                          const BuildOptions& options);
+
 // `work_folder` exists; the database, the models and the log stay in it.
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder,

@@ -19,9 +19,9 @@ std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples
 
 WindowSampler::WindowSampler(const WindowOptions& options)
     : options_(options),
-      approach_(options.stride, options.stride_s, options.max_turn_deg),
+      approach_(options.stride, options.max_turn_deg),
       gap_(options),
-      departure_(options.stride, options.stride_s, options.max_turn_deg),
+      departure_(options.stride, options.max_turn_deg),
       since_resume_(options) {}
 
 std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) {

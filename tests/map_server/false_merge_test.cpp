@@ -309,6 +309,7 @@ TEST(TrueMerge, AlmostAll) {
       errors.add(error_of(alignment.b_from_a, truth, truth.inverse() * there, 2.5 * pair.b.submap_from_world.scale));
     }
     accepted_of_all += accepted;
+    ASSERT_GT(accepted, 0) << kind.name << ": " << doubt;
     EXPECT_LT(*std::max_element(errors.rotation_deg.begin(), errors.rotation_deg.end()), 0.3) << kind.name;
     EXPECT_LT(*std::max_element(errors.log_scale.begin(), errors.log_scale.end()), 0.03) << kind.name;
     EXPECT_LT(*std::max_element(errors.translation.begin(), errors.translation.end()), 0.02) << kind.name;

@@ -8,7 +8,9 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <tuple>
 
+#include "map_server/bent_end.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
@@ -212,6 +214,18 @@ TEST(SubmapAlignment, DoubtsWhereMostKeyframesDisagree) {
       if (keyframe.landmark_ids[i] != kNone) b.submap.remove_observation(keyframe.landmark_ids[i], keyframe.id);
   }
   EXPECT_EQ(align(a, b).alignment.doubt, "2 of 4 shared keyframes agree");
+}
+
+// The front submap may be bent where it ends, the back submap where it begins or ends within the front submap.
+TEST(SubmapAlignment, WithoutEitherEndItIsTriedTheLongestFirst) {
+  const auto [front, back] = make(typical(1, 6));
+  const Correspondences common = find_correspondences(front.submap, back.submap, 1.0);
+  ASSERT_EQ(common.keyframes.size(), 6u);
+  std::vector<std::tuple<size_t, size_t, bool>> runs;
+  for (const SharedRun& run : runs_beside_bent_end(front.submap, back.submap, common))
+    runs.emplace_back(run.first, run.count, run.is_back_bent);
+  EXPECT_EQ(runs, (decltype(runs){{0, 5, false}, {1, 5, true}, {0, 4, false}, {2, 4, true}}));
+  EXPECT_TRUE(runs_beside_bent_end(front.submap, front.submap, common).empty()) << "two front submaps";
 }
 
 TEST(SubmapAlignment, DoubtsWhatIsNotKnownWellEnough) {

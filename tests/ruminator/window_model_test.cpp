@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <map>
 
 #include "tests/ruminator/test_window.h"
 #include "tests/temporary_folder.h"
@@ -73,14 +74,27 @@ TEST(WindowModel, HasEveryImageAtItsPlace) {
   EXPECT_EQ(again.best.origin, result.best.origin);
 }
 
-// Images 0 to 5 are known to front_tracker; from there to the others, blurred, a fifth of the matches is wrong.
+// From the images before `first` to the others a fifth of the points is seen at wrong places.
+void blur_from(int first, TestWindow* w) {
+  std::map<std::pair<int, int>, int> wrong;  // keypoint elsewhere, by image and keypoint
+  for (ColmapPair& pair : w->pairs) {
+    if (pair.first >= first || pair.second < first) continue;
+    std::vector<Eigen::Vector2f>& keypoints = w->images[pair.first].keypoints;
+    for (auto& [a, b] : pair.matches) {
+      const int point = w->point_of_keypoint[pair.first][a];
+      if (point % 5 != 0) continue;
+      const auto [elsewhere, is_new] = wrong.try_emplace({pair.first, a}, static_cast<int>(keypoints.size()));
+      if (is_new) keypoints.push_back(keypoints[a] + Eigen::Vector2f(point % 2 ? 14 : -14, point % 3 ? 9 : -9));
+      a = elsewhere->second;
+    }
+  }
+}
+
 TEST(WindowModel, IsMoreThanAGapThatNothingJoinsToTheFront) {
-  constexpr int kKnown = 6;
+  constexpr int kKnown = 6;  // images that front_tracker has poses of
   TestWindow w = testing::sideways_window(18);
-  TestWindow spoiled = w;
-  testing::spoil(&spoiled, 0.2, 0);
-  for (size_t p = 0; p < w.pairs.size(); ++p)
-    if (w.pairs[p].first < kKnown && w.pairs[p].second >= kKnown) w.pairs[p] = spoiled.pairs[p];
+  std::erase_if(w.pairs, [](const ColmapPair& pair) { return pair.second - pair.first > 3; });
+  blur_from(kKnown, &w);
   std::vector<Sample> front;
   for (int i = 0; i < kKnown; ++i) front.push_back({utimes_of(w)[i], true, 1, w.cam_from_world[i]});
 
@@ -244,6 +258,21 @@ TEST_F(Judge, RefusesALargeErrorAndTooFewImages) {
   EXPECT_EQ(judged(ColmapModel()).doubt, "0 images have a pose");
   while (truth_.cam_from_world.size() > 2) truth_.cam_from_world.erase(truth_.cam_from_world.begin());
   EXPECT_EQ(judged(truth_).doubt, "2 images have a pose");
+}
+
+TEST_F(Judge, ARivalMayAddImagesButNotContradict) {
+  const std::vector<int64_t> utimes = utimes_of(w_);
+  ColmapModel part = truth_;
+  for (const int image : {0, 1, 11}) part.cam_from_world.erase(image);
+  ColmapModel rival = truth_;
+  const Sim3 other_from_world(3, so3_exp({1, 2, 0.5}), {4, 5, 6});
+  for (auto& [image, pose] : rival.cam_from_world) pose = other_from_world.transform_camera(pose);
+  EXPECT_EQ(contradiction(part, rival, utimes, {}), "");
+  for (auto& [image, pose] : rival.cam_from_world)  // half of them at twice the scale: the rotations are right
+    if (image >= 6) pose.translation -= pose.rotation * (pose.center() - rival.cam_from_world.at(5).center());
+  EXPECT_THAT(contradiction(part, rival, utimes, {}), HasSubstr("positions differ"));
+  while (part.cam_from_world.size() > 2) part.cam_from_world.erase(part.cam_from_world.begin());
+  EXPECT_EQ(contradiction(part, rival, utimes, {}), "") << "too little to compare";
 }
 
 TEST_F(Judge, ComparesWithFrontTracker) {
