@@ -4,6 +4,8 @@
 #   scripts/live_run.sh BUILD_DIR INPUT OUT [camera_driver's flags, or --set of rumi up ...]
 # INPUT: whatever camera_driver reads. With RUMI_LIVE_PLAYER=lcm-logplayer INPUT is an lcm log and that plays it instead.
 # RUMI_LIVE_TRUTH=FILE: evaluate against it. RUMI_LIVE_CONFIG=FILE: instead of config/rumi.yaml.
+# RUMI_LIVE_MINUTES=N: end it after so long, and note what each process takes every minute in OUT/load.csv:
+# minute,process,rss_mb,peak_mb,cpu_s (map.db: its size in MB).
 set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
 if [ "${RUMI_IN_NETNS:-}" != 1 ]; then
@@ -25,6 +27,17 @@ cleanup() {
 }
 trap cleanup EXIT
 
+ticks=$(getconf CLK_TCK)
+note_load() { # MINUTE
+  for pid in $(pgrep -P "$up"); do
+    name=$(basename "$(tr '\0' '\n' <"/proc/$pid/cmdline" | head -n 1)") || continue
+    cpu=$(awk -v t="$ticks" '{print ($14 + $15 + $16 + $17) / t}' "/proc/$pid/stat") || continue
+    awk -v m="$1" -v n="$name" -v c="$cpu" '/^VmRSS/ {r = $2} /^VmHWM/ {h = $2}
+      END {printf "%d,%s,%.1f,%.1f,%.1f\n", m, n, r * 1.024e-3, h * 1.024e-3, c}' "/proc/$pid/status"
+  done
+  du -cB1 "$work"/map.db* | awk -v m="$1" 'END {printf "%d,map.db,%.1f,,\n", m, $1 * 1e-6}'
+}
+
 "$build/tests/live_stats" -q --lcm-url "$url" >"$work/stats.json" &
 stats=$!
 set -- --lcm-url "$url" --set "map_server.database=$work/map.db" --set "ruminator.spool=$work/spool" --set "viewer_offscreen.output=$work" \
@@ -40,12 +53,24 @@ else
   "$build/bin/rumi" up "$config" "$input" "$@" &
   up=$!
 fi
+if [ -n "${RUMI_LIVE_MINUTES:-}" ]; then
+  for minute in $(seq "$RUMI_LIVE_MINUTES"); do
+    sleep 60
+    kill -0 "$up" 2>/dev/null || break
+    note_load "$minute" >>"$work/load.csv"
+  done
+  kill -INT "$up" 2>/dev/null || true
+fi
 code=0
 wait "$up" || code=$?
 up=""
 kill -INT "$stats"
 wait "$stats" || true
 stats=""
+if [ -e "$work/load.csv" ]; then # not earlier: the snapshot wants a folder of its own
+  mkdir -p "$out"
+  cp "$work/load.csv" "$out/load.csv"
+fi
 [ "$code" -eq 0 ] || exit "$code"
 
 echo "seen from outside: $(cat "$work/stats.json")"
