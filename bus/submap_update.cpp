@@ -7,6 +7,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "bus/camera_file.h"
 #include "bus/submap_update_check.h"
@@ -79,6 +82,13 @@ keyframe_t keyframe_to_wire(const Keyframe& keyframe) {
   return wire;
 }
 
+// A whole update does not tell what was removed before it.
+void start_over(int64_t revision, Submap* s) {
+  *s = Submap();
+  s->removed_keyframes.forget(revision);
+  s->removed_landmarks.forget(revision);
+}
+
 void forget_observations(const Keyframe& keyframe, Submap* submap) {
   for (int landmark_id : keyframe.landmark_ids) {
     Landmark* landmark = landmark_id == kNone ? nullptr : submap->landmark(landmark_id);
@@ -93,11 +103,11 @@ void apply_removals(const submap_update_t& update, Submap* s) {
   for (int32_t id : update.removed_keyframes) {
     if (const Keyframe* known = s->keyframe(id)) forget_observations(*known, s);
     s->keyframes.erase(id);
-    s->removed_keyframes[id] = update.revision;
+    s->removed_keyframes.add(id, update.revision);
   }
   for (int32_t id : update.removed_landmarks) {
     s->landmarks.erase(id);
-    s->removed_landmarks[id] = update.revision;
+    s->removed_landmarks.add(id, update.revision);
   }
 }
 
@@ -108,7 +118,6 @@ void apply_landmarks(const submap_update_t& update, Submap* s) {
     landmark.position = Eigen::Vector3d(l.position[0], l.position[1], l.position[2]);
     std::memcpy(landmark.descriptor.data(), l.descriptor, sizeof(Descriptor));
     landmark.revision = update.revision;
-    s->removed_landmarks.erase(l.id);
   }
 }
 
@@ -125,7 +134,6 @@ void apply_keyframes(const submap_update_t& update, Submap* s) {
     keyframe.cam_from_submap = *from_wire(k.cam_from_submap);
     keyframe.revision = update.revision;
     keyframe.landmark_ids.assign(keyframe.features->keypoints.size(), kNone);
-    s->removed_keyframes.erase(k.id);
     for (int i = 0; i < k.n; ++i) {
       keyframe.landmark_ids[k.keypoint_index[i]] = k.landmark_id[i];
       std::vector<Observation>& observations = s->landmark(k.landmark_id[i])->observations;
@@ -139,6 +147,12 @@ void apply_keyframes(const submap_update_t& update, Submap* s) {
 }  // namespace
 
 submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) {
+  std::optional<std::vector<int>> removed_keyframes = submap.removed_keyframes.since(base_revision);
+  std::optional<std::vector<int>> removed_landmarks = submap.removed_landmarks.since(base_revision);
+  if (base_revision == 0 || !removed_keyframes || !removed_landmarks) {
+    base_revision = 0;
+    removed_keyframes = removed_landmarks = std::vector<int>();
+  }
   submap_update_t u;
   u.session = submap.key.session;
   u.submap_id = submap.key.id;
@@ -165,10 +179,10 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
     wire.reference_keyframe = frame.reference_keyframe;
     wire.cam_from_keyframe = to_wire(frame.cam_from_keyframe);
   }
-  for (const auto& [id, revision] : submap.removed_keyframes)
-    if (revision > base_revision && !submap.keyframe(id)) u.removed_keyframes.push_back(id);
-  for (const auto& [id, revision] : submap.removed_landmarks)
-    if (revision > base_revision && !submap.landmark(id)) u.removed_landmarks.push_back(id);
+  for (int id : *removed_keyframes)
+    if (!submap.keyframe(id)) u.removed_keyframes.push_back(id);
+  for (int id : *removed_landmarks)
+    if (!submap.landmark(id)) u.removed_landmarks.push_back(id);
   u.nfeatures = static_cast<int32_t>(u.features.size());
   u.nkeyframes = static_cast<int32_t>(u.keyframes.size());
   u.nremoved_keyframes = static_cast<int32_t>(u.removed_keyframes.size());
@@ -182,13 +196,16 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   std::string wrong = check_update_header(update, *submap);
   if (wrong.empty() && update.revision <= submap->revision) return "";
   CameraFileResult calibration;
-  if (wrong.empty()) wrong = check_update_elements(update, *submap);
+  const bool is_whole = update.base_revision == 0;
+  const Submap nothing;
+  if (wrong.empty()) wrong = check_update_elements(update, is_whole ? nothing : std::as_const(*submap));
   if (wrong.empty()) {
     calibration = parse_camera(update.calibration, "calibration");
     wrong = calibration.error;
   }
   if (!wrong.empty()) return fmt::format("update of submap {}: {}", update.submap_id, wrong);
 
+  if (is_whole) start_over(update.revision, submap);
   submap->key = {update.session, update.submap_id};
   submap->kind = static_cast<SubmapKind>(update.kind);
   submap->camera = calibration.camera;

@@ -12,10 +12,12 @@
 
 namespace rumi {
 
-// Everything in the submap that changed after base_revision (0: all of it).
+// Everything in the submap that changed after base_revision (0: all of it; also where the submap no longer remembers
+// all that was removed since: then the update's own base_revision is 0).
 submap_update_t make_submap_update(const Submap& submap, int64_t base_revision);
 
-// Brings the submap (empty, or an earlier revision of the same one) to update.revision. Returns what is wrong, with
+// Brings the submap (empty, or an earlier revision of the same one) to update.revision; an update with base_revision 0
+// replaces what it holds. Returns what is wrong, with
 // field and value, and leaves the submap untouched, if: keys differ; base_revision is beyond the submap's revision; a
 // number is not finite; a count, index or id does not fit; the calibration is bad. An update that is not newer is no
 // error and changes nothing.

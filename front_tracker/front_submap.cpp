@@ -11,8 +11,7 @@ FrontSubmap::FrontSubmap(Submap known, SubmapKey key, const std::vector<double>&
   map.kind = SubmapKind::kFront;
   map.closed = false;
   map.revision = 1;
-  map.removed_keyframes.clear();
-  map.removed_landmarks.clear();
+  map.removed_keyframes = map.removed_landmarks = {};
   for (auto& [id, kf] : map.keyframes) {
     kf.revision = kf.created_revision = map.revision;
     grids[id] = KeypointGrid(kf.features->undistorted, map.camera.width, map.camera.height);

@@ -128,8 +128,11 @@ void MapStore::open() {
     db_.execute(kMapSchema);
     db_.execute(kMapSchemaPlacements);
   } else {
-    db_.execute(kMapSchemaPlacements);
-    db_.execute(kMapSchemaFrom1To2);
+    if (version == 1) {
+      db_.execute(kMapSchemaPlacements);
+      db_.execute(kMapSchemaFrom1To2);
+    }
+    db_.execute(kMapSchemaFrom2To3);
     spdlog::info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(

@@ -69,6 +69,7 @@ class MapStore {
   };
   void open();  // db_: checks what is there, or makes it
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
+  bool remove_elements(const Submap& submap, const Stored& row);
   void save_keyframes(const Submap& submap, const Stored& row);
   void save_landmarks(const Submap& submap, const Stored& row);
   void save_poses(const Submap& submap, const Stored& row);

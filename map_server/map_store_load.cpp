@@ -130,10 +130,9 @@ void MapStore::load_elements(int64_t row, Submap* s) {
       throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
     s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);
   }
-  Statement removed(db_, "SELECT what, id, revision FROM removed WHERE submap = ?");
-  for (removed.bind(row); removed.step();)
-    (removed.integer(0) == 0 ? s->removed_keyframes : s->removed_landmarks)[static_cast<int>(removed.integer(1))] =
-        removed.integer(2);
+  // The file does not tell what was removed before.
+  s->removed_keyframes.forget(s->revision);
+  s->removed_landmarks.forget(s->revision);
 }
 
 }  // namespace rumi

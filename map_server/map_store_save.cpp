@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writing: only what carries a later revision than the file has.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "map_server/blob.h"
@@ -61,6 +63,7 @@ MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& b
   since.row = upsert.integer(0);
   while (upsert.step()) {
   }
+  if (!remove_elements(s, since)) since.revision = 0;
   save_keyframes(s, since);
   save_landmarks(s, since);
   save_poses(s, since);
@@ -68,12 +71,32 @@ MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& b
   return since;
 }
 
+// False if the submap no longer remembers all that was removed since: then all its elements are gone from the file.
+bool MapStore::remove_elements(const Submap& s, const Stored& since) {
+  const auto keyframes = s.removed_keyframes.since(since.revision);
+  const auto landmarks = s.removed_landmarks.since(since.revision);
+  if (!keyframes || !landmarks) {
+    for (const char* table : {"keyframes", "features", "observations", "landmarks", "frame_poses"})
+      Statement(db_, fmt::format("DELETE FROM {} WHERE submap = ?", table)).bind(since.row).run();
+    return false;
+  }
+  for (const char* sql :
+       {"DELETE FROM keyframes WHERE submap = ? AND id = ?", "DELETE FROM features WHERE submap = ? AND keyframe = ?",
+        "DELETE FROM observations WHERE submap = ? AND keyframe = ?"}) {
+    Statement erase(db_, sql);
+    for (int id : *keyframes)
+      if (!s.keyframe(id)) erase.bind(since.row, id).run();
+  }
+  Statement erase(db_, "DELETE FROM landmarks WHERE submap = ? AND id = ?");
+  for (int id : *landmarks)
+    if (!s.landmark(id)) erase.bind(since.row, id).run();
+  return true;
+}
+
 void MapStore::save_keyframes(const Submap& s, const Stored& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO keyframes VALUES (?, ?, ?, ?, ?, ?)");
   Statement features(db_, "INSERT OR REPLACE INTO features VALUES (?, ?, ?, ?, ?)");
   Statement observations(db_, "INSERT OR REPLACE INTO observations VALUES (?, ?, ?)");
-  Statement back_again(db_, "DELETE FROM removed WHERE submap = ? AND what = 0 AND id = ?");
-  Statement removed(db_, "INSERT OR REPLACE INTO removed VALUES (?, 0, ?, ?)");
   for (const auto& [id, keyframe] : s.keyframes) {
     if (keyframe.revision <= since.revision) continue;
     const PoseNumbers pose = pose_numbers(keyframe.cam_from_submap);
@@ -81,34 +104,15 @@ void MapStore::save_keyframes(const Submap& s, const Stored& since) {
     if (keyframe.created_revision > since.revision) insert_features(features, since.row, keyframe);
     const std::vector<int32_t> pairs = observation_pairs(keyframe);
     observations.bind(since.row, id, as_blob(pairs)).run();
-    back_again.bind(since.row, id).run();
-  }
-  for (const auto& [id, revision] : s.removed_keyframes) {
-    if (revision <= since.revision) continue;
-    removed.bind(since.row, id, revision).run();
-    if (s.keyframes.contains(id)) continue;
-    for (const char* sql :
-         {"DELETE FROM keyframes WHERE submap = ? AND id = ?", "DELETE FROM features WHERE submap = ? AND keyframe = ?",
-          "DELETE FROM observations WHERE submap = ? AND keyframe = ?"})
-      Statement(db_, sql).bind(since.row, id).run();
   }
 }
 
 void MapStore::save_landmarks(const Submap& s, const Stored& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO landmarks VALUES (?, ?, ?, ?, ?)");
-  Statement back_again(db_, "DELETE FROM removed WHERE submap = ? AND what = 1 AND id = ?");
-  Statement removed(db_, "INSERT OR REPLACE INTO removed VALUES (?, 1, ?, ?)");
-  Statement erase(db_, "DELETE FROM landmarks WHERE submap = ? AND id = ?");
   for (const auto& [id, landmark] : s.landmarks) {
     if (landmark.revision <= since.revision) continue;
     const std::array<double, 3> position{landmark.position.x(), landmark.position.y(), landmark.position.z()};
     insert.bind(since.row, id, as_blob(position), as_blob(landmark.descriptor), landmark.revision).run();
-    back_again.bind(since.row, id).run();
-  }
-  for (const auto& [id, revision] : s.removed_landmarks) {
-    if (revision <= since.revision) continue;
-    removed.bind(since.row, id, revision).run();
-    if (!s.landmarks.contains(id)) erase.bind(since.row, id).run();
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 2. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 3. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,7 +8,7 @@
 namespace rumi {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 2;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 3;           // PRAGMA user_version; raise it with every change of the schema
 
 // What version 2 added to version 1: where the submaps of the map lie in it.
 inline constexpr const char* kMapSchemaPlacements = R"sql(
@@ -113,14 +113,6 @@ CREATE TABLE landmarks (
   PRIMARY KEY (submap, id)
 ) WITHOUT ROWID;
 
-CREATE TABLE removed (                    -- so that a copy elsewhere can be told
-  submap INTEGER NOT NULL REFERENCES submaps,
-  what INTEGER NOT NULL,                  -- 0 keyframe, 1 landmark
-  id INTEGER NOT NULL,
-  revision INTEGER NOT NULL,
-  PRIMARY KEY (submap, what, id)
-) WITHOUT ROWID;
-
 CREATE TABLE frame_poses (                -- cam_from_submap = cam_from_keyframe * keyframe.cam_from_submap
   submap INTEGER NOT NULL REFERENCES submaps,
   utime INTEGER NOT NULL,
@@ -151,5 +143,8 @@ UPDATE submaps SET placement_revision = (SELECT max(map_revision, 1) FROM atlas)
   WHERE submap IN (SELECT submap FROM placed_keyframes);
 ALTER TABLE submaps DROP COLUMN map_from_submap;
 )sql";
+
+// Version 2 kept what had been removed, without end.
+inline constexpr const char* kMapSchemaFrom2To3 = "DROP TABLE removed";
 
 }  // namespace rumi

@@ -71,7 +71,7 @@ void Submap::remove_landmark(int id) {
     touch(*kf);
   }
   landmarks.erase(id);
-  removed_landmarks[id] = revision;
+  removed_landmarks.add(id, revision);
 }
 
 void Submap::remove_keyframe(int id, int heir) {
@@ -92,7 +92,7 @@ void Submap::remove_keyframe(int id, int heir) {
     frame.revision = revision;
   }
   keyframes.erase(id);
-  removed_keyframes[id] = revision;
+  removed_keyframes.add(id, revision);
 }
 
 void Submap::fuse_landmarks(int into, int from) {

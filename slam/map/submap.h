@@ -17,6 +17,7 @@
 #include "slam/features/descriptor.h"
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
+#include "slam/map/removals.h"
 
 namespace rumi {
 
@@ -95,11 +96,10 @@ class Submap {
   bool closed = false;
   int64_t revision = 0;
 
-  std::map<int, Keyframe> keyframes;         // by id
-  std::map<int, Landmark> landmarks;         // by id
-  std::map<int64_t, FramePose> frames;       // by utime_us; keyframes have an entry too
-  std::map<int, int64_t> removed_keyframes;  // id -> revision of the removal
-  std::map<int, int64_t> removed_landmarks;
+  std::map<int, Keyframe> keyframes;    // by id
+  std::map<int, Landmark> landmarks;    // by id
+  std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
+  Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
   const Keyframe* keyframe(int id) const;

@@ -19,13 +19,7 @@ using testing::HasSubstr;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Everything that travels, as bytes. The stamps of a copy may be later than the original's, so they are not compared.
-std::vector<uint8_t> contents(const Submap& submap) {
-  submap_update_t all = make_submap_update(submap, 0);
-  all.removed_keyframes.clear();
-  all.removed_landmarks.clear();
-  all.nremoved_keyframes = all.nremoved_landmarks = 0;
-  return encode_message(all);
-}
+std::vector<uint8_t> contents(const Submap& submap) { return encode_message(make_submap_update(submap, 0)); }
 
 void expect_consistent(const Submap& submap) {
   size_t from_keyframes = 0, from_landmarks = 0;
@@ -66,6 +60,27 @@ TEST(SubmapUpdateTest, FullUpdateMakesAnEqualCopy) {
   expect_consistent(copy);
   const Keyframe& a = original.keyframes.begin()->second;
   EXPECT_EQ(copy.keyframe(a.id)->cam_from_submap.rotation.coeffs(), a.cam_from_submap.rotation.coeffs());
+}
+
+// A copy from before what the submap has forgotten gets everything, and so do copies of that copy.
+TEST(SubmapUpdateTest, AnOldCopyIsReplaced) {
+  SubmapEditor editor(5);
+  for (int i = 0; i < 100; ++i) editor.edit();
+  Submap copy, relayed;
+  ASSERT_EQ(send(editor.submap, 0, &copy), "");
+  ASSERT_EQ(send(copy, 0, &relayed), "");
+  for (int i = 0; i < 300; ++i) editor.edit();
+  EXPECT_EQ(make_submap_update(editor.submap, copy.revision).base_revision, copy.revision);
+  editor.submap.removed_landmarks.forget(copy.revision + 1);
+  EXPECT_EQ(make_submap_update(editor.submap, copy.revision).base_revision, 0);
+  EXPECT_EQ(make_submap_update(editor.submap, copy.revision + 1).base_revision, copy.revision + 1);
+  ASSERT_EQ(send(editor.submap, copy.revision, &copy), "");
+  EXPECT_EQ(contents(copy), contents(editor.submap));
+  expect_consistent(copy);
+  EXPECT_EQ(make_submap_update(copy, relayed.revision).base_revision, 0) << "it was not told what went";
+  ASSERT_EQ(send(copy, relayed.revision, &relayed), "");
+  EXPECT_EQ(contents(relayed), contents(editor.submap));
+  expect_consistent(relayed);
 }
 
 // However the copies came about, and if one was copied from another, all are the same.

@@ -120,7 +120,7 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   Statement(database, "ATTACH ? AS present").bind(present).run();
   database.execute("DELETE FROM atlas");
   for (const std::string table :
-       {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "removed", "frame_poses", "frames"})
+       {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "frame_poses", "frames"})
     database.execute("INSERT INTO main." + table + " SELECT * FROM present." + table);
   const SimilarityNumbers numbers = similarity_numbers(map_from_submap);
   Statement(database,
@@ -167,6 +167,27 @@ TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
     atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 1)}});
     ASSERT_EQ(store.save(atlas, {}), "");
   }
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+  }
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
+  const TemporaryFolder folder;
+  const Atlas atlas = old_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {500'000}), "");
+  }
+  Database(folder / "map.db")
+      .execute(
+          "CREATE TABLE removed (submap INTEGER NOT NULL REFERENCES submaps, what INTEGER NOT NULL, id INTEGER NOT "
+          "NULL, revision INTEGER NOT NULL, PRIMARY KEY (submap, what, id)) WITHOUT ROWID;"
+          "INSERT INTO removed VALUES (1, 1, 5, 3); PRAGMA user_version = 2");
   {
     MapStore store(folder / "map.db");
     expect_same(atlas, store.load());

@@ -148,8 +148,9 @@ TEST(MapStore, IncrementalSavesAddUp) {
       ASSERT_EQ(store.save(atlas, {}), "");
     }
   }
-  ASSERT_FALSE(atlas.find({7, 1})->submap.removed_keyframes.empty());
-  ASSERT_FALSE(atlas.find({7, 1})->submap.removed_landmarks.empty());
+  const Submap& saved = atlas.find({7, 1})->submap;
+  ASSERT_NE(saved.removed_keyframes.since(0), std::vector<int>());
+  ASSERT_NE(saved.removed_landmarks.since(0), std::vector<int>());
   MapStore store(folder / "map.db");
   Atlas loaded = store.load();
   expect_same(atlas, loaded);
@@ -160,7 +161,7 @@ TEST(MapStore, IncrementalSavesAddUp) {
   ASSERT_EQ(store.save(loaded, {}), "");
 }
 
-TEST(MapStore, AnIdThatComesBackIsNoLongerRemoved) {
+TEST(MapStore, AnIdMayComeBack) {
   const TemporaryFolder folder;
   Submap submap = make_submap({7, 1}, 1, 3);
   Atlas atlas;
@@ -173,10 +174,27 @@ TEST(MapStore, AnIdThatComesBackIsNoLongerRemoved) {
   update_atlas(&atlas, submap);
   ASSERT_EQ(store.save(atlas, {}), "");
   ++submap.revision;
-  submap.removed_landmarks.erase(landmark.id);
   submap.landmarks[landmark.id] = {
       .id = landmark.id, .position = {1, 2, 3}, .descriptor = {}, .observations = {}, .revision = submap.revision};
   update_atlas(&atlas, submap);
+  ASSERT_EQ(store.save(atlas, {}), "");
+  expect_same(atlas, store.load());
+}
+
+TEST(MapStore, WhatForgotItsRemovalsIsWrittenAnew) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  SubmapMaker maker({7, 1}, 1);
+  for (int i = 0; i < 5; ++i) maker.step();
+  update_atlas(&atlas, maker.submap());
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, {}), "");
+  for (int i = 0; i < 10; ++i) maker.step();
+  Submap submap = maker.submap();
+  const int64_t saved_revision = atlas.find({7, 1})->submap.revision;
+  ASSERT_NE(submap.removed_landmarks.since(saved_revision), std::vector<int>());
+  submap.removed_landmarks.forget(submap.revision);
+  ASSERT_EQ(atlas.change_submap(submap.key, [&submap](Submap* s) { return *s = submap, std::string(); }), "");
   ASSERT_EQ(store.save(atlas, {}), "");
   expect_same(atlas, store.load());
 }

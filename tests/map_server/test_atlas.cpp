@@ -149,8 +149,6 @@ void expect_same(const Submap& a, const Submap& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.closed, b.closed);
   EXPECT_EQ(a.revision, b.revision);
-  EXPECT_EQ(a.removed_keyframes, b.removed_keyframes);
-  EXPECT_EQ(a.removed_landmarks, b.removed_landmarks);
   EXPECT_EQ(a.camera.k1, b.camera.k1);
   EXPECT_EQ(a.camera.cx, b.camera.cx);
   ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
