@@ -304,6 +304,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
     if (!arranged.part.submaps.contains(arranged.anchor) || cancelled()) return std::nullopt;
     arranged.submaps = place_members(submaps, arranged.part, arranged.anchor, placed);
     const std::vector<KeyframeJoint> known = joints(arranged.submaps);
+    if (known.empty() && scope == Scope::kAll && members->size() == 1) return arranged;  // it is the whole map
     if (known.empty()) return std::nullopt;
     const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
     if (!drop_contradicted(known, bent.joint_chi2)) return arranged;

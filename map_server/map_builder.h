@@ -53,7 +53,7 @@ struct MapBuildReport {
 using CulledSubmaps = std::map<SubmapKey, std::shared_ptr<const Submap>>;
 
 struct BuiltMap {
-  // Together the submaps that form the map. No placements: nothing was joined.
+  // Together the submaps that form the map. No placements: nothing was joined or adjusted.
   std::map<SubmapKey, Placement> placements;
   std::set<SubmapKey> unmoved;
   CulledSubmaps culled;  // the next revision of back submaps of it, without what it can do without; placed like that

@@ -112,7 +112,7 @@ std::optional<MergeResult> MapMerger::end() {
   if (thread_.joinable()) thread_.join();
   running_ = false;
   if (cancel_) return std::nullopt;
-  wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 1;
+  wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
   for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
   return std::move(result_);

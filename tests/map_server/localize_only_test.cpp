@@ -150,6 +150,7 @@ TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
 TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
   options_.localize_only = false;
   options_.database = database_ = folder_ / "single.db";
+  options_.merge.enabled = false;
   start();
   EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
   end();
@@ -158,6 +159,7 @@ TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
   const Atlas before = MapStore::copy_in_memory(database_).load();
   ASSERT_EQ(before.find(kFirst)->placement.revision, 0);
   options_.localize_only = true;
+  options_.merge.enabled = true;
   start();
   ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.4, 0, 0.1), scene_.gauge(0.7))).ok);
   end();

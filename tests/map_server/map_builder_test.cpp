@@ -222,8 +222,22 @@ TEST_F(MapBuilderTest, AnUnlinkedSubmapStaysOut) {
   MapBuilder other({});
   other.find_links(alone);
   for (const Link& link : other.links()) EXPECT_FALSE(link.accepted());
-  EXPECT_TRUE(other.build(alone, {}).placements.empty());
+  EXPECT_EQ(other.build(alone, {}).placements.size(), 1u);
   EXPECT_TRUE(MapBuilder({}).build({}, {}).placements.empty());
+}
+
+TEST_F(MapBuilderTest, ASubmapThatIsTheWholeMapIsAdjustedToo) {
+  add(front1_, 0, 99, 0.003);
+  const auto alone = submaps({front1_});
+  MapBuilder builder({});
+  builder.find_links(alone);
+  EXPECT_TRUE(builder.build(alone, {}, MapBuilder::Scope::kWeld).placements.empty()) << "nothing was joined";
+  const BuiltMap map = builder.build(alone, {});
+  ASSERT_EQ(map.placements.size(), 1u);
+  const PathError before = error({{front1_, Placement()}}), after = error(map.placements);
+  print("alone, before", {}, before);
+  print("alone, adjusted", map, after);
+  EXPECT_LT(after.rmse, 0.5 * before.rmse);
 }
 
 TEST_F(MapBuilderTest, ARefusedLinkIsToldAndJoinsNothing) {

@@ -74,19 +74,25 @@ TEST_F(MapMergerTest, LooksAtWhatIsNewNowAndThen) {
   EXPECT_FALSE(merger.idle(atlas_));
   const auto first = tick(&merger, 10);
   ASSERT_TRUE(first);
-  EXPECT_TRUE(first->placements.empty()) << "one submap is a map as it is";
+  EXPECT_TRUE(first->placements.empty()) << "one submap is a map as it is, until it is adjusted";
+  EXPECT_FALSE(merger.idle(atlas_));
+  for (double now_s = 10; now_s < 30; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
+  const auto adjusted = tick(&merger, 30);
+  ASSERT_TRUE(adjusted);
+  EXPECT_EQ(adjusted->placements.size(), 1u);
   EXPECT_TRUE(merger.idle(atlas_));
-  for (double now_s = 10; now_s < 100; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
+  for (double now_s = 30; now_s < 100; ++now_s) EXPECT_FALSE(tick(&merger, now_s));
 
   put(Chain::kFront2);
   EXPECT_TRUE(tick(&merger, 100));
+  const auto second = tick(&merger, 101);
+  ASSERT_TRUE(second) << "the adjustment was due long ago";
+  EXPECT_EQ(second->placements.size(), 1u) << "they have nothing in common";
+  EXPECT_TRUE(merger.idle(atlas_));
   change(Chain::kFront2);
   EXPECT_FALSE(merger.idle(atlas_));
-  EXPECT_FALSE(tick(&merger, 101.9));
-  const auto second = tick(&merger, 102);
-  ASSERT_TRUE(second);
-  EXPECT_TRUE(second->placements.empty()) << "they have nothing in common";
-  EXPECT_TRUE(merger.idle(atlas_));
+  EXPECT_FALSE(tick(&merger, 102.9));
+  EXPECT_TRUE(tick(&merger, 103));
   change(Chain::kFront2);
   EXPECT_TRUE(tick(&merger, 1)) << "the clock was set back";
 }

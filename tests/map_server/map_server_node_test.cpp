@@ -33,7 +33,7 @@ class MapServerNodeTest : public ::testing::Test {
  protected:
   explicit MapServerNodeTest(const std::function<void(MapServerOptions*)>& change = {}) {
     options_.database = ":memory:";
-    options_.merge.thread = false;
+    options_.merge.enabled = false;  // see merging_node_test.cpp
     if (change) change(&options_);
     node_ = std::make_unique<MapServerNode>(bus_, options_);
     bus_.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& s) { statuses_.push_back(s); });
