@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Does it last? The whole system live (scripts/live_run.sh) on a recording that is played again and again at its own pace:
-# what was seen from outside (latency, losses), then a Markdown table of the memory and CPU time of each process as time
-# goes by, and of the map on disk.
+# what was seen from outside (losses), then Markdown tables: how long each stage took, and the memory and CPU time of each
+# process as time goes by, and of the map on disk.
 #   scripts/long_run.sh BUILD_DIR INPUT OUT MINUTES
 # OUT must not exist; the log is OUT.log. Needs python3.
 set -eu
@@ -17,10 +17,17 @@ fi
 code=0
 RUMI_LIVE_MINUTES=$4 "$here/live_run.sh" "$build" "$input" "$out" --loop >"$out.log" 2>&1 || code=$?
 grep 'seen from outside' "$out.log" || tail -n 20 "$out.log"
-python3 - "$out/load.csv" <<'PYTHON'
-import csv, sys
+python3 - "$out" <<'PYTHON'
+import csv, json, pathlib, sys
+out = pathlib.Path(sys.argv[1])
+if (out / "live_stats.json").exists():
+    print("\n| stage, ms | p50 | p95 | p99 | max | of |\n|---|---|---|---|---|---|")
+    for name, s in json.loads((out / "live_stats.json").read_text())["stages_ms"].items():
+        if s["n"]:
+            print(f"| {name} | {s['p50']:.1f} | {s['p95']:.1f} | {s['p99']:.1f} | {s['max']:.0f} | {s['n']} |")
+    print()
 rows = {}
-for minute, name, rss, peak, cpu in csv.reader(open(sys.argv[1])):
+for minute, name, rss, peak, cpu in csv.reader(open(out / "load.csv")):
     rows.setdefault(name, []).append((int(minute), float(rss), float(peak or 0), float(cpu or 0)))
 some = lambda r: sorted({0, len(r) // 4, len(r) // 2, len(r) - 1})
 first = next(iter(rows.values()))

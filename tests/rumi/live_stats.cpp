@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Listens to a live system and, when it is ended, prints as JSON what an outsider saw: images, their MB in a second,
 // what was lost on the way here, answers to them, how long an answer took from the arrival of the image to the arrival
-// of its pose, when the first image and the first answer came after front_tracker was started, and the most memory that
-// each process had.
+// of its pose, when the first image and the first answer came after front_tracker was started, the most memory that
+// each process had, and by stage (stages_ms) how long what a frame goes through took.
 #include <fmt/format.h>
 #include <time.h>
 #include <unistd.h>
@@ -18,8 +18,11 @@
 
 #include "bus/process.h"
 #include "bus/receive_losses.h"
+#include "lcmtypes/rumi/chunk_ack_t.hpp"
+#include "lcmtypes/rumi/chunk_t.hpp"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
+#include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 
 namespace {
@@ -46,6 +49,24 @@ std::optional<double> peak_memory_mb(int pid) {
   return std::nullopt;
 }
 
+class Durations {
+ public:
+  void add_ms(double ms) { ms_.push_back(ms); }
+  void add_us(int64_t us) { add_ms(static_cast<double>(us) * 1e-3); }
+  // Sorts.
+  nlohmann::ordered_json at(double quantile) {
+    if (ms_.empty()) return {};
+    std::sort(ms_.begin(), ms_.end());
+    return ms_[static_cast<size_t>(quantile * static_cast<double>(ms_.size() - 1))];
+  }
+  nlohmann::ordered_json summary() {
+    return {{"n", ms_.size()}, {"p50", at(0.50)}, {"p95", at(0.95)}, {"p99", at(0.99)}, {"max", at(1.0)}};
+  }
+
+ private:
+  std::vector<double> ms_;
+};
+
 class LiveStats : public rumi::Node {
  public:
   LiveStats(rumi::Bus& bus, const rumi::ReceiveLosses& losses) : bus_(bus), losses_(losses) {
@@ -60,11 +81,25 @@ class LiveStats : public rumi::Node {
                                  [this](const rumi::track_t& track) { on_track(track); });
     bus.subscribe<rumi::process_status_t>(rumi::channels::kStatus, {1000},
                                           [this](const rumi::process_status_t& status) { on_status(status); });
+    bus.subscribe<rumi::rigid_transform_t>(rumi::channels::kCameraToMap, {1000},
+                                           [this](const rumi::rigid_transform_t& pose) {
+                                             const auto image = image_arrived_us_.find(pose.utime);
+                                             if (image != image_arrived_us_.end())
+                                               to_map_pose_.add_us(bus_.now_us() - image->second);
+                                           });
+    bus.subscribe<rumi::chunk_t>(rumi::channels::kSubmap, {1000}, [this](const rumi::chunk_t& chunk) {
+      update_began_us_.try_emplace({chunk.sender, chunk.transfer_id}, bus_.now_us());
+    });
+    bus.subscribe<rumi::chunk_ack_t>(rumi::channels::kSubmapAck, {1000}, [this](const rumi::chunk_ack_t& ack) {
+      const auto began = update_began_us_.find({ack.sender, ack.transfer_id});
+      if (ack.status != rumi::chunk_ack_t::COMPLETE || began == update_began_us_.end()) return;
+      to_stored_.add_us(bus_.now_us() - began->second);
+      update_began_us_.erase(began);
+    });
   }
   void tick(int64_t) override {}
   rumi::NodeStatus status() override { return {}; }
   void finish() override {
-    std::sort(latencies_ms_.begin(), latencies_ms_.end());
     const nlohmann::ordered_json json{
         {"images", images_},
         {"image_mb_per_s", image_mb_per_s()},
@@ -72,17 +107,26 @@ class LiveStats : public rumi::Node {
         {"answers", answers_},
         {"answers_lost", answers_lost_},
         {"tracked", tracked_},
-        {"latency_p50_ms", at(0.50)},
-        {"latency_p95_ms", at(0.95)},
-        {"latency_max_ms", at(1.0)},
+        {"latency_p50_ms", to_pose_.at(0.50)},
+        {"latency_p95_ms", to_pose_.at(0.95)},
+        {"latency_max_ms", to_pose_.at(1.0)},
         {"first_image_ms", after_start(first_image_us_)},
         {"first_answer_ms", after_start(first_answer_us_)},
         {"peak_memory_mb", peak_memory_mb_},
+        {"stages_ms", stages()},
     };
     fmt::print("{}\n", json.dump());
   }
 
  private:
+  nlohmann::ordered_json stages() {
+    nlohmann::ordered_json stages{{"image to RUMI_TRACK", to_pose_.summary()},
+                                  {"image to CAMERA_TO_MAP", to_map_pose_.summary()},
+                                  {"CPU of front_tracker for an image", pose_cpu_.summary()},
+                                  {"submap update to stored", to_stored_.summary()}};
+    for (auto& [process, mean] : processing_) stages["mean of a second, " + process] = mean.summary();
+    return stages;
+  }
   double image_mb_per_s() const {
     if (images_ < 2) return 0;
     const auto us = static_cast<double>(last_image_us_ - *first_image_us_);
@@ -94,13 +138,15 @@ class LiveStats : public rumi::Node {
     if (track.state == rumi::track_t::TRACKING) ++tracked_;
     if (last_sequence_ >= 0) answers_lost_ += track.sequence - last_sequence_ - 1;
     last_sequence_ = track.sequence;
+    pose_cpu_.add_ms(track.processing_ms);
     const auto image = image_arrived_us_.find(track.utime);
     if (image == image_arrived_us_.end()) return;
-    latencies_ms_.push_back(static_cast<double>(bus_.now_us() - image->second) * 1e-3);
-    image_arrived_us_.erase(image_arrived_us_.begin(), std::next(image));
+    to_pose_.add_us(bus_.now_us() - image->second);
+    image_arrived_us_.erase(image_arrived_us_.begin(), image);  // it stays: CAMERA_TO_MAP comes after
   }
   void on_status(const rumi::process_status_t& status) {
     if (const auto mb = peak_memory_mb(status.pid)) peak_memory_mb_[status.process] = *mb;
+    if (status.processing_ms > 0) processing_[status.process].add_ms(status.processing_ms);
     if (status.process != "front_tracker" || tracker_started_us_) return;
     if (const auto age = age_us(status.pid)) tracker_started_us_ = bus_.now_us() - *age;
   }
@@ -108,17 +154,14 @@ class LiveStats : public rumi::Node {
     if (!at_us || !tracker_started_us_) return {};
     return static_cast<double>(*at_us - *tracker_started_us_) * 1e-3;
   }
-  nlohmann::ordered_json at(double quantile) const {
-    if (latencies_ms_.empty()) return {};
-    const auto last = static_cast<double>(latencies_ms_.size() - 1);
-    return latencies_ms_[static_cast<size_t>(quantile * last)];
-  }
   rumi::Bus& bus_;
   const rumi::ReceiveLosses& losses_;
   int64_t images_ = 0, image_bytes_ = 0, last_image_us_ = 0, answers_ = 0, answers_lost_ = 0, tracked_ = 0,
           last_sequence_ = -1;
-  std::map<int64_t, int64_t> image_arrived_us_;  // by utime
-  std::vector<double> latencies_ms_;
+  std::map<int64_t, int64_t> image_arrived_us_;                         // by utime
+  std::map<std::pair<std::string, int64_t>, int64_t> update_began_us_;  // by sender and transfer
+  Durations to_pose_, to_map_pose_, pose_cpu_, to_stored_;
+  std::map<std::string, Durations> processing_;
   std::optional<int64_t> first_image_us_, first_answer_us_, tracker_started_us_;
   std::map<std::string, double> peak_memory_mb_;  // by process; at its last status
 };
