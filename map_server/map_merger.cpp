@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/map_merger.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -115,6 +116,7 @@ std::optional<MergeResult> MapMerger::end() {
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
   for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
+  malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
   return std::move(result_);
 }
 

@@ -23,6 +23,13 @@ void PlaceIndex::remove(SubmapKey submap, int keyframe) {
   numbers_.erase(it);
 }
 
+void PlaceIndex::remove_if(const std::function<bool(const Place&)>& gone) {
+  std::vector<Place> removed;
+  for (const auto& [number, place] : places_)
+    if (gone(place)) removed.push_back(place);
+  for (const Place& place : removed) remove(place.submap, place.keyframe);
+}
+
 std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Descriptor>& descriptors, size_t count,
                                               int64_t separation_us,
                                               const std::function<bool(const Place&)>& exclude) const {

@@ -30,6 +30,7 @@ class PlaceIndex {
   // Replaces what the index knew of the keyframe. Only keypoints that observe a landmark count.
   void add(SubmapKey submap, const Keyframe& keyframe);
   void remove(SubmapKey submap, int keyframe);
+  void remove_if(const std::function<bool(const Place&)>& gone);
   bool contains(SubmapKey submap, int keyframe) const { return numbers_.contains({submap, keyframe}); }
   size_t size() const { return numbers_.size(); }
 

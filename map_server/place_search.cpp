@@ -52,6 +52,7 @@ PlaceLink turned(const PlaceLink& x) {
 }  // namespace
 
 void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined) {
+  forget_removed(submaps);
   std::vector<Place> fresh;
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes)
@@ -70,6 +71,14 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
   }
 }
 
+// In a place that is seen for hours front_tracker makes and removes keyframes without end.
+void PlaceSearch::forget_removed(const Submaps& submaps) {
+  index_.remove_if([&](const Place& place) {
+    const auto owner = submaps.find(place.submap);
+    return owner == submaps.end() || !owner->second->keyframe(place.keyframe);
+  });
+}
+
 void PlaceSearch::add(const Submap& submap) {
   for (const auto& [id, keyframe] : submap.keyframes)
     if (seen_.insert({submap.key, id}).second) index_.add(submap.key, keyframe);
@@ -84,6 +93,7 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
     for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, keyframe.utime_us});
   }
   if (places.empty()) return false;
+  forget_removed(submaps);
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes) index_.add(key, keyframe);
   for (const Place& place : places) search(place, submaps, joined);
@@ -148,9 +158,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps,
   const Submap& submap = *submaps.at(place.submap);
   const auto surroundings = exclude_surroundings(submap, place.keyframe, static_cast<int64_t>(o_.min_apart_s * 1e6));
   const auto exclude = [&](const Place& other) {
-    const auto owner = submaps.find(other.submap);
-    return owner == submaps.end() || !owner->second->keyframe(other.keyframe) || surroundings(other) ||
-           is_known(place, other) || joined(place, other);
+    return surroundings(other) || is_known(place, other) || joined(place, other);
   };
   const std::vector<PlaceCandidate> candidates =
       index_.query(landmark_descriptors(*submap.keyframe(place.keyframe)), static_cast<size_t>(o_.candidates),

@@ -68,6 +68,7 @@ class PlaceSearch {
   const std::map<std::pair<SubmapKey, SubmapKey>, Link>& refused() const { return refused_; }
 
  private:
+  void forget_removed(const Submaps& submaps);
   void search(const Place& place, const Submaps& submaps,
               const std::function<bool(const Place&, const Place&)>& joined);
   bool is_known(const Place& a, const Place& b) const;

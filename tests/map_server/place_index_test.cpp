@@ -57,6 +57,15 @@ TEST_F(PlaceIndexTest, ExcludesItselfAndItsSurroundings) {
   EXPECT_EQ(all[0].place, (Place{submaps_[0].key, 5, 5'000'000}));
 }
 
+TEST_F(PlaceIndexTest, WhatIsRemovedIsNotFound) {
+  index_.remove_if([](const Place& place) { return place.keyframe > 3; });
+  EXPECT_EQ(index_.size(), 9u);
+  const auto found = query(submaps_[0], 5, 9);
+  ASSERT_GE(found.size(), 3u);
+  EXPECT_EQ(found[0].place.submap, submaps_[2].key);
+  for (const PlaceCandidate& c : found) EXPECT_LE(c.place.keyframe, 3);
+}
+
 TEST_F(PlaceIndexTest, OfNeighboursOnlyTheBest) {
   const auto found = query(submaps_[0], 5, 100, 3'000'000);
   std::map<SubmapKey, std::vector<int64_t>> times;
