@@ -202,9 +202,10 @@ std::string Supervisor::on_death(Child& child, int status) {
 std::string Supervisor::watch(bool* source_ended) {
   for (Child& child : children_) {
     int status = 0;
+    if (child.is_beside) continue;
     if (reap(child, &status)) {
       if (child.process.source && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-        *source_ended = true;
+        *source_ended = child.finished = true;
         continue;
       }
       if (finishing_ && child.process.finishes && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
@@ -212,8 +213,7 @@ std::string Supervisor::watch(bool* source_ended) {
         continue;
       }
       if (std::string reason = on_death(child, status); !reason.empty()) return reason;
-    } else if (child.pid == 0 && !(child.process.source && *source_ended) && !child.finished &&
-               Clock::now() >= child.restart_at) {
+    } else if (child.pid == 0 && !child.finished && Clock::now() >= child.restart_at) {
       const bool again = child.started != Clock::time_point();
       if (!start(child)) return fmt::format("{} cannot be started: {}", child.process.name, strerror(errno));
       restarts_ += again;
@@ -231,8 +231,11 @@ void Supervisor::kill_child(Child& child) {
 void Supervisor::stop_those(const std::function<bool(const ChildProcess&)>& is_meant,
                             const std::atomic<bool>& at_once) {
   std::vector<Child*> ending;
-  for (Child& child : children_)
-    if (child.pid > 0 && is_meant(child.process)) ending.push_back(&child);
+  for (Child& child : children_) {
+    if (!is_meant(child.process)) continue;
+    child.finished = true;
+    if (child.pid > 0) ending.push_back(&child);
+  }
   for (const Child* child : ending) kill(child->pid, SIGTERM);
   Patience patience(options_);
   while (!ending.empty()) {
@@ -291,13 +294,18 @@ void Supervisor::ask_to_reload() const {
 std::string Supervisor::run_beside(const ChildProcess& process, const std::atomic<bool>& at_once) {
   Child& child = children_.emplace_back();
   child.process = process;
+  child.is_beside = true;
   std::string error;
   if (start(child)) {
     int status = 0;
-    while (!at_once && !reap(child, &status)) read_output(kLook);
+    bool source_ended = true;
+    while (!at_once && error.empty() && !reap(child, &status)) {
+      read_output(kLook);
+      error = watch(&source_ended);
+    }
     if (child.pid > 0) {
       kill_child(child);
-      error = fmt::format("{} was killed, as everything is to end at once", process.name);
+      error = fmt::format("{} was killed, as {}", process.name, error.empty() ? "everything is to end at once" : error);
     } else if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
       error = fmt::format("{} {}", process.name, describe_status(status));
     }

@@ -55,8 +55,9 @@ class Supervisor {
   // up.
   std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
 
-  // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on: who is
-  // not listened to waits in the middle of its work. Returns an empty string, or why it failed.
+  // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on (who is
+  // not listened to waits in the middle of its work) and those of them that die are started again. Returns an empty
+  // string, or why it failed.
   std::string run_beside(const ChildProcess& process, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
@@ -71,7 +72,8 @@ class Supervisor {
     Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;
-    bool finished = false;  // ended by itself, and need not live any more
+    bool finished = false;   // ended by itself or when asked to, and need not live any more
+    bool is_beside = false;  // see run_beside()
   };
 
   bool start(Child& child);

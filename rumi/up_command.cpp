@@ -147,7 +147,7 @@ int up(const Arguments& arguments) {
     // Once while everybody can still say how it went, and once when the last poses have arrived.
     Supervisor::Hooks hooks;
     hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
-    std::string snapshot_error;
+    std::string snapshot_error = arguments.snapshot.empty() ? "" : "no snapshot was written, as all was to end at once";
     const auto snapshot = [&](bool update) {
       snapshot_error = supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, update), g_at_once);
     };

@@ -303,6 +303,34 @@ TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
   EXPECT_EQ(supervisor.restarts(), 0);
 }
 
+// As map_server may, while it is asked for its map. The source has been stopped and stays so.
+TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
+  const std::string file = (std::filesystem::path(testing::TempDir()) / "supervisor_beside").string();
+  std::filesystem::remove(file);
+  ChildProcess camera = shell("camera", "echo camera; echo stop; while :; do sleep 0.05; done");
+  camera.source = true;
+  const ChildProcess server = shell("server", "if [ -e " + file + " ]; then echo again >" + file +
+                                                  ".answer; while :; do sleep 0.05; done; fi; while [ ! -e " + file +
+                                                  " ]; do sleep 0.02; done; exit 9");
+  Supervisor supervisor({server, camera}, quick(), [this](const std::string& name, const std::string& line) {
+    lines_.emplace_back(name, line);
+    if (line == "stop") stop_ = true;
+  });
+  Supervisor::Hooks hooks;
+  std::string error;
+  hooks.before_stop = [&] {
+    const std::string ask = "touch " + file + "; i=0; while [ ! -e " + file +
+                            ".answer ] && [ $i -lt 400 ]; do i=$((i + 1)); sleep 0.05; done; cat " + file + ".answer";
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+  };
+  std::filesystem::remove(file + ".answer");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(error, "");
+  EXPECT_THAT(lines_, Contains(Pair("snapshot", "again")));
+  EXPECT_EQ(supervisor.restarts(), 1);
+  EXPECT_EQ(std::count(lines_.begin(), lines_.end(), std::make_pair(std::string("camera"), std::string("camera"))), 1);
+}
+
 TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
   Supervisor supervisor({shell("server", "echo stop; sleep 100")}, quick(),
                         [this](const std::string&, const std::string& line) {
