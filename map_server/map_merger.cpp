@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "bus/cpu_clock.h"
 
@@ -16,6 +17,10 @@ namespace {
 bool has_passed(double period_s, int64_t since_us, int64_t now_us) {
   return since_us == INT64_MIN || now_us < since_us || static_cast<double>(now_us - since_us) >= 1e6 * period_s;
 }
+
+// An adjustment of a map that is much as it was at the last one waits so many times as long.
+constexpr double kSettledPeriods = 4;
+constexpr double kSettledShare = 0.05;  // of the keyframes, more or fewer
 
 }  // namespace
 
@@ -40,10 +45,32 @@ bool MapMerger::has_news(const Atlas& atlas) const {
   });
 }
 
+// In a place that is known, keyframes are corrected and replaced all the time, and the map stays what it was.
+bool MapMerger::is_settled(const Atlas& atlas) const {
+  size_t submaps = 0, keyframes = 0;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    if (fixed_.contains(key)) continue;
+    ++submaps;
+    keyframes += owner.submap.keyframes.size();
+  }
+  const double change = std::abs(static_cast<double>(keyframes) - static_cast<double>(adjusted_keyframes_));
+  return submaps == adjusted_submaps_ && change <= kSettledShare * static_cast<double>(adjusted_keyframes_);
+}
+
+void MapMerger::note_adjusted() {
+  adjusted_submaps_ = adjusted_keyframes_ = 0;
+  for (const auto& [key, submap] : copies_) {
+    if (fixed_.contains(key)) continue;
+    ++adjusted_submaps_;
+    adjusted_keyframes_ += submap->keyframes.size();
+  }
+}
+
 std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
   const bool has = has_news(atlas);
   if (has || wants_adjustment_) {
-    const double period_s = std::max(options_.adjustment_interval_s, options_.adjustment_s_per_view * views_);
+    const double period_s = std::max(options_.adjustment_interval_s, options_.adjustment_s_per_view * views_) *
+                            (is_settled(atlas) ? kSettledPeriods : 1);
     if (hurry_ || (wants_adjustment_ && has_passed(period_s, last_adjustment_us_, now_us)))
       return MapBuilder::Scope::kAll;
   }
@@ -116,6 +143,7 @@ std::optional<MergeResult> MapMerger::end() {
   wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
   for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
+  if (result_.scope == MapBuilder::Scope::kAll) note_adjusted();
   malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
   return std::move(result_);
 }

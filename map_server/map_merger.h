@@ -46,6 +46,8 @@ class MapMerger {
  private:
   using Copies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
   bool has_news(const Atlas& atlas) const;
+  bool is_settled(const Atlas& atlas) const;
+  void note_adjusted();
   std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
   void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
   void copy(const Atlas& atlas);
@@ -62,7 +64,8 @@ class MapMerger {
   bool running_ = false, hurry_ = false;
   bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
   int64_t last_begin_us_ = INT64_MIN, last_adjustment_us_ = INT64_MIN;
-  int views_ = 0;  // of the map as it was built last
+  size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
+  int views_ = 0;                                         // of the map as it was built last
   MergeResult result_;
   std::atomic<bool> done_ = false;
   std::thread thread_;

@@ -135,6 +135,34 @@ TEST_F(MapMergerTest, ALargerMapIsAdjustedLessOften) {
   EXPECT_TRUE(tick(&merger, 10 * weld->report.views));
 }
 
+// In a room that is known front_tracker goes on correcting what it has.
+TEST_F(MapMergerTest, AMapThatIsMuchAsItWasIsAdjustedLessOften) {
+  options_.adjustment_interval_s = 100;
+  options_.adjustment_s_per_view = 0;
+  MapMerger merger(options_);
+  const Growth growth = grow(chain_->submap(Chain::kFront2), 7);
+  put(Chain::kFront1);
+  put(Chain::kBack1);
+  testing::put(growth.early, &atlas_);
+  merger.hurry();
+  ASSERT_TRUE(tick(&merger, 0));
+  change(Chain::kFront1);
+  const auto weld = tick(&merger, 10);
+  ASSERT_TRUE(weld);
+  EXPECT_EQ(weld->scope, Scope::kWeld);
+  EXPECT_FALSE(tick(&merger, 399));
+  const auto corrected = tick(&merger, 400);
+  ASSERT_TRUE(corrected);
+  EXPECT_EQ(corrected->scope, Scope::kAll);
+
+  testing::put(growth.late, &atlas_);
+  ASSERT_TRUE(tick(&merger, 410));
+  EXPECT_FALSE(tick(&merger, 499));
+  const auto grown = tick(&merger, 500);
+  ASSERT_TRUE(grown) << "it has grown";
+  EXPECT_EQ(grown->scope, Scope::kAll);
+}
+
 TEST_F(MapMergerTest, InAHurryAllIsDoneAtOnce) {
   MapMerger merger(options_);
   put(Chain::kFront1);

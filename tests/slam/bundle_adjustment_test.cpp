@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "synthetic_scene.h"
 
 namespace rumi {
@@ -71,6 +73,31 @@ TEST(Bundle, FixedViewsStayAndRunsAreIdentical) {
   for (size_t v = 0; v < a.views.size(); ++v)
     EXPECT_EQ(a.views[v].cam_from_submap.translation, b.views[v].cam_from_submap.translation);
   for (size_t p = 0; p < a.points.size(); ++p) EXPECT_EQ(a.points[p], b.points[p]);
+}
+
+// A room where every view sees everything, and a walk where only neighbours see the same.
+TEST(Bundle, RecoversHundredsOfViewsWhateverTheySee) {
+  constexpr int kViews = 220;
+  for (const int reach : {kViews, 6}) {
+    SyntheticScene scene(5);
+    BundleProblem truth;
+    for (int v = 0; v < kViews; ++v) truth.views.push_back({SyntheticScene::pose(0.004 * v, 0, 0, 0), v < 2});
+    truth.points = scene.cloud(kViews);
+    for (int p = 0; p < kViews; ++p) {
+      for (int v = std::max(0, p - reach); v < std::min(kViews, p + reach); ++v) {
+        const Eigen::Vector3d in_camera = truth.views[v].cam_from_submap * truth.points[p];
+        truth.observations.push_back({v, p, test_camera().project_undistorted(in_camera), 1.0});
+      }
+    }
+    BundleProblem problem = truth;
+    for (auto& point : problem.points) point *= 1 + scene.uniform(-0.05, 0.05);
+    ASSERT_TRUE(solve_bundle(test_camera(), {20, 5.991, 1e-8}, &problem).usable);
+    double worst = 0;
+    for (int v = 0; v < kViews; ++v)
+      worst =
+          std::max(worst, (problem.views[v].cam_from_submap.center() - truth.views[v].cam_from_submap.center()).norm());
+    EXPECT_LT(worst, 1e-3) << "seen by " << 2 * reach << " views";
+  }
 }
 
 TEST(Bundle, NothingToSolveIsNoError) {

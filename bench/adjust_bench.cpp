@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What one adjustment of a whole map costs: loads a map.db, searches its submaps for links and builds the map from
+// them, as map_server does when it has nothing but them.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+
+#include "bus/cpu_clock.h"
+#include "map_server/map_store.h"
+#include "map_server/options.h"
+
+int main(int argc, char** argv) {
+  CLI::App app{"CPU time of an adjustment of a stored map"};
+  std::string file;
+  app.add_option("MAP.db", file)->required()->check(CLI::ExistingFile);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    rumi::MapStore store = rumi::MapStore::copy_in_memory(file);
+    const rumi::Atlas atlas = store.load();
+    rumi::MapBuilder::Submaps submaps;
+    for (const auto& [key, owner] : atlas.submaps()) submaps[key] = &owner.submap;
+    rumi::MapBuilder builder(rumi::MapServerOptions().merge.builder);
+    const double start_s = rumi::thread_cpu_s();
+    builder.find_links(submaps);
+    const double linked_s = rumi::thread_cpu_s();
+    const rumi::MapBuildReport report = builder.build(submaps, {}).report;
+    fmt::print("{} submaps, {} images, {} points, {} observations ({} by association), rmse {:.4f} sigma\n",
+               report.members, report.views, report.points, report.observations, report.observed, report.rmse);
+    fmt::print("links {:.2f}, adjustment {:.2f} CPU s\n", linked_s - start_s, rumi::thread_cpu_s() - linked_s);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "adjust_bench: {}\n", e.what());
+    return 1;
+  }
+}
