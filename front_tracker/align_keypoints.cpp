@@ -77,7 +77,7 @@ bool align_keypoints(const FrontSubmap& submap, Frame* frame) {
       features->move(i, *pixel, submap.map.camera);
   }
   frame->features = std::move(features);
-  frame->grid = KeypointGrid(frame->features->undistorted, submap.map.camera.width, submap.map.camera.height);
+  frame->grid = KeypointGrid(frame->features->undistorted, submap.map.camera);
   return true;
 }
 

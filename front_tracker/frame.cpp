@@ -15,7 +15,7 @@ Frame make_frame(int64_t utime_us, Features features, const Camera& camera) {
   features.undistort(camera);
   Frame frame;
   frame.utime_us = utime_us;
-  frame.grid = KeypointGrid(features.undistorted, camera.width, camera.height);
+  frame.grid = KeypointGrid(features.undistorted, camera);
   frame.landmark_ids.assign(features.size(), kNone);
   frame.features = std::make_shared<const Features>(std::move(features));
   return frame;

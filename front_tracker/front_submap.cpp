@@ -14,7 +14,7 @@ FrontSubmap::FrontSubmap(Submap known, SubmapKey key, const std::vector<double>&
   map.removed_keyframes = map.removed_landmarks = {};
   for (auto& [id, kf] : map.keyframes) {
     kf.revision = kf.created_revision = map.revision;
-    grids[id] = KeypointGrid(kf.features->undistorted, map.camera.width, map.camera.height);
+    grids[id] = KeypointGrid(kf.features->undistorted, map.camera);
     next_keyframe_ = id + 1;
   }
   for (auto& [id, lm] : map.landmarks) {
@@ -63,8 +63,7 @@ void FrontSubmap::remove_keyframe(int id, int heir) {
 }
 
 void FrontSubmap::keypoints_moved(int keyframe_id) {
-  grids[keyframe_id] =
-      KeypointGrid(map.keyframe(keyframe_id)->features->undistorted, map.camera.width, map.camera.height);
+  grids[keyframe_id] = KeypointGrid(map.keyframe(keyframe_id)->features->undistorted, map.camera);
   moved_.insert(keyframe_id);
 }
 

@@ -56,7 +56,7 @@ void match_keyframes(const Keyframe& a, const Keyframe& b, const Camera& camera,
     return;
   }
   const Observed in_a(a), in_b(b);
-  const KeypointGrid grid_a(in_a.pixels, camera.width, camera.height), grid_b(in_b.pixels, camera.width, camera.height);
+  const KeypointGrid grid_a(in_a.pixels, camera), grid_b(in_b.pixels, camera);
   for (size_t i = 0; i < in_a.pixels.size(); ++i) {
     const int j = in_b.nearest(grid_b, in_a.pixels[i], max_distance_px);
     if (j == kNone || in_a.nearest(grid_a, in_b.pixels[j], max_distance_px) != static_cast<int>(i)) continue;

@@ -36,7 +36,7 @@ class Associator {
   AssociationReport run(const std::vector<int>& views) {
     for (int v : views) {
       const MapModel::View& view = model_.views[v];
-      const KeypointGrid grid(view.features->undistorted, view.camera.width, view.camera.height);
+      const KeypointGrid grid(view.features->undistorted, view.camera);
       for (int p : cells_.may_be_seen(view)) visit(p, v, grid);
     }
     return report_;

@@ -22,7 +22,7 @@ std::vector<int> same_keypoints(const Features& from, const Features& to, const 
     std::iota(same.begin(), same.end(), 0);
     return same;
   }
-  const KeypointGrid grid(to.undistorted, camera.width, camera.height);
+  const KeypointGrid grid(to.undistorted, camera);
   for (size_t i = 0; i < from.size(); ++i) {
     if (i < to.size() && to.undistorted[i] == from.undistorted[i]) {
       same[i] = static_cast<int>(i);

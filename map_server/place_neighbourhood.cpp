@@ -20,7 +20,7 @@ PlaceView make_view(const Submap& submap, const Keyframe& keyframe) {
   PlaceView view;
   view.keyframe = &keyframe;
   view.landmark_index.assign(keyframe.features->size(), kNone);
-  view.grid = KeypointGrid(keyframe.features->undistorted, submap.camera.width, submap.camera.height);
+  view.grid = KeypointGrid(keyframe.features->undistorted, submap.camera);
   return view;
 }
 

@@ -3,8 +3,8 @@
 
 namespace rumi {
 
-KeypointGrid::KeypointGrid(const std::vector<Eigen::Vector2f>& points, int width, int height)
-    : columns_(static_cast<int>(width / kCell) + 1), rows_(static_cast<int>(height / kCell) + 1) {
+KeypointGrid::KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera)
+    : columns_(static_cast<int>(camera.width / kCell) + 1), rows_(static_cast<int>(camera.height / kCell) + 1) {
   const size_t cells = static_cast<size_t>(columns_) * rows_;
   start_.assign(cells + 1, 0);
   std::vector<int> cell(points.size());

@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <vector>
 
+#include "slam/geometry/camera.h"
+
 namespace rumi {
 
 class KeypointGrid {
  public:
   KeypointGrid() = default;
-  // Points (pixels) may lie outside the image a little (undistorted ones do): they count to the border cells.
-  KeypointGrid(const std::vector<Eigen::Vector2f>& points, int width, int height);
+  // Points (pixels of the camera) may lie outside the image a little (undistorted ones do): they count to the border
+  // cells.
+  KeypointGrid(const std::vector<Eigen::Vector2f>& points, const Camera& camera);
 
   // Calls visit(index) for every point whose cell touches the square of side 2 * radius_px around center; the caller
   // checks the distance itself.

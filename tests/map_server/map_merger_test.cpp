@@ -53,6 +53,17 @@ class MapMergerTest : public ::testing::Test {
     return std::nullopt;
   }
 
+  // An adjusted map whose last submap has its first seven keyframes only.
+  Growth begin_to_grow(MapMerger* merger) {
+    Growth growth = grow(chain_->submap(Chain::kFront2), 7);
+    put(Chain::kFront1);
+    put(Chain::kBack1);
+    testing::put(growth.early, &atlas_);
+    merger->hurry();
+    EXPECT_TRUE(tick(merger, 0));
+    return growth;
+  }
+
   static Chain* chain_;
   MergeOptions options_;
   Atlas atlas_;
@@ -140,12 +151,7 @@ TEST_F(MapMergerTest, AMapThatIsMuchAsItWasIsAdjustedLessOften) {
   options_.adjustment_interval_s = 100;
   options_.adjustment_s_per_view = 0;
   MapMerger merger(options_);
-  const Growth growth = grow(chain_->submap(Chain::kFront2), 7);
-  put(Chain::kFront1);
-  put(Chain::kBack1);
-  testing::put(growth.early, &atlas_);
-  merger.hurry();
-  ASSERT_TRUE(tick(&merger, 0));
+  const Growth growth = begin_to_grow(&merger);
   change(Chain::kFront1);
   const auto weld = tick(&merger, 10);
   ASSERT_TRUE(weld);
@@ -195,12 +201,7 @@ TEST_F(MapMergerTest, InAHurryAllIsDoneAtOnce) {
 
 TEST_F(MapMergerTest, AChangeIsNews) {
   MapMerger merger(options_);
-  const Growth growth = grow(chain_->submap(Chain::kFront2), 7);
-  put(Chain::kFront1);
-  put(Chain::kBack1);
-  testing::put(growth.early, &atlas_);
-  merger.hurry();
-  ASSERT_TRUE(tick(&merger, 0));
+  const Growth growth = begin_to_grow(&merger);
   ASSERT_TRUE(merger.idle(atlas_));
   const size_t early = atlas_.find(Chain::kFront2)->placement.map_from_submap.size();
   testing::put(growth.late, &atlas_);

@@ -77,7 +77,7 @@ TEST(KeypointGrid, FindsAllThatLinearSearchFinds) {
   SyntheticScene scene(1);
   std::vector<Eigen::Vector2f> points;
   for (int i = 0; i < 500; ++i) points.emplace_back(scene.uniform(-30, 670), scene.uniform(-30, 510));
-  const KeypointGrid grid(points, 640, 480);
+  const KeypointGrid grid(points, test_camera());
   for (int i = 0; i < 100; ++i) {
     const Eigen::Vector2f center(scene.uniform(-50, 690), scene.uniform(-50, 530));
     const float radius = static_cast<float>(scene.uniform(1, 60));
@@ -86,7 +86,7 @@ TEST(KeypointGrid, FindsAllThatLinearSearchFinds) {
     for (const auto& p : points) expected += (p - center).norm() <= radius;
     EXPECT_EQ(found, expected);
   }
-  KeypointGrid({}, 640, 480).for_each_near({5, 5}, 100, [](int) { FAIL(); });
+  KeypointGrid({}, test_camera()).for_each_near({5, 5}, 100, [](int) { FAIL(); });
 }
 
 Descriptor random_descriptor(std::mt19937_64& rng) { return {rng(), rng(), rng(), rng()}; }
