@@ -2,6 +2,7 @@
 #include "slam/features/patch_alignment.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -15,6 +16,7 @@ constexpr int kMaxRadius = kRadii[0];
 constexpr int kRows = 2 * kMaxRadius + 1;
 constexpr int kColumns = kRows + 1;  // whole vectors; the last column is 0 in every template
 constexpr int kWide = kRows + 2;     // with a pixel around, for the slopes
+constexpr int kWideColumns = 20;     // whole vectors of them
 constexpr float kNoise = 5;          // grey levels: standard deviation of a difference, interpolation included
 constexpr float kPrior = 0.5F;       // pixels of the level: standard deviation of the place given
 constexpr float kMaxShift = 2;       // pixels of the level
@@ -27,23 +29,43 @@ constexpr float kConverged = 0.03F;  // pixels of the level: a smaller step is t
 using Patch = std::array<float, kRows * kColumns>;
 using WidePatch = std::array<float, kWide * kWide>;
 
+struct Slopes {
+  Patch grey, x, y;
+};
+
 // A patch of the reference as it should appear in the image's level.
 struct Template {
   int radius = kMaxRadius;             // 0 is what the patches hold beyond it
   Patch grey{}, slope_x{}, slope_y{};  // without mean; the slopes also without what contrast explains
   float norm2 = 0;                     // of grey
   float pixels() const { return static_cast<float>((2 * radius + 1) * (2 * radius + 1)); }
-  Eigen::Matrix2f information;  // sums of the products of the slopes
+  Eigen::Matrix2f information = Eigen::Matrix2f::Zero();  // sums of the products of the slopes
 };
 
-float interpolate(const cv::Mat& image, float x, float y) {
-  const int ix = static_cast<int>(x), iy = static_cast<int>(y);
-  const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy);
-  const uchar* row = image.ptr<uchar>(iy) + ix;
-  const uchar* next = row + image.step1();
-  const float upper = static_cast<float>(row[0]) + fx * static_cast<float>(row[1] - row[0]);
-  const float lower = static_cast<float>(next[0]) + fx * static_cast<float>(next[1] - next[0]);
-  return upper + fy * (lower - upper);
+constexpr int kLanes = cv::v_float32x4::nlanes;
+
+// Bilinear, at as many places as a vector has lanes; all must have a pixel to the right and below.
+void interpolate(const cv::Mat& image, const float* x, const float* y, float* grey) {
+  const cv::v_float32x4 px = cv::v_load(x), py = cv::v_load(y);
+  const cv::v_int32x4 ix = cv::v_trunc(px), iy = cv::v_trunc(py);
+  std::array<int, kLanes> columns, rows;
+  cv::v_store(columns.data(), ix);
+  cv::v_store(rows.data(), iy);
+  std::array<unsigned, kLanes> corners;
+  for (int k = 0; k < kLanes; ++k) {
+    const uchar* here = image.data + rows[k] * image.step.p[0] + columns[k];
+    const uchar* below = here + image.step.p[0];
+    corners[k] = here[0] | here[1] << 8 | below[0] << 16 | static_cast<unsigned>(below[1]) << 24;
+  }
+  const cv::v_uint32x4 all = cv::v_load(corners.data()), byte = cv::v_setall_u32(255);
+  const auto corner = [&](const cv::v_uint32x4& shifted) {
+    return cv::v_cvt_f32(cv::v_reinterpret_as_s32(shifted & byte));
+  };
+  const cv::v_float32x4 fx = px - cv::v_cvt_f32(ix), fy = py - cv::v_cvt_f32(iy);
+  const cv::v_float32x4 left = corner(all), below = corner(cv::v_shr<16>(all));
+  const cv::v_float32x4 upper = cv::v_muladd(fx, corner(cv::v_shr<8>(all)) - left, left);
+  const cv::v_float32x4 lower = cv::v_muladd(fx, corner(cv::v_shr<24>(all)) - below, below);
+  cv::v_store(grey, cv::v_muladd(fy, lower - upper, upper));
 }
 
 // The level of the reference whose pixels, carried over, are nearest in size to those of the image's level.
@@ -73,46 +95,73 @@ bool sample_reference(const ImagePyramid& reference, const Eigen::Vector2f& cent
   if (!((at.array() - reach >= 0).all() && at.x() + reach.x() < static_cast<float>(image.cols - 1) &&
         at.y() + reach.y() < static_cast<float>(image.rows - 1)))
     return false;
-  size_t i = 0;
+  std::array<float, kWideColumns> x, y, grey;
   for (int v = -kReach; v <= kReach; ++v) {
     Eigen::Vector2f p = at + step * Eigen::Vector2f(static_cast<float>(-kReach), static_cast<float>(v));
-    for (int u = -kReach; u <= kReach; ++u, p += step.col(0)) (*wide)[i++] = interpolate(image, p.x(), p.y());
+    for (int u = 0; u < kWide; ++u, p += step.col(0)) {
+      x[u] = p.x();
+      y[u] = p.y();
+    }
+    // Whole vectors: the last pixel again where there is none.
+    std::fill(x.begin() + kWide, x.end(), x[kWide - 1]);
+    std::fill(y.begin() + kWide, y.end(), y[kWide - 1]);
+    for (int u = 0; u < kWideColumns; u += kLanes) interpolate(image, &x[u], &y[u], &grey[u]);
+    std::copy_n(grey.begin(), kWide, wide->begin() + static_cast<std::ptrdiff_t>(v + kReach) * kWide);
   }
   return true;
 }
 
-// False if the patch has too little to go by.
-bool make_template(const WidePatch& wide, int radius, Template* out) {
-  Eigen::Matrix3f products = Eigen::Matrix3f::Zero();  // of grey and slopes
-  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-  const int begin = kMaxRadius - radius, end = kMaxRadius + radius;
-  const auto at = [&](int x, int y) {
-    const float* p = &wide[(y + 1) * kWide + x + 1];
-    return Eigen::Vector3f(p[0], 0.5F * (p[1] - p[-1]), 0.5F * (p[kWide] - p[-kWide]));
-  };
-  for (int y = begin; y <= end; ++y)
-    for (int x = begin; x <= end; ++x) {
-      const Eigen::Vector3f v = at(x, y);
-      mean += v;
-      products += v * v.transpose();
+// Grey values and their slopes; what is in the last column has no meaning.
+void find_slopes(const WidePatch& wide, Slopes* out) {
+  const cv::v_float32x4 half = cv::v_setall_f32(0.5F);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kColumns; x += kLanes) {
+      const float* p = &wide[(y + 1) * kWide + x + 1];
+      const int i = y * kColumns + x;
+      cv::v_store(&out->grey[i], cv::v_load(p));
+      cv::v_store(&out->x[i], half * (cv::v_load(p + 1) - cv::v_load(p - 1)));
+      cv::v_store(&out->y[i], half * (cv::v_load(p + kWide) - cv::v_load(p - kWide)));
     }
+}
+
+// False if the patch has too little to go by.
+bool make_template(const Slopes& slopes, int radius, Template* out) {
+  const int begin = kMaxRadius - radius, end = kMaxRadius + radius;
+  // Sums of the products of grey and slopes with each other, and with 1.
+  cv::v_float32x4 sum_grey = cv::v_setzero_f32(), sum_x = sum_grey, sum_y = sum_grey;
+  for (int y = begin; y <= end; ++y)
+    for (int i = y * kColumns + begin; i <= y * kColumns + end; ++i) {
+      const float grey = slopes.grey[i], x = slopes.x[i], slope_y = slopes.y[i];
+      const cv::v_float32x4 v(grey, x, slope_y, 1);
+      sum_grey = cv::v_muladd(v, cv::v_setall_f32(grey), sum_grey);
+      sum_x = cv::v_muladd(v, cv::v_setall_f32(x), sum_x);
+      sum_y = cv::v_muladd(v, cv::v_setall_f32(slope_y), sum_y);
+    }
+  Eigen::Matrix<float, 4, 3> sums;
+  cv::v_store(sums.col(0).data(), sum_grey);
+  cv::v_store(sums.col(1).data(), sum_x);
+  cv::v_store(sums.col(2).data(), sum_y);
   *out = {};
   out->radius = radius;
   const float n = out->pixels();
-  mean /= n;
-  products -= n * mean * mean.transpose();
+  const Eigen::Vector3f mean = sums.row(3).transpose() / n;
+  const Eigen::Matrix3f products = sums.topRows<3>() - n * mean * mean.transpose();
   if (!(products(0, 0) > n * kMinContrast * kMinContrast)) return false;
   const Eigen::Vector2f explained = products.block<2, 1>(1, 0) / products(0, 0);
   out->norm2 = products(0, 0);
   out->information = products.block<2, 2>(1, 1) - products(0, 0) * explained * explained.transpose();
-  for (int y = begin; y <= end; ++y)
-    for (int x = begin; x <= end; ++x) {
-      const Eigen::Vector3f v = at(x, y) - mean;
-      const int i = y * kColumns + x;
-      out->grey[i] = v[0];
-      out->slope_x[i] = v[1] - explained[0] * v[0];
-      out->slope_y[i] = v[2] - explained[1] * v[0];
+  const auto all = [](float value) { return cv::v_setall_f32(value); };
+  for (int x = 0; x < kColumns; x += kLanes) {
+    // 0 beyond the radius
+    const cv::v_float32x4 away = cv::v_abs(cv::v_float32x4(0, 1, 2, 3) + all(static_cast<float>(x - kMaxRadius)));
+    const cv::v_float32x4 inside = away <= all(static_cast<float>(radius));
+    for (int i = begin * kColumns + x; i < (end + 1) * kColumns; i += kColumns) {
+      const cv::v_float32x4 grey = cv::v_load(&slopes.grey[i]) - all(mean[0]);
+      cv::v_store(&out->grey[i], inside & grey);
+      cv::v_store(&out->slope_x[i], inside & (cv::v_load(&slopes.x[i]) - all(mean[1]) - all(explained[0]) * grey));
+      cv::v_store(&out->slope_y[i], inside & (cv::v_load(&slopes.y[i]) - all(mean[2]) - all(explained[1]) * grey));
     }
+  }
   return true;
 }
 
@@ -132,12 +181,12 @@ bool for_patch(const Template& t, const cv::Mat& image, const Eigen::Vector2f& a
     std::memcpy(four, p, sizeof four);
     return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(four)));
   };
-  constexpr int kVectors = kColumns / cv::v_float32x4::nlanes;
+  constexpr int kVectors = kColumns / kLanes;
   std::array<cv::v_float32x4, kVectors> above;
   for (int y = kMaxRadius - t.radius; y <= kMaxRadius + t.radius + 1; ++y) {
     const uchar* row = image.ptr<uchar>(iy + y) + ix;
     for (int k = 0; k < kVectors; ++k) {
-      const int x = k * cv::v_float32x4::nlanes;
+      const int x = k * kLanes;
       const cv::v_float32x4 here = pixels(row + x), right = pixels(row + x + 1);
       const cv::v_float32x4 level = cv::v_muladd(fx, right - here, here);
       if (y > kMaxRadius - t.radius) visit((y - 1) * kColumns + x, cv::v_muladd(fy, level - above[k], above[k]));
@@ -161,17 +210,16 @@ std::optional<Eigen::Vector3f> compare(const Template& t, const cv::Mat& image, 
 
 // Normalised cross-correlation of the image's patch and the template; 0 where it leaves the image.
 float correlation(const Template& t, const cv::Mat& image, const Eigen::Vector2f& at) {
+  Patch grey;
+  if (!for_patch(t, image, at, [&](int i, const cv::v_float32x4& pixels) { cv::v_store(&grey[i], pixels); })) return 0;
   float sum = 0, squares = 0, product = 0;
-  std::array<float, cv::v_float32x4::nlanes> lanes;
-  for_patch(t, image, at, [&](int i, const cv::v_float32x4& pixels) {
-    cv::v_store(lanes.data(), pixels);
-    for (int k = 0; k < static_cast<int>(lanes.size()); ++k) {
-      if (std::abs((i + k) % kColumns - kMaxRadius) > t.radius) continue;
-      sum += lanes[k];
-      squares += lanes[k] * lanes[k];
-      product += lanes[k] * t.grey[i + k];
+  for (int y = kMaxRadius - t.radius; y <= kMaxRadius + t.radius; ++y)
+    for (int x = kMaxRadius - t.radius; x <= kMaxRadius + t.radius; ++x) {
+      const int i = y * kColumns + x;
+      sum += grey[i];
+      squares += grey[i] * grey[i];
+      product += grey[i] * t.grey[i];
     }
-  });
   const float norm2 = squares - sum * sum / t.pixels();
   return norm2 > 0 ? product / std::sqrt(norm2 * t.norm2) : 0;
 }
@@ -207,9 +255,11 @@ std::optional<Eigen::Vector2f> align_patch(const ImagePyramid& reference_images,
   if (!sample_reference(reference_images, reference, image_from_reference, at.images.pixel_size(at.level).x(), &wide))
     return std::nullopt;
   const Eigen::Vector2f start = at.images.to_level(at.pixel, at.level);
+  Slopes slopes;
+  find_slopes(wide, &slopes);
   Template patch;
   for (const int radius : kRadii) {
-    if (!make_template(wide, radius, &patch)) continue;
+    if (!make_template(slopes, radius, &patch)) continue;
     if (const auto place = align(patch, at.images.level(at.level), start)) return at.images.to_full(*place, at.level);
   }
   return std::nullopt;
