@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of Mapper that triangulates: keypoints without a landmark in two keyframes, matched along the epipolar line.
-#include <algorithm>
+#include <opencv2/core/hal/intrin.hpp>
 
 #include "front_tracker/align_keypoints.h"
 #include "front_tracker/mapper.h"
@@ -18,22 +18,44 @@ std::vector<int> free_keypoints(const Keyframe& kf) {
   return free;
 }
 
-// A keypoint that may be matched, and how far from the epipolar line, px².
-struct Candidate {
-  float x = 0, y = 0;  // undistorted
-  float max_off2 = 0;  // negative once it is taken
-  int keypoint = kNone;
-};
+constexpr int kLanes = cv::v_float32x4::nlanes;
 
-std::vector<Candidate> candidates_in(const Keyframe& kf, const std::vector<double>& scales) {
-  std::vector<Candidate> candidates;
-  for (int i : free_keypoints(kf)) {
-    const Eigen::Vector2f& pixel = kf.features->undistorted[i];
-    const float sigma = static_cast<float>(scales[kf.features->keypoints[i].octave]);
-    candidates.push_back({pixel.x(), pixel.y(), 3.84f * sigma * sigma, i});
+// Keypoints that may be matched, and how far from the epipolar line, px². Whole vectors.
+class Candidates {
+ public:
+  Candidates(const Keyframe& kf, const std::vector<double>& scales) : keypoints_(free_keypoints(kf)) {
+    const size_t size = (keypoints_.size() + kLanes - 1) / kLanes * kLanes;
+    x_.resize(size);
+    y_.resize(size);
+    max_off2_.resize(size, -1);
+    for (size_t k = 0; k < keypoints_.size(); ++k) {
+      const Eigen::Vector2f& pixel = kf.features->undistorted[keypoints_[k]];
+      const float sigma = static_cast<float>(scales[kf.features->keypoints[keypoints_[k]].octave]);
+      x_[k] = pixel.x();
+      y_[k] = pixel.y();
+      max_off2_[k] = 3.84F * sigma * sigma;
+    }
   }
-  return candidates;
-}
+
+  // Calls visit(candidate) for each that is near the line, of unit normal.
+  template <class Visit>
+  void for_each_near(const Eigen::Vector3f& line, Visit visit) const {
+    const cv::v_float32x4 a = cv::v_setall_f32(line.x()), b = cv::v_setall_f32(line.y()),
+                          c = cv::v_setall_f32(line.z());
+    for (size_t k = 0; k < x_.size(); k += kLanes) {
+      const cv::v_float32x4 off = a * cv::v_load(&x_[k]) + b * cv::v_load(&y_[k]) + c;
+      const int near = cv::v_signmask(off * off <= cv::v_load(&max_off2_[k]));
+      for (int lane = 0; near >> lane; ++lane)
+        if (near >> lane & 1) visit(k + lane);
+    }
+  }
+  int keypoint(size_t candidate) const { return keypoints_[candidate]; }
+  void take(size_t candidate) { max_off2_[candidate] = -1; }
+
+ private:
+  std::vector<int> keypoints_;
+  std::vector<float> x_, y_, max_off2_;  // undistorted; max_off2_: negative once it is taken, and where there is none
+};
 
 bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen::Vector2f& pixel, double sigma) {
   return (camera.project_undistorted(point_cam) - pixel.cast<double>()).squaredNorm() < 5.991 * sigma * sigma;
@@ -77,32 +99,31 @@ std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& su
 void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
   const std::vector<double>& scales = submap.octave_scales;
   const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
-  std::vector<Candidate> candidates = candidates_in(b, scales);
+  Candidates candidates(b, scales);
   KeyframeAligner aligner(submap, a.id);
   for (int i : free_keypoints(a)) {
     const Eigen::Vector2f pa = a.features->undistorted[i];
     Eigen::Vector3f line = f * Eigen::Vector3f(pa.x(), pa.y(), 1);
     line /= line.head<2>().norm();
-    Candidate* best = nullptr;
+    size_t best = 0;
     int best_distance = options_.max_distance + 1;
-    for (Candidate& candidate : candidates) {
-      const float off = line.x() * candidate.x + line.y() * candidate.y + line.z();
-      if (!(off * off <= candidate.max_off2)) continue;
-      const int distance = hamming_distance(a.features->descriptors[i], b.features->descriptors[candidate.keypoint]);
+    candidates.for_each_near(line, [&](size_t candidate) {
+      const int distance =
+          hamming_distance(a.features->descriptors[i], b.features->descriptors[candidates.keypoint(candidate)]);
       if (distance < best_distance) {
         best_distance = distance;
-        best = &candidate;
+        best = candidate;
       }
-    }
-    if (!best) continue;
-    auto point = triangulate_between(submap, a, i, b, best->keypoint);
-    if (point && aligner.align(i, *point, {{b.id, best->keypoint}}))
-      point = triangulate_between(submap, a, i, b, best->keypoint);
+    });
+    if (best_distance > options_.max_distance) continue;
+    const int keypoint = candidates.keypoint(best);
+    auto point = triangulate_between(submap, a, i, b, keypoint);
+    if (point && aligner.align(i, *point, {{b.id, keypoint}})) point = triangulate_between(submap, a, i, b, keypoint);
     if (!point) continue;
     Landmark& lm = submap.add_landmark(*point);
     submap.map.add_observation(lm.id, a.id, i);
-    submap.map.add_observation(lm.id, b.id, best->keypoint);
-    best->max_off2 = -1;
+    submap.map.add_observation(lm.id, b.id, keypoint);
+    candidates.take(best);
     update_landmark_view(submap.map, scales, &lm);
     submap.recent_landmarks.emplace_back(lm.id, a.id);
   }
