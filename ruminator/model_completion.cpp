@@ -112,6 +112,12 @@ void ModelCompletion::complete_images(ColmapModel* model) const {
   triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, model);
   adjust(model);
   remove_loose_images(o_.refinement, model);
+  std::set<int> known;
+  for (const Sample& sample : in_.front) {
+    const auto image = std::find(in_.utimes_us.begin(), in_.utimes_us.end(), sample.utime_us);
+    if (image != in_.utimes_us.end()) known.insert(static_cast<int>(image - in_.utimes_us.begin()));
+  }
+  trim_open_ends(known, o_.refinement, model);
 }
 
 // Where nothing tells how two sides relate there are two models, and one of them is kept.

@@ -223,26 +223,53 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
   }
 }
 
-int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model) {
+namespace {
+
+// How many points of each image the others place.
+std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options, const ColmapModel& model) {
   const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
+  std::map<int, int> placed;
+  for (const auto& [image, pose] : model.cam_from_world) placed[image] = 0;
+  for (const ColmapModel::Point& point : model.points) {
+    const std::vector<Eigen::Vector3d> directions = directions_to_cameras(model, point);
+    const WidestRays widest = widest_rays(directions);
+    for (size_t i = 0; i < point.track.size(); ++i) {
+      const bool is_outer = i == widest.first || i == widest.second;
+      placed[point.track[i].first] += (is_outer ? widest_rays(directions, i) : widest).cosine <= max_cosine;
+    }
+  }
+  return placed;
+}
+
+}  // namespace
+
+int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model) {
   int removed = 0;
   while (true) {
-    std::map<int, int> placed;  // points of an image that the others place
-    for (const auto& [image, pose] : model->cam_from_world) placed[image] = 0;
-    for (const ColmapModel::Point& point : model->points) {
-      const std::vector<Eigen::Vector3d> directions = directions_to_cameras(*model, point);
-      const WidestRays widest = widest_rays(directions);
-      for (size_t i = 0; i < point.track.size(); ++i) {
-        const bool is_outer = i == widest.first || i == widest.second;
-        placed[point.track[i].first] += (is_outer ? widest_rays(directions, i) : widest).cosine <= max_cosine;
-      }
-    }
+    const std::map<int, int> placed = points_placed_by_others(options, *model);
     const auto loosest = std::min_element(placed.begin(), placed.end(),
                                           [](const auto& a, const auto& b) { return a.second < b.second; });
     if (loosest == placed.end() || loosest->second >= options.resection_min_inliers) return removed;
     remove_images({loosest->first}, model);
     ++removed;
   }
+}
+
+int trim_open_ends(const std::set<int>& known, const ModelRefinementOptions& options, ColmapModel* model) {
+  int removed = 0;
+  const auto is_loose_end = [&](const std::pair<const int, int>& end) {
+    return !known.contains(end.first) && end.second < kOpenEndFactor * options.resection_min_inliers;
+  };
+  while (!model->cam_from_world.empty()) {
+    const std::map<int, int> placed = points_placed_by_others(options, *model);
+    std::set<int> gone;
+    if (is_loose_end(*placed.begin())) gone.insert(placed.begin()->first);
+    if (is_loose_end(*placed.rbegin())) gone.insert(placed.rbegin()->first);
+    if (gone.empty()) break;
+    remove_images(gone, model);
+    removed += static_cast<int>(gone.size());
+  }
+  return removed;
 }
 
 int remove_strays(ColmapModel* model) {

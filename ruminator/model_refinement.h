@@ -60,6 +60,13 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
 // its rays. Returns how many went.
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model);
 
+// The first and the last image of a model (images are in order of time) hang on one side only, unless front_tracker
+// knows where they are. They go, one after another, unless the others place kOpenEndFactor times resection_min_inliers
+// points of theirs: where the light goes out, a few wrong matches among as many right ones carry such an end away step
+// by step. Returns how many went; adjust_model should follow.
+constexpr int kOpenEndFactor = 2;
+int trim_open_ends(const std::set<int>& known, const ModelRefinementOptions& options, ColmapModel* model);
+
 // Removes images that are farther from the middle of all (the median of the positions) than kMaxStray times the median
 // distance of a point to a camera that sees it: a few images and points of their own, put where their scale is another
 // by orders of magnitude, contradict nothing. Returns how many went; adjust_model should follow.

@@ -173,6 +173,33 @@ TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
 }
 
+// The light goes out: of the first and of the last three images only some points are left, enough for a pose each.
+TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
+  const TestWindow w = testing::sideways_window(12);
+  const auto dark = [](int image) { return image == 0 || image > 8; };
+  std::map<int, int> seen;
+  ColmapModel model = testing::true_model(w);
+  for (ColmapModel::Point& point : model.points)
+    std::erase_if(point.track, [&](const auto& o) {
+      return dark(o.first) && ++seen[o.first] > kOpenEndFactor * kOptions.resection_min_inliers - 5;
+    });
+  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
+
+  ColmapModel first_known = model, last_known = model;
+  EXPECT_EQ(trim_open_ends({}, kOptions, &model), 4);
+  EXPECT_EQ(model.cam_from_world.begin()->first, 1);
+  EXPECT_EQ(model.cam_from_world.rbegin()->first, 8);
+  EXPECT_EQ(trim_open_ends({}, kOptions, &model), 0);
+  EXPECT_EQ(trim_open_ends({0, 1, 2}, kOptions, &first_known), 3);
+  EXPECT_TRUE(first_known.cam_from_world.contains(0));
+  EXPECT_EQ(trim_open_ends({11}, kOptions, &last_known), 1) << "what has a known image behind it is no end";
+  EXPECT_TRUE(last_known.cam_from_world.contains(9));
+
+  ColmapModel nothing;
+  EXPECT_EQ(trim_open_ends({}, kOptions, &nothing), 0);
+}
+
 TEST(RemoveStrays, RemovesWhatHasAnotherScale) {
   const TestWindow w = testing::sideways_window(10);
   ColmapModel model = testing::true_model(w);
