@@ -2,6 +2,7 @@
 #include "viewer_offscreen/viewer_node.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -193,6 +194,7 @@ void ViewerNode::draw() {
   } catch (const std::exception& e) {  // no OpenGL, no memory: the map is not ours to endanger
     report(e.what());
   }
+  malloc_trim(0);  // a picture, and the map that it was made of, are in many pieces of all sizes
   draw_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
