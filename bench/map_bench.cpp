@@ -198,7 +198,7 @@ class Server {
     time("place" + which, [&] {
       atlas_.set_links(builder_.links());
       for (const auto& [key, left] : built_.culled)
-        atlas_.change_submap(key, [&](Submap* submap) {
+        atlas_.change_submap(key, [&left = left](Submap* submap) {
           *submap = *left;
           return std::string();
         });

@@ -22,7 +22,7 @@ constexpr size_t kMaxBytes = 65536;
 // The scalar as it stands in the file, cut short for messages.
 std::string quoted(const YAML::Node& node) {
   if (!node.IsScalar()) return node.IsMap() ? "a group" : node.IsSequence() ? "a list" : "empty";
-  const std::string text = node.Scalar();
+  const std::string& text = node.Scalar();
   return text.size() > 40 ? fmt::format("'{}...'", text.substr(0, 40)) : fmt::format("'{}'", text);
 }
 

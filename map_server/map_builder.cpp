@@ -352,6 +352,7 @@ std::vector<int> MapBuilder::weld_window(const MapModel& model) const {
   }
   for (int view : window) shared.erase(view);
   std::vector<std::pair<int, int>> neighbours;  // points, view
+  neighbours.reserve(shared.size());
   for (const auto& [view, points] : shared) neighbours.emplace_back(-points, view);
   std::sort(neighbours.begin(), neighbours.end());
   for (size_t i = 0; i < neighbours.size() && static_cast<int>(i) < options_.weld_neighbours; ++i)

@@ -168,7 +168,7 @@ void MapServerNode::cull(const CulledSubmaps& culled) {
     spdlog::info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
                  all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
                  all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
-    atlas_.change_submap(key, [&](Submap* submap) {
+    atlas_.change_submap(key, [&left = left](Submap* submap) {
       if (submap->revision + 1 == left->revision) *submap = *left;
       return std::string();
     });

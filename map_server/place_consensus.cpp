@@ -92,6 +92,7 @@ class Ransac {
 std::vector<PlaceEquation> make_equations(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
                                           const std::vector<PlaceMatch>& matches, double octave_scale) {
   std::vector<PlaceEquation> equations;
+  equations.reserve(matches.size());
   for (const PlaceMatch& m : matches)
     equations.push_back({a.landmarks[m.a].position, b.landmarks[m.b].position,
                          a.views[m.in_a.view].keyframe->cam_from_submap, b.views[m.in_b.view].keyframe->cam_from_submap,

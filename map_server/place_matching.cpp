@@ -104,11 +104,13 @@ void PlaceProposals::compare(size_t view_a, size_t view_b) {
 
 std::vector<PlaceMatch> PlaceProposals::ranked() const {
   std::vector<Votes> ranked;
+  ranked.reserve(votes_.size());
   for (const auto& [pair, v] : votes_) ranked.push_back(v);
   std::stable_sort(ranked.begin(), ranked.end(), [](const Votes& x, const Votes& y) {
     return std::tuple(-x.count, x.best.distance) < std::tuple(-y.count, y.best.distance);
   });
   std::vector<PlaceMatch> matches;
+  matches.reserve(ranked.size());
   for (const Votes& v : ranked) matches.push_back(v.best);
   return one_to_one(matches, a_.landmarks.size(), b_.landmarks.size());
 }

@@ -18,7 +18,7 @@ const Keyframe* anchor_of(const Submap& submap, const Landmark& landmark);
 struct LandmarkRef {
   SubmapKey submap;
   int id = kNone;
-  auto operator<=>(const LandmarkRef&) const = default;
+  auto operator<=>(const LandmarkRef&) const = default;  // NOLINT(modernize-use-nullptr): the compiler's own
 };
 
 struct Placement {
