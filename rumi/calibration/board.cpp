@@ -101,7 +101,8 @@ std::string Board::check() const {
 }
 
 cv::Point2d Board::corner_mm(int corner) const {
-  return {(corner % corner_columns() + 1) * square_mm, (corner / corner_columns() + 1) * square_mm};
+  const int column = corner % corner_columns(), row = corner / corner_columns();
+  return {(column + 1) * square_mm, (row + 1) * square_mm};
 }
 
 std::vector<cv::Rect2d> Board::black_mm() const {

@@ -27,6 +27,7 @@ Correspondences correspondences(const Board& board, const BoardView& view) {
 
 std::vector<Correspondences> correspondences(const Board& board, const std::vector<BoardView>& views) {
   std::vector<Correspondences> out;
+  out.reserve(views.size());
   for (const BoardView& view : views) out.push_back(correspondences(board, view));
   return out;
 }
@@ -36,6 +37,7 @@ std::vector<Correspondences> correspondences(const Board& board, const std::vect
 std::vector<BoardView> most_different(const std::vector<BoardView>& views, size_t count, const Board& board,
                                       cv::Size image, std::vector<BoardView>* rest) {
   std::vector<ViewShape> shapes;
+  shapes.reserve(views.size());
   for (const BoardView& view : views) shapes.push_back(shape_of(view, board, image));
   std::vector<double> difference(views.size(), std::numeric_limits<double>::infinity());
   std::vector<BoardView> chosen;
