@@ -37,12 +37,12 @@ wait_for() { # WHAT COMMAND...: until the command succeeds
   end=$(($(uptime_s) + limit_s))
   until "$@"; do
     [ "$(uptime_s)" -lt "$end" ] || fail "not within $limit_s s: $what"
-    sleep 0.5
+    sleep 1
   done
   say "$what"
 }
 
-property() { systemctl show -P "$2" "$1"; }
+of_all() { echo $(systemctl show -P "$1" $services); }
 all_are() { [ "$(systemctl is-active $services | sort -u)" = "$1" ]; }
 # /run/status has a line of JSON for each second.
 status_of() { tail -n 1 /run/status | sed -n "s/.*\"$1\":{\([^}]*\)}.*/\1/p"; }
@@ -56,21 +56,24 @@ published() { status_of camera_driver | sed 's/.*"detail":"\([0-9]*\) images.*/\
 # Frames by their number: the recording begins at 1000 s and has 30 Hz.
 number="(utime - 1000000000 + 16666) * 30 / 1000000"
 is_tracked_up_to() { [ -f "$map" ] && [ "$(query "SELECT ifnull(max($number), -1) FROM frames WHERE submap >= 0")" -ge "$1" ]; }
+configure() { # for any input: so little that the machine can do it
+  cp "$source/config/rumi.yaml" /etc/rumi/
+  option camera_file /srv/recording/calibration.yaml
+  option keypoints 300
+  option init_keypoints 600
+  option interval_s 60
+  echo "RUMI_INPUT=$1" >/etc/rumi/rumi.env
+}
 option() { sed -i "s|^  $1: *[^ ]*|  $1: $2|" /etc/rumi/rumi.yaml; }
 
 say "the machine is up"
 cmake --install "$build" --prefix /usr/local >/run/install.log || { cat /run/install.log && fail "cmake --install"; }
 mkdir -p /etc/rumi
 cp "$source"/config/systemd/rumi* /etc/systemd/system/
-cp "$source/config/rumi.yaml" /etc/rumi/
 cp -r "$build/tests/virtual_machine/recording" /srv/recording
-option camera_file /srv/recording/calibration.yaml
+configure /srv/recording
 option loop true
-option speed 0.03 # this and the rest: so little that the machine can do it
-option keypoints 300
-option init_keypoints 600
-option interval_s 60
-echo RUMI_INPUT=/srv/recording >/etc/rumi/rumi.env
+option speed 0.03
 systemctl daemon-reload
 say "installed"
 systemctl enable --now rumi.target || fail "systemctl enable --now rumi.target"
@@ -80,15 +83,15 @@ wait_for "all five are active" all_are active
 wait_for "all five say that they run" five_run
 wait_for "images are tracked" is_tracked_up_to 0
 [ -d /var/lib/rumi/rumi-spool ] || fail "there is no spool in /var/lib/rumi"
-for service in $services; do
-  [ "$(stat -c %u "/proc/$(property $service MainPID)")" -ne 0 ] || fail "$service runs as root"
+for pid in $(of_all MainPID); do
+  [ "$(stat -c %u "/proc/$pid")" -ne 0 ] || fail "$(cat "/proc/$pid/comm") runs as root"
 done
 
 # Who is killed is started again, and what the map had is there.
-is_restarted() { [ "$(property "$1" NRestarts)" -eq 1 ] && [ "$(systemctl is-active "$1")" = active ]; }
+is_restarted() { [ "$(systemctl show -P NRestarts "$1")" -eq 1 ] && [ "$(systemctl is-active "$1")" = active ]; }
 for service in rumi-map-server rumi-front-tracker; do
   query 'SELECT utime FROM frames' | sort >/run/known
-  kill -9 "$(property $service MainPID)"
+  kill -9 "$(systemctl show -P MainPID $service)"
   wait_for "$service was killed and is started again" is_restarted $service
   wait_for "images taken since then are tracked" is_tracked_up_to $(($(published) + 10)) # the status is of a while ago
   query 'SELECT utime FROM frames' | sort | comm -23 /run/known - >/run/lost
@@ -98,15 +101,12 @@ done
 # Stopped: the camera first and the map last, so that nothing is lost on the way.
 systemctl stop rumi.target || fail "systemctl stop rumi.target"
 wait_for "all five have stopped" all_are inactive
-asked() { property "$1" ActiveExitTimestampMonotonic; }
-ended() { property "$1" InactiveEnterTimestampMonotonic; }
-for service in $services; do
-  [ "$(property $service Result)" = success ] || fail "$service ended with $(property $service Result)"
-done
-for service in rumi-front-tracker rumi-ruminator rumi-viewer; do
-  [ "$(ended rumi-camera-driver)" -le "$(asked $service)" ] || fail "$service was stopped before the camera"
-  [ "$(ended $service)" -le "$(asked rumi-map-server)" ] || fail "map_server was stopped before $service"
-done
+results=$(of_all Result)
+[ "$results" = "success success success success success" ] || fail "$services ended with: $results"
+ended=$(of_all InactiveEnterTimestampMonotonic)
+asked=$(of_all ActiveExitTimestampMonotonic) # to end
+echo "$ended $asked" | awk '{ for (i = 2; i <= 4; ++i) if ($(5 + i) < $1 || $10 < $i) exit 1 }' ||
+  fail "not in order: $services were asked to end at $asked us, and ended at $ended us"
 last_is_there() { [ "$(query "SELECT max($number) + 1 FROM frames")" -eq "$(published)" ]; }
 wait_for "the camera's last image is in the map" last_is_there
 told=$(status_of tracking | sed 's/.*"frames":\([0-9]*\).*/\1/')
@@ -115,27 +115,26 @@ stored=$(query 'SELECT count(*) FROM frames WHERE session = (SELECT max(session)
 
 # A camera.
 kill "$listener"
-echo RUMI_INPUT=/dev/video0 >/etc/rumi/rumi.env
-option loop false
+configure /dev/video0
 option rate 5
 systemctl start rumi.target || fail "systemctl start rumi.target"
 listen
 images_flow() { status_of tracking | grep -q '"rate_hz":[0-9.]*[1-9]'; }
 wait_for "the camera's images flow" images_flow
-pid=$(property rumi-camera-driver MainPID)
+pid=$(systemctl show -P MainPID rumi-camera-driver)
 grep -q '^Uid:.*[[:space:]]0' "/proc/$pid/status" && fail "camera_driver runs as root"
 grep -q "^Groups:.*[[:space:]]$(stat -c %g /dev/video0)\b" "/proc/$pid/status" || fail "camera_driver is not in the camera's group"
 option controls '"brightness=77"'
 systemctl reload rumi-camera-driver || fail "systemctl reload rumi-camera-driver"
 is_bright() { v4l2-ctl -d /dev/video0 -C brightness | grep -q ' 77$'; }
 wait_for "reloaded, the camera has its new brightness" is_bright
-[ "$(property rumi-camera-driver MainPID)" -eq "$pid" ] || fail "camera_driver was started again instead of reloaded"
+[ "$(systemctl show -P MainPID rumi-camera-driver)" -eq "$pid" ] || fail "camera_driver was started again instead of reloaded"
 
 # A config that cannot be used is a failure for good, and nobody else's.
 option speed nonsense
 systemctl restart rumi-camera-driver || true
 has_failed() { [ "$(systemctl is-active rumi-camera-driver)" = failed ]; }
 wait_for "with a wrong config camera_driver fails" has_failed
-[ "$(property rumi-camera-driver ExecMainStatus)" -eq 2 ] || fail "exit code $(property rumi-camera-driver ExecMainStatus), not 2"
-[ "$(property rumi-camera-driver NRestarts)" -eq 0 ] || fail "a wrong config was tried again"
+[ "$(systemctl show -P ExecMainStatus rumi-camera-driver)" -eq 2 ] || fail "exit code $(systemctl show -P ExecMainStatus rumi-camera-driver), not 2"
+[ "$(systemctl show -P NRestarts rumi-camera-driver)" -eq 0 ] || fail "a wrong config was tried again"
 say "PASSED"
