@@ -35,9 +35,9 @@ apps: dependencies $(BUILD)/build.ninja
 demo: apps
 	scripts/demo.sh $(BUILD)/bin/rumi $(DEMO)
 
-# With what the virtual machine needs that camera_driver is tested in; without it that test is skipped.
+# With what the virtual machines need that camera_driver and systemd are tested in; without it those tests are skipped.
 test: build
-	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils
+	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
 	ctest --test-dir $(BUILD) --output-on-failure
 	$(MAKE) sanitized-test
 

@@ -1,25 +1,37 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# run_in_qemu.sh WORK COMMAND ARGS...: runs a command as root in a virtual machine that has this machine's files (read-only),
-# Debian's kernel and virtual cameras: the kernel's own (vivid) and, where it can be had, one to be fed (v4l2loopback). WORK is
-# a folder for the kernel and the initramfs.
+# run_in_qemu.sh [--systemd] WORK COMMAND ARGS...: runs a command as root in a virtual machine that has this machine's files
+# (read-only), Debian's kernel and virtual cameras: the kernel's own (vivid) and, where it can be had, one to be fed
+# (v4l2loopback). With --systemd this machine's systemd and udev run in it, its files can be written (nothing of that stays),
+# and there is no camera to be fed. WORK is a folder for the kernel and the initramfs.
 # Needs no root and no KVM. Exit code: the command's, 77 (CTest: skipped) where something needed is missing.
 # RUMI_QEMU_ACCEL=kvm is faster where KVM works; RUMI_QEMU_TIMEOUT_S is the limit for all of it.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
+systemd=false
+if [ "$1" = --systemd ]; then
+  systemd=true
+  shift
+fi
 work=$1
 shift
 accel=${RUMI_QEMU_ACCEL:-tcg}
 limit_s=${RUMI_QEMU_TIMEOUT_S:-400}
 
+command="$*"
 skip() {
-  echo "SKIPPED: $1, so camera_driver was NOT tested against the kernel's V4L2" >&2
+  echo "SKIPPED: $1, so this was NOT run in a virtual machine: $command" >&2
   exit 77
 }
 PATH=$PATH:/usr/sbin:/sbin
 for tool in qemu-system-x86_64 busybox cpio modprobe depmod v4l2-ctl; do
   command -v "$tool" >/dev/null || skip "$tool is missing (scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils)"
 done
+if $systemd; then
+  for program in systemd systemd-udevd; do
+    [ -x "/lib/systemd/$program" ] || skip "/lib/systemd/$program is missing (scripts/install_dependencies.sh systemd udev)"
+  done
+fi
 
 # Cameras are not in the kernels for clouds and containers: fetched once, and not installed.
 fetch_kernel() {
@@ -56,10 +68,21 @@ mkdir -p "$work/initramfs/bin" "$work/initramfs/modules"
 cp "$(command -v busybox)" "$work/initramfs/bin/busybox"
 cp "$here/init" "$work/initramfs/init"
 chmod 755 "$work/initramfs/init"
-for module in 9pnet_virtio 9p virtio_pci vivid; do
+modules="9pnet_virtio 9p virtio_pci vivid"
+machine="-m 1024 -smp 1"
+options=""
+if $systemd; then
+  cp "$here/init_systemd" "$here/command.service" "$work/initramfs/"
+  modules="$modules overlay"
+  machine="-m 4096 -smp 1"
+  options="systemd.unit=command.service systemd.show_status=false fstab=no luks=no systemd.gpt_auto=no"
+fi
+for module in $modules; do
   modprobe -d "$kernel" -S "$version" --show-depends "$module" 2>/dev/null | awk '/^insmod/ {print $2}'
 done | awk '!seen[$0]++' >"$work/modules"
-if "$here/build_loopback.sh" "$work" "$version"; then
+if $systemd; then
+  :
+elif "$here/build_loopback.sh" "$work" "$version"; then
   echo "$work/v4l2loopback-$version.ko" >>"$work/modules"
 else
   echo "SKIPPED: v4l2loopback cannot be had here, so MJPEG was NOT tested against the kernel's V4L2" >&2
@@ -74,7 +97,7 @@ while read -r file; do
   number=$((number + 1))
 done <"$work/modules"
 {
-  echo "export TMPDIR=/run PATH=/usr/sbin:/usr/bin:/sbin:/bin RUMI_IN_NETNS=1"
+  echo "export TMPDIR=/run PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin RUMI_IN_NETNS=1"
   printf 'cd "%s"\n' "$PWD"
   for argument in "$@"; do printf '"%s" ' "$argument"; done
   echo
@@ -84,8 +107,8 @@ done <"$work/modules"
 begin=$(date +%s)
 code=0
 timeout "$limit_s" qemu-system-x86_64 -accel "$accel" -cpu max -nodefaults -display none -monitor none -no-reboot \
-  -m 1024 -smp 1 -kernel "$kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
-  -append "console=ttyS0 quiet panic=-1 loglevel=3" -serial stdio \
+  $machine -kernel "$kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
+  -append "console=ttyS0 quiet panic=-1 loglevel=3 $options" -serial stdio \
   -virtfs local,path=/,mount_tag=hostroot,security_model=none,readonly=on,multidevs=remap </dev/null >"$work/console" || code=$?
 tr -d '\r' <"$work/console"
 echo "the virtual machine ($accel, $version) ran for $(($(date +%s) - begin)) s"

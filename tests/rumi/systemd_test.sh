@@ -1,0 +1,140 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# What the README says of systemd, done as it says, with the real systemd in a virtual machine: Rumi is installed, started,
+# killed, stopped, started with a camera, and with a config that is wrong.
+#   systemd_test.sh SOURCE BUILD     runs itself there as root, with --inside
+# Exit code 77 (CTest: skipped) where something needed is missing. Writes into BUILD/tests/virtual_machine only.
+set -eu
+if [ "$1" != --inside ]; then
+  work=$2/tests/virtual_machine
+  command -v sqlite3 >/dev/null || {
+    echo "SKIPPED: sqlite3 is missing (scripts/install_dependencies.sh sqlite3), so config/systemd was NOT run by systemd" >&2
+    exit 77
+  }
+  mkdir -p "$work"
+  "$2/bin/rumi" synth -q -o "$work/recording" --overwrite --seconds 3 --size 320x180 # a size that vivid has too
+  RUMI_QEMU_TIMEOUT_S=${RUMI_QEMU_TIMEOUT_S:-850} exec "$1/tests/virtual_machine/run_in_qemu.sh" --systemd "$work" \
+    "$1/tests/rumi/systemd_test.sh" --inside "$1" "$2"
+fi
+source=$2
+build=$3
+services="rumi-camera-driver rumi-front-tracker rumi-ruminator rumi-viewer rumi-map-server"
+map=/var/lib/rumi/map.db
+limit_s=120 # for anything to come true: without KVM the machine is slow, and others may be at work beside it
+
+uptime_s() { cut -d . -f 1 /proc/uptime; }
+say() { echo "$(uptime_s) s: $*"; }
+fail() {
+  echo "FAILED: $*"
+  journalctl --no-pager -o short-monotonic -u 'rumi*'
+  systemctl status --no-pager -n 0 $services || true
+  tail -n 1 /run/status
+  exit 1
+}
+wait_for() { # WHAT COMMAND...: until the command succeeds
+  what=$1
+  shift
+  end=$(($(uptime_s) + limit_s))
+  until "$@"; do
+    [ "$(uptime_s)" -lt "$end" ] || fail "not within $limit_s s: $what"
+    sleep 1
+  done
+  say "$what"
+}
+
+of_all() { echo $(systemctl show -P "$1" $services); }
+all_are() { [ "$(systemctl is-active $services | sort -u)" = "$1" ]; }
+# /run/status has a line of JSON for each second.
+status_of() { tail -n 1 /run/status | sed -n "s/.*\"$1\":{\([^}]*\)}.*/\1/p"; }
+five_run() { [ "$(tail -n 1 /run/status | grep -o '"state":"running"' | wc -l)" -eq 5 ]; }
+listen() {
+  rumi status --json --follow >/run/status 2>&1 &
+  listener=$!
+}
+query() { sqlite3 -readonly "$map" "$1"; }
+published() { status_of camera_driver | sed 's/.*"detail":"\([0-9]*\) images.*/\1/'; }
+# Frames by their number: the recording begins at 1000 s and has 30 Hz.
+number="(utime - 1000000000 + 16666) * 30 / 1000000"
+is_tracked_up_to() { [ -f "$map" ] && [ "$(query "SELECT ifnull(max($number), -1) FROM frames WHERE submap >= 0")" -ge "$1" ]; }
+configure() { # for any input: so little that the machine can do it
+  cp "$source/config/rumi.yaml" /etc/rumi/
+  option camera_file /srv/recording/calibration.yaml
+  option keypoints 300
+  option init_keypoints 600
+  option interval_s 60
+  echo "RUMI_INPUT=$1" >/etc/rumi/rumi.env
+}
+option() { sed -i "s|^  $1: *[^ ]*|  $1: $2|" /etc/rumi/rumi.yaml; }
+
+say "the machine is up"
+cmake --install "$build" --prefix /usr/local >/run/install.log || { cat /run/install.log && fail "cmake --install"; }
+mkdir -p /etc/rumi
+cp "$source"/config/systemd/rumi* /etc/systemd/system/
+cp -r "$build/tests/virtual_machine/recording" /srv/recording
+configure /srv/recording
+option loop true
+option speed 0.03
+systemctl daemon-reload
+say "installed"
+systemctl enable --now rumi.target || fail "systemctl enable --now rumi.target"
+[ -L /etc/systemd/system/multi-user.target.wants/rumi.target ] || fail "it would not be started at boot"
+listen
+wait_for "all five are active" all_are active
+wait_for "all five say that they run" five_run
+wait_for "images are tracked" is_tracked_up_to 0
+[ -d /var/lib/rumi/rumi-spool ] || fail "there is no spool in /var/lib/rumi"
+for pid in $(of_all MainPID); do
+  [ "$(stat -c %u "/proc/$pid")" -ne 0 ] || fail "$(cat "/proc/$pid/comm") runs as root"
+done
+
+# Who is killed is started again, and what the map had is there.
+is_restarted() { [ "$(systemctl show -P NRestarts "$1")" -eq 1 ] && [ "$(systemctl is-active "$1")" = active ]; }
+for service in rumi-map-server rumi-front-tracker; do
+  query 'SELECT utime FROM frames' | sort >/run/known
+  kill -9 "$(systemctl show -P MainPID $service)"
+  wait_for "$service was killed and is started again" is_restarted $service
+  wait_for "images taken since then are tracked" is_tracked_up_to $(($(published) + 10)) # the status is of a while ago
+  query 'SELECT utime FROM frames' | sort | comm -23 /run/known - >/run/lost
+  [ ! -s /run/lost ] || fail "$(wc -l </run/lost) frames of the map are lost since $service was killed"
+done
+
+# Stopped: the camera first and the map last, so that nothing is lost on the way.
+systemctl stop rumi.target || fail "systemctl stop rumi.target"
+wait_for "all five have stopped" all_are inactive
+results=$(of_all Result)
+[ "$results" = "success success success success success" ] || fail "$services ended with: $results"
+ended=$(of_all InactiveEnterTimestampMonotonic)
+asked=$(of_all ActiveExitTimestampMonotonic) # to end
+echo "$ended $asked" | awk '{ for (i = 2; i <= 4; ++i) if ($(5 + i) < $1 || $10 < $i) exit 1 }' ||
+  fail "not in order: $services were asked to end at $asked us, and ended at $ended us"
+last_is_there() { [ "$(query "SELECT max($number) + 1 FROM frames")" -eq "$(published)" ]; }
+wait_for "the camera's last image is in the map" last_is_there
+told=$(status_of tracking | sed 's/.*"frames":\([0-9]*\).*/\1/')
+stored=$(query 'SELECT count(*) FROM frames WHERE session = (SELECT max(session) FROM frames)')
+[ "$told" -eq "$stored" ] || fail "front_tracker told of $told frames since it was started again, the map has $stored"
+
+# A camera.
+kill "$listener"
+configure /dev/video0
+option rate 5
+systemctl start rumi.target || fail "systemctl start rumi.target"
+listen
+images_flow() { status_of tracking | grep -q '"rate_hz":[0-9.]*[1-9]'; }
+wait_for "the camera's images flow" images_flow
+pid=$(systemctl show -P MainPID rumi-camera-driver)
+grep -q '^Uid:.*[[:space:]]0' "/proc/$pid/status" && fail "camera_driver runs as root"
+grep -q "^Groups:.*[[:space:]]$(stat -c %g /dev/video0)\b" "/proc/$pid/status" || fail "camera_driver is not in the camera's group"
+option controls '"brightness=77"'
+systemctl reload rumi-camera-driver || fail "systemctl reload rumi-camera-driver"
+is_bright() { v4l2-ctl -d /dev/video0 -C brightness | grep -q ' 77$'; }
+wait_for "reloaded, the camera has its new brightness" is_bright
+[ "$(systemctl show -P MainPID rumi-camera-driver)" -eq "$pid" ] || fail "camera_driver was started again instead of reloaded"
+
+# A config that cannot be used is a failure for good, and nobody else's.
+option speed nonsense
+systemctl restart rumi-camera-driver || true
+has_failed() { [ "$(systemctl is-active rumi-camera-driver)" = failed ]; }
+wait_for "with a wrong config camera_driver fails" has_failed
+[ "$(systemctl show -P ExecMainStatus rumi-camera-driver)" -eq 2 ] || fail "exit code $(systemctl show -P ExecMainStatus rumi-camera-driver), not 2"
+[ "$(systemctl show -P NRestarts rumi-camera-driver)" -eq 0 ] || fail "a wrong config was tried again"
+say "PASSED"
