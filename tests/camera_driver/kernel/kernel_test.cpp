@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// camera_driver against the kernel's own V4L2, in a virtual machine (tests/virtual_machine/run_in_qemu.sh): formats byte
-// for byte, times against the camera's schedule, losses, errors, unplugging, and the whole process on LCM.
+// camera_driver against the kernel's own V4L2, in a virtual machine (tests/virtual_machine/run_in_qemu.sh): formats
+// byte for byte, times against the camera's schedule, losses, errors, unplugging, and the whole process on LCM.
 #include <gmock/gmock.h>
 #include <time.h>
 
