@@ -146,6 +146,7 @@ void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function
     }
   };
   run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
+  bus.dispatch(0);  // what had arrived when we were asked to end, as the last images of a camera that was ended first
   spdlog::debug("ending");
   if (g_stop_signals == 0) node.finish();
   if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
@@ -89,9 +90,12 @@ class Peer {
   // Asks until an answer comes (the child needs time to start).
   bool ask(int id) {
     answer = -1;
-    map_request_t request{};
-    request.request_id = id;
-    return until([&] { return answer >= 0; }, [&] { bus_->publish(channels::kCamera, request); });
+    return until([&] { return answer >= 0; }, [&] { request(id); });
+  }
+  void request(int id) {
+    map_request_t message{};
+    message.request_id = id;
+    bus_->publish(channels::kCamera, message);
   }
   bool until(
       const std::function<bool()>& done, const std::function<void()>& action = [] {}) {
@@ -151,6 +155,19 @@ TEST(RunProcessTest, AnswersAndEndsCleanlyWhenAsked) {
     EXPECT_TRUE(peer.until([&] { return peer.stopping; }));
     EXPECT_EQ(child.wait(), 0) << child.output();
   }
+}
+
+TEST(RunProcessTest, WhatHadArrivedWhenItWasAskedToEndIsAnswered) {
+  Peer peer;
+  Child child({"--slow", "500"});
+  ASSERT_TRUE(peer.until([&] { return peer.statuses > 0; })) << child.output();
+  for (const int id : {10, 20}) {  // the second while it is at work on the first
+    peer.request(id);
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  }
+  child.signal(SIGTERM);
+  EXPECT_EQ(child.wait(), 0) << child.output();
+  EXPECT_TRUE(peer.until([&] { return peer.answer == 21; }));
 }
 
 TEST(RunProcessTest, SettingsWinOverTheFileAndDoNotEatTheInput) {

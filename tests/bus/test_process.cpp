@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
+#include <thread>
 
 #include "bus/process.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -15,6 +16,7 @@ struct Options {
   int end_after = 0;
   bool never_finished = false;
   double hands_on_for_s = 0;
+  int slow_ms = 0;
   bool fail = false;
 };
 
@@ -23,6 +25,7 @@ class EchoNode : public rumi::Node {
   EchoNode(rumi::Bus& bus, const Options& options) : options_(options) {
     if (options.fail) throw std::runtime_error("no such camera");
     bus.subscribe<rumi::map_request_t>(rumi::channels::kCamera, {}, [&](const rumi::map_request_t& request) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(options_.slow_ms));
       rumi::map_request_t answer = request;
       answer.request_id += options_.step;
       bus.publish(rumi::channels::kTrack, answer);
@@ -60,6 +63,7 @@ int main(int argc, char** argv) {
                               app.add_option("--end-after", options.end_after, "answers");
                               app.add_flag("--never-finished", options.never_finished, "does not end when asked");
                               app.add_option("--hands-on-for", options.hands_on_for_s, "s, when asked to end");
+                              app.add_option("--slow", options.slow_ms, "ms that an answer takes");
                               app.add_flag("--fail", options.fail, "cannot start");
                             },
                             [&](rumi::OptionTable& table) {
