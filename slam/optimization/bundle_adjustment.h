@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bundle adjustment with Ceres: camera poses and points that minimize the reprojection error (Huber loss). Indices, not
-// maps, so that a snapshot of part of a submap can be solved while the submap itself goes on changing.
+// Bundle adjustment: camera poses and points that minimize the reprojection error (Huber loss). Indices, not maps, so
+// that a snapshot of part of a submap can be solved while the submap itself goes on changing.
 #pragma once
 
 #include <Eigen/Core>
@@ -36,7 +36,7 @@ struct BundleOptions {
 };
 
 struct BundleReport {
-  bool usable = false;  // false: nothing to solve or Ceres failed; the problem is unchanged
+  bool usable = false;  // false: nothing to solve, or a point is behind a camera that sees it; the problem is unchanged
   int iterations = 0;
   double initial_cost = 0, final_cost = 0;
 };

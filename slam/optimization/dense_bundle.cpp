@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/dense_bundle.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace rumi {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Matrix63d = Eigen::Matrix<double, 6, 3>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Of the diagonal that is damped: what nothing is known about stays where it is.
+constexpr double kMinDiagonal = 1e-6;
+
+// Damping: the diagonal divided by the radius of a trust region (Madsen et al., "Methods for Non-Linear Least Squares
+// Problems", 2004, eq. 2.21).
+class TrustRegion {
+ public:
+  double damping() const { return 1 / radius_; }
+  void accept(double gain) {
+    radius_ = std::min(1e16, radius_ / std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));
+    shrink_by_ = 2;
+  }
+  void refuse() { radius_ /= std::exchange(shrink_by_, 2 * shrink_by_); }
+
+ private:
+  double radius_ = 1e4, shrink_by_ = 2;
+};
+
+struct View {
+  SE3 cam_from_submap;
+  Eigen::Matrix3d rotation;
+};
+
+struct State {
+  std::vector<View> views;
+  std::vector<Eigen::Vector3d> points;
+};
+
+// Squared error, its linear part beyond `chi2` (Huber, 1964), and the weight that makes it so.
+struct Huber {
+  double chi2;
+  double rho(double s) const { return s <= chi2 ? s : 2 * std::sqrt(chi2 * s) - chi2; }
+  double weight(double s) const { return s <= chi2 ? 1 : std::sqrt(chi2 / s); }
+};
+
+class DenseBundle {
+ public:
+  DenseBundle(const Camera& camera, const BundleOptions& options, const BundleProblem& problem);
+  bool has_free_views() const { return !free_.empty(); }
+  // Half the sum of the robust squared errors; infinite when a point is behind a camera that sees it.
+  double cost(const State& state) const;
+  // The normal equations at the state.
+  void linearize(const State& state);
+  // Where the damped normal equations lead, and by how much they say that the cost falls; nothing when they cannot be
+  // solved.
+  std::optional<State> step(const State& from, double damping, double* predicted);
+
+ private:
+  struct Observation {
+    int view, point;
+    double u, v;  // px from the principal point, divided by sigma like the focal lengths
+    double fx, fy;
+  };
+  struct Point {
+    int begin = 0, end = 0;  // of its observations
+    Eigen::Matrix3d hessian;
+    Eigen::Vector3d gradient;
+    Eigen::Matrix3d inverse;  // of the damped hessian
+  };
+  struct Unknown {  // a view that is not fixed
+    int view;
+    Matrix6d hessian;
+    Vector6d gradient;
+  };
+
+  void add(const Observation& o, const State& state, Point* point, Matrix63d* mixed);
+  // Of the point's observations those by views that are not fixed: as rows of the system, and index.
+  void eliminate(Point* point, double damping);
+  Eigen::Vector3d back_substitute(const Point& point) const;
+
+  Huber huber_;
+  std::vector<Observation> observations_;  // in order of their points
+  std::vector<Point> points_;
+  std::vector<Unknown> free_;
+  std::vector<int> unknown_of_;      // view -> index in free_, -1 when fixed or not seen by any point
+  std::vector<Matrix63d> mixed_;     // of each observation: second derivative by view and point; nothing of fixed views
+  std::vector<Matrix63d> weighted_;  // of the observations of one point
+  Eigen::MatrixXd system_;           // the lower half counts
+  Eigen::VectorXd right_;            // and then the solution
+};
+
+DenseBundle::DenseBundle(const Camera& camera, const BundleOptions& options, const BundleProblem& problem)
+    : huber_{options.huber_chi2}, points_(problem.points.size()), unknown_of_(problem.views.size(), -1) {
+  for (const BundleProblem::Observation& o : problem.observations) {
+    ++points_[o.point].end;
+    if (problem.views[o.view].fixed || unknown_of_[o.view] >= 0) continue;
+    unknown_of_[o.view] = 0;
+  }
+  for (size_t v = 0; v < unknown_of_.size(); ++v) {
+    if (unknown_of_[v] < 0) continue;
+    unknown_of_[v] = static_cast<int>(free_.size());
+    free_.push_back({static_cast<int>(v), Matrix6d::Zero(), Vector6d::Zero()});
+  }
+  int begin = 0;
+  for (Point& p : points_) {
+    p.begin = begin;
+    begin += std::exchange(p.end, begin);
+  }
+  observations_.resize(problem.observations.size());
+  mixed_.resize(problem.observations.size());
+  for (const BundleProblem::Observation& o : problem.observations)
+    observations_[points_[o.point].end++] = {o.view,
+                                             o.point,
+                                             (o.pixel.x() - camera.cx) / o.sigma_px,
+                                             (o.pixel.y() - camera.cy) / o.sigma_px,
+                                             camera.fx / o.sigma_px,
+                                             camera.fy / o.sigma_px};
+}
+
+double DenseBundle::cost(const State& state) const {
+  double sum = 0;
+  for (const Observation& o : observations_) {
+    const View& view = state.views[o.view];
+    const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
+    if (!(p.z() > 1e-9)) return kInfinity;
+    const double ru = o.fx * p.x() / p.z() - o.u, rv = o.fy * p.y() / p.z() - o.v;
+    sum += huber_.rho(ru * ru + rv * rv);
+  }
+  return sum / 2;
+}
+
+void DenseBundle::linearize(const State& state) {
+  for (Unknown& f : free_) {
+    f.hessian.setZero();
+    f.gradient.setZero();
+  }
+  for (Point& point : points_) {
+    point.hessian.setZero();
+    point.gradient.setZero();
+    for (int i = point.begin; i < point.end; ++i) add(observations_[i], state, &point, &mixed_[i]);
+  }
+}
+
+void DenseBundle::add(const Observation& o, const State& state, Point* point, Matrix63d* mixed) {
+  const View& view = state.views[o.view];
+  const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
+  const double iz = 1 / p.z(), a = p.x() * iz, b = p.y() * iz;
+  const double ru = o.fx * a - o.u, rv = o.fy * b - o.v;
+  const double weight = huber_.weight(ru * ru + rv * rv);
+  // By the point in the camera's frame: gradient, and the second derivative without that of the projection.
+  const double jx = o.fx * iz, jy = o.fy * iz;
+  const double gx = weight * jx * ru, gy = weight * jy * rv;
+  const Eigen::Vector3d gradient(gx, gy, -a * gx - b * gy);
+  const double hx = weight * jx * jx, hy = weight * jy * jy;
+  Eigen::Matrix3d hessian;
+  hessian << hx, 0, -a * hx, 0, hy, -b * hy, -a * hx, -b * hy, a * a * hx + b * b * hy;
+
+  const Eigen::Matrix3d by_point = hessian * view.rotation;
+  point->hessian.noalias() += view.rotation.transpose() * by_point;
+  point->gradient.noalias() += view.rotation.transpose() * gradient;
+  if (unknown_of_[o.view] < 0) return;
+  // The view moves by exp(twist) on the left: p by translation + rotation x p.
+  Unknown& unknown = free_[unknown_of_[o.view]];
+  const Eigen::Matrix3d cross = skew(p);
+  const Eigen::Matrix3d turned = cross * hessian;
+  mixed->topRows<3>() = by_point;
+  mixed->bottomRows<3>().noalias() = cross * by_point;
+  unknown.hessian.topLeftCorner<3, 3>() += hessian;
+  unknown.hessian.bottomLeftCorner<3, 3>() += turned;
+  unknown.hessian.bottomRightCorner<3, 3>().noalias() -= turned * cross;
+  unknown.gradient.head<3>() += gradient;
+  unknown.gradient.tail<3>() += p.cross(gradient);
+}
+
+template <typename Matrix>
+void damp(double damping, Matrix* hessian) {
+  for (int i = 0; i < hessian->rows(); ++i) (*hessian)(i, i) += damping * std::max((*hessian)(i, i), kMinDiagonal);
+}
+
+void DenseBundle::eliminate(Point* point, double damping) {
+  Eigen::Matrix3d damped = point->hessian;
+  damp(damping, &damped);
+  point->inverse = damped.inverse();
+  weighted_.resize(point->end - point->begin);
+  for (int i = point->begin; i < point->end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row < 0) continue;
+    Matrix63d& weighted = weighted_[i - point->begin];
+    weighted.noalias() = mixed_[i] * point->inverse;
+    right_.segment<6>(6 * row).noalias() += weighted * point->gradient;
+  }
+  for (int i = point->begin; i < point->end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row < 0) continue;
+    for (int k = point->begin; k < point->end; ++k) {
+      const int column = unknown_of_[observations_[k].view];
+      if (column < 0 || column > row) continue;
+      system_.block<6, 6>(6 * row, 6 * column).noalias() -= weighted_[i - point->begin] * mixed_[k].transpose();
+    }
+  }
+}
+
+Eigen::Vector3d DenseBundle::back_substitute(const Point& point) const {
+  Eigen::Vector3d right = -point.gradient;
+  for (int i = point.begin; i < point.end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row >= 0) right.noalias() -= mixed_[i].transpose() * right_.segment<6>(6 * row);
+  }
+  return point.inverse * right;
+}
+
+std::optional<State> DenseBundle::step(const State& from, double damping, double* predicted) {
+  const auto n = static_cast<Eigen::Index>(free_.size());
+  system_.setZero(6 * n, 6 * n);
+  right_.resize(6 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Matrix6d damped = free_[i].hessian;
+    damp(damping, &damped);
+    system_.block<6, 6>(6 * i, 6 * i) = damped;
+    right_.segment<6>(6 * i) = -free_[i].gradient;
+  }
+  for (Point& point : points_)
+    if (point.begin < point.end) eliminate(&point, damping);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(system_);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  factor.solveInPlace(right_);
+  if (!right_.allFinite()) return std::nullopt;
+
+  // Half of step * (right side + damping * diagonal * step), the right side being the negative gradient.
+  double twice = 0;
+  const auto predict = [&](const auto& step, const auto& gradient, const auto& hessian) {
+    twice -= step.dot(gradient);
+    for (Eigen::Index i = 0; i < step.size(); ++i)
+      twice += damping * std::max(hessian(i, i), kMinDiagonal) * step[i] * step[i];
+  };
+  State to = from;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vector6d twist = right_.segment<6>(6 * i);
+    predict(twist, free_[i].gradient, free_[i].hessian);
+    View& view = to.views[free_[i].view];
+    view.cam_from_submap = SE3::exp(twist) * view.cam_from_submap;
+    view.rotation = view.cam_from_submap.rotation.toRotationMatrix();
+  }
+  for (size_t p = 0; p < points_.size(); ++p) {
+    if (points_[p].begin == points_[p].end) continue;
+    const Eigen::Vector3d move = back_substitute(points_[p]);
+    predict(move, points_[p].gradient, points_[p].hessian);
+    to.points[p] += move;
+  }
+  *predicted = twice / 2;
+  return to;
+}
+
+State state_of(const BundleProblem& problem) {
+  State state{{}, problem.points};
+  for (const BundleProblem::View& v : problem.views)
+    state.views.push_back({v.cam_from_submap, v.cam_from_submap.rotation.toRotationMatrix()});
+  return state;
+}
+
+}  // namespace
+
+BundleReport solve_dense_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
+  constexpr double kMinGain = 1e-3;  // of what a step promised, or it is taken back
+  BundleReport report;
+  DenseBundle bundle(camera, options, *problem);
+  State state = state_of(*problem);
+  double cost = bundle.cost(state);
+  if (!bundle.has_free_views() || !std::isfinite(cost)) return report;
+  report.initial_cost = cost;
+  TrustRegion region;
+  bool moved = true, converged = false;
+  while (report.iterations < options.iterations && !converged && !(options.cancel && *options.cancel)) {
+    ++report.iterations;
+    if (std::exchange(moved, false)) bundle.linearize(state);
+    double predicted = 0;
+    std::optional<State> next = bundle.step(state, region.damping(), &predicted);
+    const double next_cost = next ? bundle.cost(*next) : kInfinity;
+    const double decrease = cost - next_cost;
+    converged = std::abs(decrease) <= options.function_tolerance * cost;
+    moved = predicted > 0 && decrease > kMinGain * predicted;
+    if (!moved) {
+      region.refuse();
+      continue;
+    }
+    region.accept(decrease / predicted);
+    state = *std::move(next);
+    cost = next_cost;
+  }
+  report.usable = true;
+  report.final_cost = cost;
+  for (size_t v = 0; v < state.views.size(); ++v) problem->views[v].cam_from_submap = state.views[v].cam_from_submap;
+  problem->points = std::move(state.points);
+  return report;
+}
+
+}  // namespace rumi

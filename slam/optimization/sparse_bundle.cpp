@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/sparse_bundle.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace rumi {
+namespace {
+
+// A pose as 7 numbers (x y z w of the quaternion, translation) that moves by exp(twist) on the left. Cost functions
+// give their derivative by the twist in the first six columns and leave the seventh zero, which saves a product per
+// residual.
+class PoseManifold final : public ceres::Manifold {
+ public:
+  int AmbientSize() const override { return 7; }
+  int TangentSize() const override { return 6; }
+  bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
+    const SE3 moved = SE3::exp(Eigen::Map<const Vector6d>(delta)) * read(x);
+    write(moved, x_plus_delta);
+    return true;
+  }
+  bool PlusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 7, 6, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.topRows<6>().setIdentity();
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* y_minus_x) const override {
+    Eigen::Map<Vector6d>{y_minus_x} = (read(y) * read(x).inverse()).log();
+    return true;
+  }
+  bool MinusJacobian(const double*, double* jacobian) const override {
+    Eigen::Map<Eigen::Matrix<double, 6, 7, Eigen::RowMajor>> j(jacobian);
+    j.setZero();
+    j.leftCols<6>().setIdentity();
+    return true;
+  }
+  static SE3 read(const double* x) {
+    return {Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d(x[4], x[5], x[6])};
+  }
+  static void write(const SE3& pose, double* x) {
+    Eigen::Map<Eigen::Vector4d>{x} = pose.rotation.coeffs();
+    Eigen::Map<Eigen::Vector3d>{x + 4} = pose.translation;
+  }
+};
+
+class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
+ public:
+  ReprojectionError(const Camera& camera, const Eigen::Vector2d& pixel, double sigma_px)
+      : fx_(camera.fx / sigma_px),
+        fy_(camera.fy / sigma_px),
+        u_((pixel.x() - camera.cx) / sigma_px),
+        v_((pixel.y() - camera.cy) / sigma_px) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const double* x = parameters[0];
+    const Eigen::Matrix3d r = Eigen::Quaterniond(x[3], x[0], x[1], x[2]).toRotationMatrix();
+    const Eigen::Vector3d p =
+        r * Eigen::Map<const Eigen::Vector3d>(parameters[1]) + Eigen::Map<const Eigen::Vector3d>(x + 4);
+    // A point that an intermediate step put behind the camera: a step to refuse.
+    if (!(p.z() > 1e-9)) return false;
+    const double iz = 1.0 / p.z(), a = p.x() * iz, b = p.y() * iz;
+    residuals[0] = fx_ * a - u_;
+    residuals[1] = fy_ * b - v_;
+    if (!jacobians) return true;
+    if (jacobians[0]) {
+      Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
+      j << fx_ * iz, 0, -fx_ * a * iz, -fx_ * a * b, fx_ * (1 + a * a), -fx_ * b, 0,  //
+          0, fy_ * iz, -fy_ * b * iz, -fy_ * (1 + b * b), fy_ * a * b, fy_ * a, 0;
+    }
+    if (jacobians[1]) {
+      Eigen::Matrix<double, 2, 3> j;
+      j << fx_ * iz, 0, -fx_ * a * iz, 0, fy_ * iz, -fy_ * b * iz;
+      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = j * r;
+    }
+    return true;
+  }
+
+ private:
+  double fx_, fy_, u_, v_;  // all divided by sigma
+};
+
+// Ends the iterations when somebody else says so.
+class Cancellation final : public ceres::IterationCallback {
+ public:
+  explicit Cancellation(const std::atomic<bool>* cancel) : cancel_(cancel) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return cancel_ && *cancel_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  }
+
+ private:
+  const std::atomic<bool>* cancel_;
+};
+
+ceres::Solver::Options solver_options(const BundleOptions& options) {
+  // Of hundreds of views CHOLMOD is four times as fast.
+  const bool cholmod = ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
+  ceres::Solver::Options o;
+  o.linear_solver_type = ceres::SPARSE_SCHUR;
+  o.sparse_linear_algebra_library_type = cholmod ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE;
+  o.max_num_iterations = options.iterations;
+  o.num_threads = 1;  // repeatable to the bit
+  o.function_tolerance = options.function_tolerance;
+  o.logging_type = ceres::SILENT;
+  return o;
+}
+
+}  // namespace
+
+BundleReport solve_sparse_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
+  BundleReport report;
+  if (problem->observations.empty()) return report;
+  std::vector<std::array<double, 7>> poses(problem->views.size());
+  for (size_t i = 0; i < poses.size(); ++i) PoseManifold::write(problem->views[i].cam_from_submap, poses[i].data());
+  std::vector<Eigen::Vector3d> points = problem->points;
+
+  PoseManifold manifold;
+  ceres::HuberLoss loss(std::sqrt(options.huber_chi2));
+  ceres::Problem::Options ownership;
+  ownership.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ownership.disable_all_safety_checks = true;  // that no block is given twice: costs a hash look-up each
+  ceres::Problem ceres_problem(ownership);
+  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  std::vector<char> seen(poses.size(), 0);
+  for (const BundleProblem::Observation& o : problem->observations) {
+    ceres_problem.AddResidualBlock(new ReprojectionError(camera, o.pixel, o.sigma_px), &loss, poses[o.view].data(),
+                                   points[o.point].data());
+    ordering->AddElementToGroup(points[o.point].data(), 0);
+    if (!seen[o.view]) ordering->AddElementToGroup(poses[o.view].data(), 1);
+    seen[o.view] = 1;
+  }
+  bool any_free = false;
+  for (size_t i = 0; i < poses.size(); ++i) {
+    if (!seen[i]) continue;
+    ceres_problem.SetManifold(poses[i].data(), &manifold);
+    if (problem->views[i].fixed) ceres_problem.SetParameterBlockConstant(poses[i].data());
+    any_free = any_free || !problem->views[i].fixed;
+  }
+  if (!any_free) return report;
+
+  ceres::Solver::Options o = solver_options(options);
+  o.linear_solver_ordering = ordering;
+  Cancellation cancellation(options.cancel);
+  o.callbacks.push_back(&cancellation);
+  ceres::Solver::Summary summary;
+  ceres::Solve(o, &ceres_problem, &summary);
+  report.iterations = static_cast<int>(summary.iterations.size());
+  report.initial_cost = summary.initial_cost;
+  report.final_cost = summary.final_cost;
+  report.usable = summary.IsSolutionUsable();
+  if (!report.usable) return report;
+  for (size_t i = 0; i < poses.size(); ++i)
+    if (seen[i] && !problem->views[i].fixed) problem->views[i].cam_from_submap = PoseManifold::read(poses[i].data());
+  problem->points = std::move(points);
+  return report;
+}
+
+}  // namespace rumi
