@@ -154,6 +154,10 @@ void RebuildQueue::add(WindowJob job) {
     if (error != spool_problem_ && !error.empty()) spdlog::error("{}; the window is kept in memory", error);
     spool_problem_ = error;
   }
+  // Where there is no thread, time stands still while a window is rebuilt.
+  const int64_t resumed_utime_us = entry.window.resumed_utime_us;
+  if (options_.build_thread && resumed_utime_us > 0 && frame_utime_us_ >= resumed_utime_us)
+    entry.resumed_us = bus_.now_us() - (frame_utime_us_ - resumed_utime_us);
   if (added != Spool::Added::kAdded) entry.job = std::make_shared<const WindowJob>(std::move(job));
   spdlog::info("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
                entry.window.reason.empty() ? "" : ", ", entry.window.reason);
@@ -417,12 +421,11 @@ void RebuildQueue::on_delivered(JobName name, const TransferResult& result) {
   }
   if (entry->claim)
     if (const std::string error = spool_->complete(name); !error.empty()) spdlog::error("{}", error);
-  const int64_t since_us = frame_utime_us_ - entry->window.resumed_utime_us;
-  // Where there is no thread, time stands still while a window is rebuilt.
-  const bool has_resumed = entry->window.resumed_utime_us > 0 && since_us >= 0 && options_.build_thread;
-  spdlog::info(
-      "window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
-      has_resumed ? fmt::format(", {:.1f} s after tracking resumed", 1e-6 * static_cast<double>(since_us)) : "");
+  const std::optional<int64_t> resumed_us = entry->resumed_us;
+  spdlog::info("window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
+               resumed_us ? fmt::format(", {:.1f} s after tracking resumed",
+                                        1e-6 * static_cast<double>(bus_.now_us() - *resumed_us))
+                          : "");
   announce(*entry, window_t::PUBLISHED);
   ++published_;
   entries_.erase(entry);

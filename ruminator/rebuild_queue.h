@@ -32,7 +32,7 @@ class RebuildQueue {
   // A window that cannot become a job.
   void refuse(const RuminationWindow& window, const std::string& reason);
   void tick(int64_t now_us);
-  // Announcements carry it, and so do estimates of the time since tracking resumed.
+  // Of the newest frame: announcements carry it, and it tells how long ago tracking resumed when a window is added.
   void set_frame_time(int64_t utime_us) { frame_utime_us_ = std::max(frame_utime_us_, utime_us); }
 
   // Nothing will be added: rebuild and publish what waits; nothing is tried again later.
@@ -59,7 +59,8 @@ class RebuildQueue {
     std::optional<Spool::Claim> claim;
     std::vector<uint8_t> submap;  // kDelivering, where it is not in the spool
     int tries = 0;
-    int64_t not_before_us = 0;  // of the next attempt to build or to deliver
+    int64_t not_before_us = 0;          // of the next attempt to build or to deliver
+    std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock; images may end, this goes on
     bool in_flight = false;
     bool given_up = false;  // for now: left to the next start
     int64_t announced_us = 0;

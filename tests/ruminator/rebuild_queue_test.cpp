@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 #include <signal.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,6 +12,8 @@
 #include <chrono>
 #include <fstream>
 #include <limits>
+#include <regex>
+#include <sstream>
 
 #include "bus/memory_bus.h"
 #include "bus/submap_update.h"
@@ -181,6 +185,29 @@ TEST_F(RebuildQueueTest, InAThreadOfItsOwnAtLowPriority) {
   go = true;
   ASSERT_TRUE(world.run_until([&] { return world.received.size() == 2; }));
   EXPECT_THAT(world.received, ElementsAre(-1, -2));
+}
+
+TEST_F(RebuildQueueTest, SaysHowLongAfterTheResumptionItPublishedAlsoWhenTheImagesEnd) {
+  options_.build_thread = true;
+  std::atomic<bool> go = false;
+  World world(options_, [&](const WindowJob& job, const std::string&, const auto&, const auto&) {
+    while (!go) usleep(1000);
+    return fake_result(job);
+  });
+  std::ostringstream said;
+  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said);
+  spdlog::default_logger()->sinks().push_back(sink);
+  const WindowJob job = small_job(1);
+  world.queue->set_frame_time(job.window.resumed_utime_us + 1'500'000);  // and no image follows
+  world.queue->add(job);
+  world.run_for(6);
+  go = true;
+  ASSERT_TRUE(world.run_until([&] { return world.announced(1, window_t::PUBLISHED); }));
+  spdlog::default_logger()->sinks().pop_back();
+  std::smatch seconds;
+  const std::string text = said.str();
+  ASSERT_TRUE(std::regex_search(text, seconds, std::regex("([0-9.]+) s after tracking resumed"))) << text;
+  EXPECT_GE(std::stod(seconds[1]), 7.5);
 }
 
 TEST_F(RebuildQueueTest, AFailureSaysWhyAndIsKept) {
