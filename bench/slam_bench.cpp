@@ -32,14 +32,14 @@ BENCHMARK(BM_OpenCvOrb1000)->Unit(benchmark::kMillisecond);
 
 void BM_OrbExtractor(benchmark::State& state) {
   cv::setNumThreads(1);
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   const cv::Mat& grey = rendered_images().grey[0];
   for (auto _ : state) benchmark::DoNotOptimize(extractor.extract(grey, static_cast<int>(state.range(0))));
 }
 BENCHMARK(BM_OrbExtractor)->Arg(1000)->Arg(2000)->Unit(benchmark::kMillisecond);
 
 void BM_MatchAllWithAll(benchmark::State& state) {
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   Features a = extractor.extract(rendered_images().grey[0]), b = extractor.extract(rendered_images().grey[10]);
   a.undistort(rendered_images().camera);
   b.undistort(rendered_images().camera);

@@ -112,7 +112,7 @@ void add_landmarks(const std::vector<ColmapModel::Point>& points, const std::vec
 void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, const std::vector<int64_t>& utimes_us,
                       const ColmapModel& model, const BackLandmarkOptions& options, Submap* submap) {
   const double unit = median_depth(model);
-  const OrbExtractor extractor(options.orb);
+  OrbExtractor extractor(options.orb);
   const std::vector<double> scales = octave_scales(options.orb);
   std::map<int, int> keyframe_of;  // image -> keyframe
   std::vector<ColmapImage> keypoints;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
@@ -111,17 +112,31 @@ std::vector<double> octave_scales(const OrbOptions& options) {
 
 OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
+      lacks_clear_(options.levels, false),
       describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.scale_factor), 1, kBorder, 0, 2,
                                  cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
 
-std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted) const {
+// Clear ones where there is plenty of them: the faint ones would be left over in the end, and finding them costs most.
+std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int octave, int wanted) {
+  const int clear = std::max(kClearThreshold, options_.fast_threshold);
+  const auto is_plenty = [&](auto corners) { return static_cast<double>(corners) >= kPlenty * wanted; };
+  std::vector<cv::KeyPoint> corners;
+  if (!lacks_clear_[octave]) {
+    cv::FAST(image, corners, clear, true);
+    if (is_plenty(corners.size()) || options_.fast_threshold == clear) return corners;
+  }
+  cv::FAST(image, corners, options_.fast_threshold, true);
+  // The strength of a corner is the highest threshold at which it is one.
+  const auto is_faint = [&](const cv::KeyPoint& corner) { return corner.response < static_cast<float>(clear); };
+  lacks_clear_[octave] = !is_plenty(std::count_if(corners.begin(), corners.end(), std::not_fn(is_faint)));
+  if (!lacks_clear_[octave]) std::erase_if(corners, is_faint);
+  return corners;
+}
+
+std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int octave, int wanted) {
   const int inset = kBorder - 3;  // FAST itself leaves 3 pixels
   const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
-  std::vector<cv::KeyPoint> corners;
-  // Where there is plenty the faint ones are left over in the end, and finding them costs most.
-  cv::FAST(level(inner), corners, std::max(kClearThreshold, options_.fast_threshold), true);
-  if (static_cast<double>(corners.size()) < kPlenty * wanted && options_.fast_threshold < kClearThreshold)
-    cv::FAST(level(inner), corners, options_.fast_threshold, true);
+  std::vector<cv::KeyPoint> corners = find_corners(level(inner), octave, wanted);
   corners = spread(corners, wanted, options_.cell_px, inner.size());
   for (cv::KeyPoint& k : corners) {
     k.pt += cv::Point2f(static_cast<float>(inset), static_cast<float>(inset));
@@ -134,13 +149,13 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int wanted)
 
 ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, octave_scales(options_)}; }
 
-Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) const {
+Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
   Features features;
   const std::vector<int> wanted = quotas(options_, keypoints > 0 ? keypoints : options_.keypoints);
   for (int octave = 0; octave < pyramid.levels(); ++octave) {
     const cv::Mat& level = pyramid.level(octave);
     if (std::min(level.cols, level.rows) < 2 * kBorder + 8) break;
-    std::vector<cv::KeyPoint> corners = detect(level, wanted[octave]);
+    std::vector<cv::KeyPoint> corners = detect(level, octave, wanted[octave]);
     if (corners.empty()) continue;
     cv::Mat descriptors;
     describer_->compute(level, corners, descriptors);

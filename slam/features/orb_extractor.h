@@ -34,12 +34,16 @@ class OrbExtractor {
   // The pyramid that extract() looks at, of an 8-bit grey image no smaller than 64 x 64 pixels; shares its pixels.
   ImagePyramid pyramid(const cv::Mat& grey) const;
   // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. Deterministic.
-  Features extract(const ImagePyramid& pyramid, int keypoints = 0) const;
-  Features extract(const cv::Mat& grey, int keypoints = 0) const { return extract(pyramid(grey), keypoints); }
+  Features extract(const ImagePyramid& pyramid, int keypoints = 0);
+  Features extract(const cv::Mat& grey, int keypoints = 0) { return extract(pyramid(grey), keypoints); }
 
  private:
-  std::vector<cv::KeyPoint> detect(const cv::Mat& level, int wanted) const;
+  std::vector<cv::KeyPoint> find_corners(const cv::Mat& image, int octave, int wanted);
+  std::vector<cv::KeyPoint> detect(const cv::Mat& level, int octave, int wanted);
   OrbOptions options_;
+  // Per level, of the last image: whether it had few clear corners. So will the next one, most likely; nothing but time
+  // depends on it.
+  std::vector<bool> lacks_clear_;
   cv::Ptr<cv::ORB> describer_;
 };
 

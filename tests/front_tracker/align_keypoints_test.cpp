@@ -18,7 +18,7 @@ namespace {
 const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
 
 Frame frame_of(size_t i) {
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   const auto images = std::make_shared<const ImagePyramid>(extractor.pyramid(walk().images[i]));
   Frame frame = make_frame(walk().utime_us[i], extractor.extract(*images), walk().camera);
   frame.images = images;

@@ -109,7 +109,7 @@ TEST(BackSubmapOfTheGap, NearlyEveryOtherViewOfItIsFoundWhereItIs) {
   const FrontTrackerOptions options = replay_options();
   BackSubmaps back(walk.camera, options.tracking, octave_scales(options.orb));
   ASSERT_EQ(back.add(submap), "");
-  const OrbExtractor extractor(options.orb);
+  OrbExtractor extractor(options.orb);
   int tried = 0, found = 0;
   for (size_t i = kGapBegin; i < kGapEnd; ++i) {
     if (submap.frame(walk.utime_us[i])) continue;  // the very image is no test

@@ -27,7 +27,7 @@ cv::Mat texture(int width, int height, unsigned seed) {
 
 TEST(OrbExtractor, IsEvenAndRepeatable) {
   const cv::Mat image = texture(640, 480, 1);
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   const Features a = extractor.extract(image), b = extractor.extract(image);
   EXPECT_GT(a.size(), 900u);
   EXPECT_LE(a.size(), 1010u);
@@ -50,7 +50,7 @@ TEST(OrbExtractor, FindsTheSameCornersInATurnedAndShrunkImage) {
   const cv::Mat warp = cv::getRotationMatrix2D({320, 240}, 20, 0.8);
   cv::Mat turned;
   cv::warpAffine(image, turned, warp, image.size(), cv::INTER_AREA);
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   Features a = extractor.extract(image), b = extractor.extract(turned);
   a.undistort(test_camera());
   b.undistort(test_camera());
@@ -66,8 +66,20 @@ TEST(OrbExtractor, FindsTheSameCornersInATurnedAndShrunkImage) {
   EXPECT_GT(right, 0.95 * static_cast<double>(matches.size()));
 }
 
+TEST(OrbExtractor, WhatItSawBeforeChangesNothing) {
+  OrbExtractor used({});
+  for (const double contrast : {1.0, 0.1, 0.1, 0.3, 0.2, 1.0, 0.0, 0.15, 1.0, 1.0}) {
+    cv::Mat image;
+    texture(640, 480, 3).convertTo(image, CV_8U, contrast, 60);
+    const Features expected = OrbExtractor({}).extract(image), features = used.extract(image);
+    ASSERT_EQ(features.size(), expected.size()) << "contrast " << contrast;
+    EXPECT_EQ(features.descriptors, expected.descriptors);
+    for (size_t i = 0; i < features.size(); ++i) EXPECT_EQ(features.keypoints[i].pixel, expected.keypoints[i].pixel);
+  }
+}
+
 TEST(OrbExtractor, EmptyAndSaturatedAndTinyImagesGiveNothing) {
-  const OrbExtractor extractor({});
+  OrbExtractor extractor({});
   EXPECT_EQ(extractor.extract(cv::Mat(480, 640, CV_8U, cv::Scalar(0))).size(), 0u);
   EXPECT_EQ(extractor.extract(cv::Mat(480, 640, CV_8U, cv::Scalar(255))).size(), 0u);
   EXPECT_EQ(extractor.extract(cv::Mat(16, 16, CV_8U, cv::Scalar(90))).size(), 0u);
