@@ -27,7 +27,7 @@ FrameObservations observations_of(const Frame& frame, const Submap& submap, cons
     const Landmark* lm = frame.landmark_ids[i] == kNone ? nullptr : submap.landmark(frame.landmark_ids[i]);
     if (!lm) continue;
     out.observations.push_back({lm->position, frame.features->undistorted[i].cast<double>(),
-                                octave_scales[frame.features->keypoints[i].octave]});
+                                octave_scales[frame.features->keypoints[i].octave], frame.features->whitening(i)});
     out.keypoints.push_back(static_cast<int>(i));
   }
   return out;

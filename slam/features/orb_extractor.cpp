@@ -9,6 +9,8 @@
 #include <opencv2/core/hal/intrin.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slam/features/keypoint_whitening.h"
+
 namespace rumi {
 namespace {
 
@@ -163,6 +165,7 @@ Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
       features.keypoints.push_back({pyramid.to_full({corners[i].pt.x, corners[i].pt.y}, octave),
                                     corners[i].angle * static_cast<float>(CV_PI / 180.0),
                                     static_cast<uint8_t>(octave)});
+      features.whitenings.push_back(keypoint_whitening(level, corners[i].pt));
       std::memcpy(features.descriptors.emplace_back().data(), descriptors.ptr(static_cast<int>(i)), sizeof(Descriptor));
     }
   }

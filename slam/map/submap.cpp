@@ -14,6 +14,10 @@ auto* find_in(Map& map, const Key& key) {
 
 }  // namespace
 
+Eigen::Matrix2d Features::whitening(size_t keypoint) const {
+  return (whitenings.empty() ? Eigen::Matrix2f::Identity() : whitenings[keypoint]).cast<double>();
+}
+
 void Features::undistort(const Camera& camera) {
   undistorted.resize(keypoints.size());
   for (size_t i = 0; i < keypoints.size(); ++i)

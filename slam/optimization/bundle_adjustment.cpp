@@ -40,7 +40,7 @@ BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, Bu
 double reprojection_chi2(const Camera& camera, const BundleProblem& problem, const BundleProblem::Observation& o) {
   const Eigen::Vector3d p = problem.views[o.view].cam_from_submap * problem.points[o.point];
   if (!(p.z() > 1e-9)) return std::numeric_limits<double>::infinity();
-  return (camera.project_undistorted(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
+  return (o.whitening * (camera.project_undistorted(p) - o.pixel)).squaredNorm() / (o.sigma_px * o.sigma_px);
 }
 
 }  // namespace rumi

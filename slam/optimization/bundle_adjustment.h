@@ -22,6 +22,8 @@ struct BundleProblem {
     int point = 0;
     Eigen::Vector2d pixel;  // undistorted
     double sigma_px = 1.0;
+    // What the error is multiplied by besides 1/sigma_px (slam/features/keypoint_whitening.h).
+    Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
   };
   std::vector<View> views;
   std::vector<Eigen::Vector3d> points;

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "slam/optimization/whitened_projection.h"
+
 namespace rumi {
 namespace {
 
@@ -63,9 +65,8 @@ class DenseBundle {
 
  private:
   struct Observation {
-    int view, point;
-    double u, v;  // px from the principal point, divided by sigma like the focal lengths
-    double fx, fy;
+    int view = 0, point = 0;
+    WhitenedProjection projection;
   };
   struct Point {
     int begin = 0, end = 0;  // of its observations
@@ -115,12 +116,7 @@ DenseBundle::DenseBundle(const Camera& camera, const BundleOptions& options, con
   observations_.resize(problem.observations.size());
   mixed_.resize(problem.observations.size());
   for (const BundleProblem::Observation& o : problem.observations)
-    observations_[points_[o.point].end++] = {o.view,
-                                             o.point,
-                                             (o.pixel.x() - camera.cx) / o.sigma_px,
-                                             (o.pixel.y() - camera.cy) / o.sigma_px,
-                                             camera.fx / o.sigma_px,
-                                             camera.fy / o.sigma_px};
+    observations_[points_[o.point].end++] = {o.view, o.point, {camera, o.pixel, o.sigma_px, o.whitening}};
 }
 
 double DenseBundle::cost(const State& state) const {
@@ -129,8 +125,7 @@ double DenseBundle::cost(const State& state) const {
     const View& view = state.views[o.view];
     const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
     if (!(p.z() > 1e-9)) return kInfinity;
-    const double ru = o.fx * p.x() / p.z() - o.u, rv = o.fy * p.y() / p.z() - o.v;
-    sum += huber_.rho(ru * ru + rv * rv);
+    sum += huber_.rho(o.projection.error(p).squaredNorm());
   }
   return sum / 2;
 }
@@ -150,16 +145,12 @@ void DenseBundle::linearize(const State& state) {
 void DenseBundle::add(const Observation& o, const State& state, Point* point, Matrix63d* mixed) {
   const View& view = state.views[o.view];
   const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
-  const double iz = 1 / p.z(), a = p.x() * iz, b = p.y() * iz;
-  const double ru = o.fx * a - o.u, rv = o.fy * b - o.v;
-  const double weight = huber_.weight(ru * ru + rv * rv);
-  // By the point in the camera's frame: gradient, and the second derivative without that of the projection.
-  const double jx = o.fx * iz, jy = o.fy * iz;
-  const double gx = weight * jx * ru, gy = weight * jy * rv;
-  const Eigen::Vector3d gradient(gx, gy, -a * gx - b * gy);
-  const double hx = weight * jx * jx, hy = weight * jy * jy;
-  Eigen::Matrix3d hessian;
-  hessian << hx, 0, -a * hx, 0, hy, -b * hy, -a * hx, -b * hy, a * a * hx + b * b * hy;
+  const Eigen::Vector2d error = o.projection.error(p);
+  const Eigen::Matrix<double, 2, 3> derivative = o.projection.derivative(p);
+  const Eigen::Matrix<double, 2, 3> weighted = huber_.weight(error.squaredNorm()) * derivative;
+  // By the point in the camera's frame; the second derivative without that of the projection.
+  const Eigen::Vector3d gradient = weighted.transpose() * error;
+  const Eigen::Matrix3d hessian = weighted.transpose() * derivative;
 
   const Eigen::Matrix3d by_point = hessian * view.rotation;
   point->hessian.noalias() += view.rotation.transpose() * by_point;

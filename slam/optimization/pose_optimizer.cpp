@@ -4,46 +4,55 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "slam/optimization/whitened_projection.h"
+
 namespace rumi {
 namespace {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+// An observation, ready for many poses.
+struct Sighting {
+  Eigen::Vector3d point;
+  WhitenedProjection projection;
+};
+
 // Squared error in units of sigma; a point behind the camera is infinitely wrong.
-double chi2(const Camera& camera, const Eigen::Matrix3d& r, const Eigen::Vector3d& t, const PointObservation& o) {
-  const Eigen::Vector3d p = r * o.point + t;
+double chi2(const Sighting& s, const Eigen::Matrix3d& r, const Eigen::Vector3d& t) {
+  const Eigen::Vector3d p = r * s.point + t;
   if (!(p.z() > 1e-6)) return std::numeric_limits<double>::infinity();
-  return (camera.project_undistorted(p) - o.pixel).squaredNorm() / (o.sigma_px * o.sigma_px);
+  return s.projection.error(p).squaredNorm();
 }
 
 double huber_cost(double e2, double delta2) { return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2; }
 
 struct NormalEquations {
-  Matrix6d h = Matrix6d::Zero();
+  Matrix6d h = Matrix6d::Zero();  // the lower half counts
   Vector6d g = Vector6d::Zero();
   double cost = 0;
 };
 
-void add_observations(const Camera& camera, const SE3& pose, const std::vector<PointObservation>& observations,
-                      const std::vector<bool>& use, bool robust, double delta2, NormalEquations* n) {
+void add_sightings(const SE3& pose, const std::vector<Sighting>& sightings, const std::vector<bool>& use, bool robust,
+                   double delta2, NormalEquations* n) {
   const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
-  for (size_t i = 0; i < observations.size(); ++i) {
+  for (size_t i = 0; i < sightings.size(); ++i) {
     if (!use[i]) continue;
-    const PointObservation& o = observations[i];
-    const Eigen::Vector3d p = r * o.point + pose.translation;
+    const Eigen::Vector3d p = r * sightings[i].point + pose.translation;
     if (!(p.z() > 1e-6)) continue;
-    const double iz = 1.0 / p.z(), x = p.x() * iz, y = p.y() * iz, s = 1.0 / o.sigma_px;
-    const Eigen::Vector2d e = s * (camera.project_undistorted(p) - o.pixel);
+    const Eigen::Vector2d e = sightings[i].projection.error(p);
     const double e2 = e.squaredNorm();
     const double w = robust && e2 > delta2 ? std::sqrt(delta2 / e2) : 1.0;
     n->cost += robust ? huber_cost(e2, delta2) : e2;
-    // d(pixel)/d(twist), twist applied on the left: exp(twist) * pose.
-    const double a = s * camera.fx, b = s * camera.fy;
-    Vector6d ju, jv;
-    ju << a * iz, 0, -a * x * iz, -a * x * y, a * (1 + x * x), -a * y;
-    jv << 0, b * iz, -b * y * iz, -b * (1 + y * y), b * x * y, b * x;
-    n->h.noalias() += w * (ju * ju.transpose() + jv * jv.transpose());
-    n->g.noalias() += w * (e.x() * ju + e.y() * jv);
+    // exp(twist) * pose moves the point by translation + rotation x p.
+    const Eigen::Matrix<double, 2, 3> by_p = sightings[i].projection.derivative(p);
+    const Eigen::Matrix<double, 2, 3> weighted = w * by_p;
+    const Eigen::Vector3d gradient = weighted.transpose() * e;
+    const Eigen::Matrix3d hessian = weighted.transpose() * by_p, cross = skew(p), turned = cross * hessian;
+    n->h.topLeftCorner<3, 3>() += hessian;
+    n->h.bottomLeftCorner<3, 3>() += turned;
+    n->h.bottomRightCorner<3, 3>().noalias() -= turned * cross;
+    n->g.head<3>() += gradient;
+    n->g.tail<3>() += p.cross(gradient);
   }
 }
 
@@ -74,14 +83,14 @@ void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& vie
 
 // What a pose is to explain.
 struct Seen {
-  const std::vector<PointObservation>& observations;
-  const std::vector<bool>& use;  // per observation
+  const std::vector<Sighting>& sightings;
+  const std::vector<bool>& use;  // per sighting
   const std::vector<EpipolarView>& views;
 };
 
 NormalEquations linearize(const Camera& camera, const SE3& pose, const Seen& seen, bool robust, double delta2) {
   NormalEquations n;
-  add_observations(camera, pose, seen.observations, seen.use, robust, delta2, &n);
+  add_sightings(pose, seen.sightings, seen.use, robust, delta2, &n);
   for (const EpipolarView& view : seen.views) add_epipolar(camera, pose, view, &n);
   return n;
 }
@@ -119,9 +128,13 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
   PoseResult result;
   result.cam_from_submap = initial;
   result.inlier.resize(observations.size());
+  std::vector<Sighting> sightings;
+  sightings.reserve(observations.size());
+  for (const PointObservation& o : observations)
+    sightings.push_back({o.point, {camera, o.pixel, o.sigma_px, o.whitening}});
   const Eigen::Matrix3d r0 = initial.rotation.toRotationMatrix();
-  for (size_t i = 0; i < observations.size(); ++i) {
-    const double e2 = chi2(camera, r0, initial.translation, observations[i]);
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    const double e2 = chi2(sightings[i], r0, initial.translation);
     result.inlier[i] = !std::isnan(e2) && (e2 <= options.first_gate_chi2 || std::isinf(options.first_gate_chi2));
     result.inliers += result.inlier[i];
   }
@@ -130,14 +143,14 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
     // The last round trusts its inliers; the earlier ones need the robust loss.
     const bool robust = round + 1 < options.rounds;
     SE3 pose = result.cam_from_submap;
-    if (!minimize(camera, {observations, result.inlier, views}, robust, options, &pose) || !pose.is_finite())
+    if (!minimize(camera, {sightings, result.inlier, views}, robust, options, &pose) || !pose.is_finite())
       return result;
     result.cam_from_submap = pose;
     const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
     result.inliers = 0;
     double sum = 0;
-    for (size_t i = 0; i < observations.size(); ++i) {
-      const double e2 = chi2(camera, r, pose.translation, observations[i]);
+    for (size_t i = 0; i < sightings.size(); ++i) {
+      const double e2 = chi2(sightings[i], r, pose.translation);
       result.inlier[i] = e2 <= options.inlier_chi2;
       if (!result.inlier[i]) continue;
       ++result.inliers;

@@ -18,6 +18,8 @@ struct PointObservation {
   Eigen::Vector3d point;  // in the submap
   Eigen::Vector2d pixel;  // undistorted
   double sigma_px = 1.0;  // standard deviation of the pixel
+  // What the error is multiplied by besides 1/sigma_px (slam/features/keypoint_whitening.h).
+  Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
 };
 
 // Another view, whose pose is held, and what both see. Such a point may be anywhere along its ray: it tells of the

@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "slam/optimization/whitened_projection.h"
+
 namespace rumi {
 namespace {
 
@@ -50,11 +52,7 @@ class PoseManifold final : public ceres::Manifold {
 
 class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
  public:
-  ReprojectionError(const Camera& camera, const Eigen::Vector2d& pixel, double sigma_px)
-      : fx_(camera.fx / sigma_px),
-        fy_(camera.fy / sigma_px),
-        u_((pixel.x() - camera.cx) / sigma_px),
-        v_((pixel.y() - camera.cy) / sigma_px) {}
+  explicit ReprojectionError(const WhitenedProjection& projection) : projection_(projection) {}
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const double* x = parameters[0];
@@ -63,25 +61,19 @@ class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
         r * Eigen::Map<const Eigen::Vector3d>(parameters[1]) + Eigen::Map<const Eigen::Vector3d>(x + 4);
     // A point that an intermediate step put behind the camera: a step to refuse.
     if (!(p.z() > 1e-9)) return false;
-    const double iz = 1.0 / p.z(), a = p.x() * iz, b = p.y() * iz;
-    residuals[0] = fx_ * a - u_;
-    residuals[1] = fy_ * b - v_;
+    Eigen::Map<Eigen::Vector2d>{residuals} = projection_.error(p);
     if (!jacobians) return true;
+    const Eigen::Matrix<double, 2, 3> by_p = projection_.derivative(p);
     if (jacobians[0]) {
       Eigen::Map<Eigen::Matrix<double, 2, 7, Eigen::RowMajor>> j(jacobians[0]);
-      j << fx_ * iz, 0, -fx_ * a * iz, -fx_ * a * b, fx_ * (1 + a * a), -fx_ * b, 0,  //
-          0, fy_ * iz, -fy_ * b * iz, -fy_ * (1 + b * b), fy_ * a * b, fy_ * a, 0;
+      j << by_p, -by_p * skew(p), Eigen::Vector2d::Zero();
     }
-    if (jacobians[1]) {
-      Eigen::Matrix<double, 2, 3> j;
-      j << fx_ * iz, 0, -fx_ * a * iz, 0, fy_ * iz, -fy_ * b * iz;
-      Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = j * r;
-    }
+    if (jacobians[1]) Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>{jacobians[1]} = by_p * r;
     return true;
   }
 
  private:
-  double fx_, fy_, u_, v_;  // all divided by sigma
+  WhitenedProjection projection_;
 };
 
 // Ends the iterations when somebody else says so.
@@ -128,8 +120,8 @@ BundleReport solve_sparse_bundle(const Camera& camera, const BundleOptions& opti
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   std::vector<char> seen(poses.size(), 0);
   for (const BundleProblem::Observation& o : problem->observations) {
-    ceres_problem.AddResidualBlock(new ReprojectionError(camera, o.pixel, o.sigma_px), &loss, poses[o.view].data(),
-                                   points[o.point].data());
+    ceres_problem.AddResidualBlock(new ReprojectionError({camera, o.pixel, o.sigma_px, o.whitening}), &loss,
+                                   poses[o.view].data(), points[o.point].data());
     ordering->AddElementToGroup(points[o.point].data(), 0);
     if (!seen[o.view]) ordering->AddElementToGroup(poses[o.view].data(), 1);
     seen[o.view] = 1;

@@ -6,6 +6,7 @@
 
 #include "slam/features/keyframe_index.h"
 #include "slam/features/keypoint_grid.h"
+#include "slam/features/keypoint_whitening.h"
 #include "slam/features/matching.h"
 #include "slam/features/orb_extractor.h"
 #include "synthetic_scene.h"
@@ -32,9 +33,11 @@ TEST(OrbExtractor, IsEvenAndRepeatable) {
   EXPECT_GT(a.size(), 900u);
   EXPECT_LE(a.size(), 1010u);
   ASSERT_EQ(a.size(), b.size());
+  ASSERT_EQ(a.whitenings.size(), a.size());
   for (size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a.keypoints[i].pixel, b.keypoints[i].pixel);
     EXPECT_EQ(a.descriptors[i], b.descriptors[i]);
+    EXPECT_EQ(a.whitenings[i], b.whitenings[i]);
   }
   int cells[4][4] = {};
   for (const Keypoint& k : a.keypoints) {
@@ -83,6 +86,28 @@ TEST(OrbExtractor, EmptyAndSaturatedAndTinyImagesGiveNothing) {
   EXPECT_EQ(extractor.extract(cv::Mat(480, 640, CV_8U, cv::Scalar(0))).size(), 0u);
   EXPECT_EQ(extractor.extract(cv::Mat(480, 640, CV_8U, cv::Scalar(255))).size(), 0u);
   EXPECT_EQ(extractor.extract(cv::Mat(16, 16, CV_8U, cv::Scalar(90))).size(), 0u);
+}
+
+// A straight edge, a corner, and nothing at all.
+TEST(KeypointWhitening, KnowsEdgesFromCorners) {
+  for (double angle_deg = 0; angle_deg < 180; angle_deg += 15) {
+    const Eigen::Vector2d along(std::cos(angle_deg * M_PI / 180), std::sin(angle_deg * M_PI / 180));
+    const Eigen::Vector2d across(-along.y(), along.x());
+    cv::Mat edge(40, 40, CV_8U), corner(40, 40, CV_8U);
+    for (int y = 0; y < 40; ++y)
+      for (int x = 0; x < 40; ++x) {
+        const Eigen::Vector2d p(x - 20, y - 20);
+        edge.at<uchar>(y, x) = across.dot(p) > 0.3 ? 200 : 60;
+        corner.at<uchar>(y, x) = across.dot(p) > 0 && along.dot(p) > 0 ? 200 : 60;
+      }
+    cv::GaussianBlur(edge, edge, {9, 9}, 2);
+    cv::GaussianBlur(corner, corner, {9, 9}, 1);
+    const Eigen::Matrix2d w = keypoint_whitening(edge, {20, 20}).cast<double>();
+    EXPECT_NEAR((w * across - across).norm(), 0, 0.04) << angle_deg;
+    EXPECT_NEAR((w * along - along / 6).norm(), 0, 0.04) << angle_deg;
+    EXPECT_TRUE(keypoint_whitening(corner, {20, 20}).isIdentity()) << angle_deg;
+  }
+  EXPECT_TRUE(keypoint_whitening(cv::Mat(40, 40, CV_8U, cv::Scalar(90)), {20, 20}).isIdentity());
 }
 
 TEST(KeypointGrid, FindsAllThatLinearSearchFinds) {

@@ -36,6 +36,28 @@ TEST(OptimizePose, ConvergesWithNoiseAndOutliers) {
   }
 }
 
+// Keypoints on edges slide to where they were expected, by the same amount all of them: only those on corners, and the
+// direction across the edges, tell the truth.
+TEST(OptimizePose, EdgesTellAcrossOnly) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    SyntheticScene scene(seed);
+    const SE3 truth = SyntheticScene::pose(0.2, -0.1, 0.3, 0.1, 0.05);
+    auto observations = observe(scene, truth, 200, 0.3, 0);
+    for (size_t i = 0; i < observations.size(); ++i) {
+      if (i % 4 == 0) continue;
+      const EdgeNoise edge = edge_noise(scene, 0.3, scene.uniform(-0.2, 0.2), 6);
+      observations[i].pixel += edge.error + Eigen::Vector2d(2, 0);
+      observations[i].whitening = edge.whitening;
+    }
+    const PoseResult r = optimize_pose(test_camera(), truth, observations);
+    for (auto& o : observations) o.whitening.setIdentity();
+    const PoseResult blind = optimize_pose(test_camera(), truth, observations);
+    const auto off = [&](const PoseResult& result) { return rotation_error_deg(result.cam_from_submap, truth); };
+    EXPECT_LT(off(r), 0.07);
+    EXPECT_LT(off(r), 0.5 * off(blind));
+  }
+}
+
 TEST(OptimizePose, SaysWhenThereIsTooLittle) {
   SyntheticScene scene(1);
   const auto observations = observe(scene, SE3(), 5, 0.5, 0);

@@ -2,6 +2,7 @@
 // Points and cameras with known truth, seen with noise and outliers, that the estimators are tested against.
 #pragma once
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -66,6 +67,18 @@ class SyntheticScene {
  private:
   std::mt19937 rng_;
 };
+
+// A keypoint on an edge that runs in the direction `along_rad`: off by sigma across it and by many times that along it.
+struct EdgeNoise {
+  Eigen::Matrix2d whitening;
+  Eigen::Vector2d error;
+};
+inline EdgeNoise edge_noise(SyntheticScene& scene, double sigma_px, double along_rad, double ratio) {
+  const Eigen::Vector2d along(std::cos(along_rad), std::sin(along_rad)), across(-along.y(), along.x());
+  const Eigen::Vector2d noise = scene.noise(sigma_px);
+  return {across * across.transpose() + along * along.transpose() / ratio,
+          across * noise.x() + along * noise.y() * ratio};
+}
 
 inline double rotation_error_deg(const SE3& a, const SE3& b) { return (a * b.inverse()).angle_rad() * 180 / M_PI; }
 
