@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "front_tracker/front_submap.h"
+#include "front_tracker/patch_templates.h"
 
 namespace rumi {
 
-// All that the frame is matched to, at its present pose. False, and nothing done, where no images are kept.
-bool align_keypoints(const FrontSubmap& submap, Frame* frame);
+// All that the frame is matched to, at its present pose. False, and nothing done, where no images are kept. `templates`
+// are those of the submap's frame before.
+bool align_keypoints(const FrontSubmap& submap, Frame* frame, PatchTemplates* templates);
 
 // Keypoints of one keyframe, one by one, as they become observations. Hold the map's mutex while there is one.
 class KeyframeAligner {

@@ -55,10 +55,9 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
       const auto at = view.find(o.keyframe_id);
       if (at == view.end()) continue;
       const Features& features = *map.keyframe(o.keyframe_id)->features;
-      const BundleProblem::Observation observation{at->second, point,
-                                                   features.undistorted[o.keypoint_index].cast<double>(),
-                                                   submap.octave_scales[features.keypoints[o.keypoint_index].octave],
-                                                   features.whitening(o.keypoint_index)};
+      const BundleProblem::Observation observation{
+          at->second, point, features.undistorted[o.keypoint_index].cast<double>(),
+          submap.octave_scales[features.keypoints[o.keypoint_index].octave], features.whitening(o.keypoint_index)};
       // From behind the camera nothing leads back, and the solver would refuse to begin.
       const bool behind = std::isinf(reprojection_chi2(camera_, problem_, observation));
       (behind ? impossible_ : problem_.observations).push_back(observation);

@@ -162,7 +162,7 @@ bool Tracker::match_local_map(Frame* frame) {
     if (id != kNone) visible.push_back(id);
   search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
   int inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame))
+  if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame, &templates_))
     inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)
     inliers = support_by_epipolar_matches(frame);

@@ -90,6 +90,7 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
 }
 
 void Tracker::activate(size_t submap_index) {
+  if (submap_index != active_) templates_.clear();
   if (submap_index != active_ && !active().images.empty()) {
     ++active().map.revision;  // keypoints that moved are sent again
     active().keep_images(0);

@@ -12,6 +12,7 @@
 #include "front_tracker/front_submap.h"
 #include "front_tracker/initializer.h"
 #include "front_tracker/mapping_worker.h"
+#include "front_tracker/patch_templates.h"
 #include "front_tracker/relocalizer.h"
 
 namespace rumi {
@@ -88,6 +89,7 @@ class Tracker {
   Initializer initializer_;
   Relocalizer relocalizer_;
   BackSubmaps back_submaps_;
+  PatchTemplates templates_;  // of the last frame
   Mapper mapper_;
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;

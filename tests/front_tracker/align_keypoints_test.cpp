@@ -71,12 +71,13 @@ double epipolar_error(const FrontSubmap& s, const Features& features, const std:
 TEST(AlignKeypoints, BringsAFrameNearerToTheTruth) {
   const auto s = submap_of({20, 32});
   Frame frame = frame_of(40);
+  PatchTemplates templates;
   std::vector<const Landmark*> landmarks;
   for (const auto& [id, lm] : s->map.landmarks) landmarks.push_back(&lm);
   search_by_projection(walk().camera, landmarks, {.radius_px = 4}, s->octave_scales, &frame);
   const Features before = *frame.features;
   const double error = epipolar_error(*s, before, frame.landmark_ids, frame.cam_from_submap);
-  align_keypoints(*s, &frame);
+  align_keypoints(*s, &frame, &templates);
   const double aligned = epipolar_error(*s, *frame.features, frame.landmark_ids, frame.cam_from_submap);
   EXPECT_LT(aligned, 0.5 * error) << error << " px before, " << aligned << " px after";
   for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
@@ -88,16 +89,52 @@ TEST(AlignKeypoints, BringsAFrameNearerToTheTruth) {
 TEST(AlignKeypoints, WithoutImagesNothingMoves) {
   const auto s = submap_of({20, 32});
   Frame frame = frame_of(40);
+  PatchTemplates templates;
   for (size_t i = 0; i < frame.landmark_ids.size(); ++i) frame.landmark_ids[i] = static_cast<int>(i % 50);
   const auto features = frame.features;
   frame.images.reset();
-  align_keypoints(*s, &frame);
+  align_keypoints(*s, &frame, &templates);
   EXPECT_EQ(frame.features, features);
   frame = frame_of(40);
   s->keep_images(0);
-  align_keypoints(*s, &frame);
+  align_keypoints(*s, &frame, &templates);
   for (size_t i = 0; i < frame.features->size(); ++i)
     EXPECT_EQ(frame.features->keypoints[i].pixel, features->keypoints[i].pixel);
+}
+
+// From one frame to the next templates are kept, where the patches have not changed, and forgotten with the landmarks.
+TEST(PatchTemplates, AreKeptWhileTheyFit) {
+  const auto s = submap_of({20, 32});
+  const ImagePyramid& images = *s->images.at(0);
+  const PatchTemplates::Patch patch{{0, 5}, {160, 120}, Eigen::Matrix2f::Identity(), 1};
+  PatchTemplates templates;
+  const PatchTemplate* const first = templates.find(images, patch);
+  ASSERT_NE(first, nullptr);
+  const PatchTemplate made = *first;
+  templates.end_frame();
+
+  PatchTemplates::Patch turned_a_little = patch, turned = patch, moved = patch, smaller = patch, outside = patch;
+  turned_a_little.frame_from_keyframe(0, 1) = 0.01F;
+  EXPECT_EQ(templates.find(images, turned_a_little)->grey, made.grey);
+  turned.frame_from_keyframe(0, 1) = 0.05F;
+  moved.pixel.x() += 0.5F;
+  smaller.pixel_size = 1.2F;
+  for (const PatchTemplates::Patch& other : {turned, moved, smaller}) {
+    EXPECT_NE(templates.find(images, other)->grey, made.grey);
+    EXPECT_EQ(templates.find(images, patch)->grey, made.grey) << "made once more";
+  }
+  EXPECT_EQ(templates.size(), 1u);
+  outside.seen.keypoint_index = 6;
+  outside.pixel = {1, 1};
+  EXPECT_EQ(templates.find(images, outside), nullptr);
+  EXPECT_EQ(templates.find(images, outside), nullptr) << "and again";
+  EXPECT_EQ(templates.size(), 2u);
+  templates.end_frame();
+  templates.find(images, patch);
+  templates.end_frame();
+  EXPECT_EQ(templates.size(), 1u);
+  templates.end_frame();
+  EXPECT_EQ(templates.size(), 0u);
 }
 
 TEST(KeyframeAligner, FeaturesOfAKeyframeThatChangedAreSentAgainOnceTheyAreFinal) {

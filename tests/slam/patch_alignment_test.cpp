@@ -49,6 +49,12 @@ cv::Mat take(const View& view) {
 
 ImagePyramid pyramid(const cv::Mat& image) { return {image, octave_scales({})}; }
 
+std::optional<Eigen::Vector2f> align(const ImagePyramid& reference, const Eigen::Vector2f& pixel,
+                                     const Eigen::Matrix2f& image_from_reference, const PatchPlace& at) {
+  const auto patch = make_patch_template(reference, pixel, image_from_reference, at.images.pixel_size(at.level).x());
+  return patch ? align_patch(*patch, at) : std::nullopt;
+}
+
 struct Outcome {
   int tried = 0, aligned = 0;
   double rms_px = 0;  // pixels of the level
@@ -68,7 +74,7 @@ Outcome align_corners(const cv::Mat& image, const View& view) {
     const float scale = images.pixel_size(k.octave).x();
     const Eigen::Vector2f start = truth + scale * Eigen::Vector2f(offset(rng), offset(rng));
     ++out.tried;
-    const auto found = align_patch(reference, k.pixel, view_from_texture.cast<float>(), {images, start, k.octave});
+    const auto found = align(reference, k.pixel, view_from_texture.cast<float>(), {images, start, k.octave});
     if (!found) continue;
     ++out.aligned;
     out.rms_px += (*found - truth).squaredNorm() / (scale * scale);
@@ -130,20 +136,18 @@ TEST(PatchAlignment, RefusesPlacesOutsideAndImpossibleViews) {
   const ImagePyramid images = pyramid(take({}));
   const Eigen::Matrix2f same = Eigen::Matrix2f::Identity();
   const Eigen::Vector2f inside(320, 240);
-  const auto align = [&](const Eigen::Vector2f& reference, const Eigen::Matrix2f& view, const Eigen::Vector2f& at,
-                         int level) {
-    return align_patch(images, reference, view, {images, at, level});
+  const auto is_found = [&](const Eigen::Vector2f& reference, const Eigen::Matrix2f& view, const Eigen::Vector2f& at) {
+    return align(images, reference, view, {images, at, 0}).has_value();
   };
-  EXPECT_TRUE(align(inside, same, inside, 0));
+  EXPECT_TRUE(is_found(inside, same, inside));
   for (const Eigen::Vector2f& p :
        {Eigen::Vector2f(2, 240), {637, 240}, {320, 2}, {320, 477}, {-50, 9000}, {NAN, 240}}) {
-    EXPECT_FALSE(align(p, same, inside, 0)) << p.transpose();
-    EXPECT_FALSE(align(inside, same, p, 0)) << p.transpose();
+    EXPECT_FALSE(is_found(p, same, inside)) << p.transpose();
+    EXPECT_FALSE(is_found(inside, same, p)) << p.transpose();
   }
-  EXPECT_FALSE(align(inside, Eigen::Matrix2f::Zero(), inside, 0));
-  EXPECT_FALSE(align(inside, same * NAN, inside, 0));
-  EXPECT_FALSE(align(inside, Eigen::Vector2f(1, -1).asDiagonal(), inside, 0));
-  EXPECT_FALSE(align(inside, same, inside, 8));
+  EXPECT_FALSE(is_found(inside, Eigen::Matrix2f::Zero(), inside));
+  EXPECT_FALSE(is_found(inside, same * NAN, inside));
+  EXPECT_FALSE(is_found(inside, Eigen::Vector2f(1, -1).asDiagonal(), inside));
 }
 
 }  // namespace
