@@ -55,8 +55,8 @@ std::optional<Eigen::Vector2f> aligned_pixel(const FrontSubmap& submap, const Ei
     const Keyframe& kf = *submap.map.keyframe(o.keyframe_id);
     const auto steps = view_from_reference(submap.map.camera, position, kf.cam_from_submap, view.cam_from_submap);
     const PatchTemplate* patch =
-        steps ? templates->find(*images->second, {o, kf.features->keypoints[o.keypoint_index].pixel, *steps,
-                                                  view.images.pixel_size(keypoint.octave).x()})
+        steps ? templates->find(*images->second,
+                                {o, kf.features->keypoints[o.keypoint_index].pixel, *steps, keypoint.octave})
               : nullptr;
     const auto pixel = patch ? align_patch(*patch, {view.images, keypoint.pixel, keypoint.octave}) : std::nullopt;
     if (pixel) return pixel;

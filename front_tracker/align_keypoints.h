@@ -13,7 +13,7 @@
 namespace rumi {
 
 // All that the frame is matched to, at its present pose. False, and nothing done, where no images are kept. `templates`
-// are those of the submap's frame before.
+// are those of the submap's frames before.
 bool align_keypoints(const FrontSubmap& submap, Frame* frame, PatchTemplates* templates);
 
 // Keypoints of one keyframe, one by one, as they become observations. Hold the map's mutex while there is one.

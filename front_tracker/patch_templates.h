@@ -18,13 +18,13 @@ class PatchTemplates {
     Observation seen;
     Eigen::Vector2f pixel;                // of the keypoint
     Eigen::Matrix2f frame_from_keyframe;  // as for make_patch_template
-    float pixel_size = 1;                 // likewise
+    uint8_t octave = 0;                   // of the frame's image; both have the same pyramid
   };
 
-  // The template of an earlier frame if that was of the same size and distorted the same to within 2 %, else a new one.
-  // Null if there is none. Valid until the next call of anything.
+  // The template of an earlier frame if that was of the same octave and distorted the same to within 2 %, else a new
+  // one. Null if there is none. Valid until the next call of anything.
   const PatchTemplate* find(const ImagePyramid& keyframe_images, const Patch& patch);
-  // Forgets what was not asked for since the last call.
+  // Forgets what was not asked for in the last 8 frames.
   void end_frame();
   void clear() { entries_.clear(); }
   size_t size() const { return entries_.size(); }
@@ -35,7 +35,7 @@ class PatchTemplates {
     std::optional<PatchTemplate> made;
     int64_t used = 0;
   };
-  std::unordered_map<uint64_t, Entry> entries_;  // by keyframe and keypoint
+  std::unordered_map<uint64_t, Entry> entries_;  // by keyframe, keypoint and octave
   int64_t frame_ = 0;
 };
 

@@ -146,11 +146,9 @@ void DenseBundle::add(const Observation& o, const State& state, Point* point, Ma
   const View& view = state.views[o.view];
   const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
   const Eigen::Vector2d error = o.projection.error(p);
-  const Eigen::Matrix<double, 2, 3> derivative = o.projection.derivative(p);
-  const Eigen::Matrix<double, 2, 3> weighted = huber_.weight(error.squaredNorm()) * derivative;
-  // By the point in the camera's frame; the second derivative without that of the projection.
-  const Eigen::Vector3d gradient = weighted.transpose() * error;
-  const Eigen::Matrix3d hessian = weighted.transpose() * derivative;
+  Eigen::Matrix3d hessian;  // by the point in the camera's frame
+  Eigen::Vector3d gradient;
+  o.projection.normal_equations(p, error, huber_.weight(error.squaredNorm()), &hessian, &gradient);
 
   const Eigen::Matrix3d by_point = hessian * view.rotation;
   point->hessian.noalias() += view.rotation.transpose() * by_point;

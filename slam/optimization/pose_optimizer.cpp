@@ -44,13 +44,13 @@ void add_sightings(const SE3& pose, const std::vector<Sighting>& sightings, cons
     const double w = robust && e2 > delta2 ? std::sqrt(delta2 / e2) : 1.0;
     n->cost += robust ? huber_cost(e2, delta2) : e2;
     // exp(twist) * pose moves the point by translation + rotation x p.
-    const Eigen::Matrix<double, 2, 3> by_p = sightings[i].projection.derivative(p);
-    const Eigen::Matrix<double, 2, 3> weighted = w * by_p;
-    const Eigen::Vector3d gradient = weighted.transpose() * e;
-    const Eigen::Matrix3d hessian = weighted.transpose() * by_p, cross = skew(p), turned = cross * hessian;
+    Eigen::Matrix3d hessian, turned;
+    Eigen::Vector3d gradient;
+    sightings[i].projection.normal_equations(p, e, w, &hessian, &gradient);
+    for (int k = 0; k < 3; ++k) turned.col(k) = p.cross(hessian.col(k));
     n->h.topLeftCorner<3, 3>() += hessian;
     n->h.bottomLeftCorner<3, 3>() += turned;
-    n->h.bottomRightCorner<3, 3>().noalias() -= turned * cross;
+    for (int k = 0; k < 3; ++k) n->h.block<3, 1>(3, 3 + k) += p.cross(turned.row(k).transpose());
     n->g.head<3>() += gradient;
     n->g.tail<3>() += p.cross(gradient);
   }
@@ -95,6 +95,8 @@ NormalEquations linearize(const Camera& camera, const SE3& pose, const Seen& see
   return n;
 }
 
+constexpr double kStalled = 1e-6;  // of the cost: what a step gains
+
 // Levenberg-Marquardt steps until the cost stalls. False on a singular system.
 bool minimize(const Camera& camera, const Seen& seen, bool robust, const PoseOptimizerOptions& options, SE3* pose) {
   double lambda = 1e-6;
@@ -107,12 +109,12 @@ bool minimize(const Camera& camera, const Seen& seen, bool robust, const PoseOpt
     if (!step.allFinite()) return false;
     const SE3 moved = SE3::exp(step) * *pose;
     const NormalEquations next = linearize(camera, moved, seen, robust, options.inlier_chi2);
-    if (next.cost > n.cost) {
+    if (next.cost > (1 + kStalled) * n.cost) {
       lambda = std::max(lambda * 10, 1e-4);
       if (lambda > 1e3) break;
       continue;
     }
-    const bool stalled = n.cost - next.cost < 1e-6 * n.cost;
+    const bool stalled = n.cost - next.cost < kStalled * n.cost;
     *pose = moved;
     n = next;
     lambda = std::max(lambda * 0.1, 1e-9);
@@ -147,6 +149,7 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
       return result;
     result.cam_from_submap = pose;
     const Eigen::Matrix3d r = pose.rotation.toRotationMatrix();
+    const std::vector<bool> before = result.inlier;
     result.inliers = 0;
     double sum = 0;
     for (size_t i = 0; i < sightings.size(); ++i) {
@@ -157,6 +160,8 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
       sum += e2;
     }
     result.rmse_px = result.inliers ? std::sqrt(sum / result.inliers) : 0;
+    // Another robust round would end where it begins.
+    if (robust && result.inlier == before) round = options.rounds - 2;
   }
   result.converged = result.inliers >= 6;
   return result;

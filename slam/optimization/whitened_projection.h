@@ -27,6 +27,19 @@ class WhitenedProjection {
     return d;
   }
 
+  // The normal equations by the point, the second derivative of the projection left out: weight times error^T
+  // * derivative and derivative^T * derivative.
+  void normal_equations(const Eigen::Vector3d& point, const Eigen::Vector2d& error, double weight,
+                        Eigen::Matrix3d* hessian, Eigen::Vector3d* gradient) const {
+    const double iz = 1 / point.z();
+    const Eigen::Vector2d ray = point.head<2>() * iz;
+    // The derivative is scale_ / z * [1 0 -x/z; 0 1 -y/z].
+    const Eigen::Matrix2d h = weight * iz * iz * (scale_.transpose() * scale_);
+    const Eigen::Vector2d g = weight * iz * (scale_.transpose() * error), along = -h * ray;
+    *hessian << h(0, 0), h(0, 1), along.x(), h(1, 0), h(1, 1), along.y(), along.x(), along.y(), -along.dot(ray);
+    *gradient << g.x(), g.y(), -g.dot(ray);
+  }
+
  private:
   Eigen::Matrix2d scale_;
   Eigen::Vector2d keypoint_;

@@ -102,7 +102,7 @@ TEST(AlignKeypoints, WithoutImagesNothingMoves) {
     EXPECT_EQ(frame.features->keypoints[i].pixel, features->keypoints[i].pixel);
 }
 
-// From one frame to the next templates are kept, where the patches have not changed, and forgotten with the landmarks.
+// From one frame to the next templates are kept, where the patches have not changed, and forgotten some frames later.
 TEST(PatchTemplates, AreKeptWhileTheyFit) {
   const auto s = submap_of({20, 32});
   const ImagePyramid& images = *s->images.at(0);
@@ -110,30 +110,34 @@ TEST(PatchTemplates, AreKeptWhileTheyFit) {
   PatchTemplates templates;
   const PatchTemplate* const first = templates.find(images, patch);
   ASSERT_NE(first, nullptr);
-  const PatchTemplate made = *first;
+  const PatchTemplate::Patch grey = first->grey;
   templates.end_frame();
 
-  PatchTemplates::Patch turned_a_little = patch, turned = patch, moved = patch, smaller = patch, outside = patch;
+  PatchTemplates::Patch turned_a_little = patch, turned = patch, moved = patch, coarser = patch, outside = patch;
   turned_a_little.frame_from_keyframe(0, 1) = 0.01F;
-  EXPECT_EQ(templates.find(images, turned_a_little)->grey, made.grey);
+  EXPECT_EQ(templates.find(images, turned_a_little)->grey, grey);
   turned.frame_from_keyframe(0, 1) = 0.05F;
   moved.pixel.x() += 0.5F;
-  smaller.pixel_size = 1.2F;
-  for (const PatchTemplates::Patch& other : {turned, moved, smaller}) {
-    EXPECT_NE(templates.find(images, other)->grey, made.grey);
-    EXPECT_EQ(templates.find(images, patch)->grey, made.grey) << "made once more";
+  for (const PatchTemplates::Patch& other : {turned, moved}) {
+    EXPECT_NE(templates.find(images, other)->grey, grey);
+    EXPECT_EQ(templates.find(images, patch)->grey, grey) << "made once more";
   }
   EXPECT_EQ(templates.size(), 1u);
+  coarser.octave = 2;
+  EXPECT_NE(templates.find(images, coarser)->grey, grey);
+  EXPECT_EQ(templates.size(), 2u) << "beside the other";
   outside.seen.keypoint_index = 6;
   outside.pixel = {1, 1};
   EXPECT_EQ(templates.find(images, outside), nullptr);
   EXPECT_EQ(templates.find(images, outside), nullptr) << "and again";
-  EXPECT_EQ(templates.size(), 2u);
+  EXPECT_EQ(templates.size(), 3u);
   templates.end_frame();
-  templates.find(images, patch);
-  templates.end_frame();
+  for (int frame = 0; frame < 20; ++frame) {
+    templates.find(images, patch);
+    templates.end_frame();
+  }
   EXPECT_EQ(templates.size(), 1u);
-  templates.end_frame();
+  for (int frame = 0; frame < 20; ++frame) templates.end_frame();
   EXPECT_EQ(templates.size(), 0u);
 }
 
