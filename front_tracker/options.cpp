@@ -34,6 +34,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
   t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
+  t.add(s + "min_established", &r.min_established, "",
+        "landmarks that at least three keyframes have seen and that agree with a pose; fewer: lost", 0, 1000);
   t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
         "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
         "supports the pose (epipolar constraint); 0: never",

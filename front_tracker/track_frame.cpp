@@ -170,7 +170,21 @@ bool Tracker::match_local_map(Frame* frame) {
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)
     if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
-  return inliers >= options_.tracking.min_inliers;
+  return inliers >= options_.tracking.min_inliers && carries_scale(*frame);
+}
+
+// A landmark of two keyframes lies where their motion put it. Where a frame sees nothing else (nearly all is lost in a
+// turn, what mapping has just made is left), a wrong length of that motion is all there is from then on.
+bool Tracker::carries_scale(const Frame& frame) const {
+  const Submap& map = submaps_[active_]->map;
+  constexpr size_t kYoung = 5;  // keyframes: of a submap that has nothing established
+  if (map.keyframes.size() < kYoung) return true;
+  int established = 0;
+  for (int id : frame.landmark_ids) {
+    const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
+    if (lm && lm->observations.size() >= 3) ++established;
+  }
+  return established >= options_.tracking.min_established;
 }
 
 // A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.

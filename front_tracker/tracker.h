@@ -64,6 +64,7 @@ class Tracker {
   bool match_by_brute_force(Frame* frame);
   bool match_local_map(Frame* frame);
   int support_by_epipolar_matches(Frame* frame);
+  bool carries_scale(const Frame& frame) const;
   bool is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us);
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;

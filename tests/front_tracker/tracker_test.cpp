@@ -152,6 +152,21 @@ TEST(Tracker, NothingIsBuiltOnFewLandmarksFarFromTheMotionSoFar) {
   }
 }
 
+// With as many landmarks of three keyframes asked for as there are landmarks at all, only young submaps get by.
+TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
+  FrontTrackerOptions options = replay_options();
+  options.tracking.min_established = 1000;
+  Tracker tracker(sequence().camera, options, 1);
+  std::optional<TrackResult> last;
+  size_t lost = 0;
+  for (size_t i = 0; i < sequence().images.size(); ++i) {
+    last = tracker.process(sequence().utime_us[i], sequence().images[i]);
+    if (tracker.submaps().empty() || tracker.submaps()[0]->map.keyframes.size() < 5) continue;
+    lost += last->state != TrackingState::kTracking;
+  }
+  EXPECT_GT(lost, sequence().images.size() / 4);
+}
+
 TEST(Tracker, NothingToSeeIsNoSubmap) {
   Tracker tracker(sequence().camera, replay_options(), 1);
   cv::Mat image(sequence().images[0].size(), CV_8U);
