@@ -34,6 +34,7 @@ WindowModel ModelCompletion::complete(ColmapModel model, std::string origin) con
   candidate.quality = adjust(&candidate.model);
   candidate.origin = std::move(origin);
   drop_unrelated(&candidate);
+  if (candidate.broken_off > 0) trim_new_ends(&candidate);
   if (candidate.broken_off > 0) candidate.origin += fmt::format(", {} unrelated images left out", candidate.broken_off);
   return candidate;
 }
@@ -112,12 +113,16 @@ void ModelCompletion::complete_images(ColmapModel* model) const {
   triangulate_tracks(in_.camera, in_.images, tracks_, o_.refinement, model);
   adjust(model);
   remove_loose_images(o_.refinement, model);
+  trim_open_ends(known_to_front(), o_.refinement, model);
+}
+
+std::set<int> ModelCompletion::known_to_front() const {
   std::set<int> known;
   for (const Sample& sample : in_.front) {
     const auto image = std::find(in_.utimes_us.begin(), in_.utimes_us.end(), sample.utime_us);
     if (image != in_.utimes_us.end()) known.insert(static_cast<int>(image - in_.utimes_us.begin()));
   }
-  trim_open_ends(known, o_.refinement, model);
+  return known;
 }
 
 // Where nothing tells how two sides relate there are two models, and one of them is kept.
@@ -147,6 +152,14 @@ void ModelCompletion::drop_unrelated(WindowModel* candidate) const {
     candidate->broken_off += keep_larger_side(*cut, &model);
     candidate->quality = adjust(&model);
   }
+}
+
+// What was in the middle may be an end now.
+void ModelCompletion::trim_new_ends(WindowModel* candidate) const {
+  const int trimmed = trim_open_ends(known_to_front(), o_.refinement, &candidate->model);
+  if (trimmed == 0) return;
+  candidate->broken_off += trimmed;
+  candidate->quality = adjust(&candidate->model);
 }
 
 // Both sides of such a cut agree with a front submap, each by itself, but not in scale.

@@ -29,7 +29,9 @@ class ModelCompletion {
   void repair_slips(ModelQuality* quality, ColmapModel* model) const;
   bool regrow_torn(ColmapModel* model) const;
   void complete_images(ColmapModel* model) const;
+  std::set<int> known_to_front() const;
   void drop_unrelated(WindowModel* candidate) const;
+  void trim_new_ends(WindowModel* candidate) const;
   std::optional<ScaleCut> front_break(const std::vector<ScaleCut>& cuts, const ColmapModel& model) const;
   bool tie_to_front(const ScaleCut& cut, WindowModel* candidate) const;
   std::vector<ScaleCut> scale_cuts(const ColmapModel& model) const;

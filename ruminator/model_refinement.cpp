@@ -241,6 +241,35 @@ std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options
   return placed;
 }
 
+// How many points that the images see do all others place?
+int points_shared(const std::set<int>& images, const ModelRefinementOptions& options, const ColmapModel& model) {
+  const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
+  int shared = 0;
+  for (const ColmapModel::Point& point : model.points) {
+    ColmapModel::Point others = point;
+    std::erase_if(others.track, [&](const auto& o) { return images.contains(o.first); });
+    if (others.track.size() == point.track.size() || others.track.size() < 2) continue;
+    shared += widest_rays(directions_to_cameras(model, others)).cosine <= max_cosine;
+  }
+  return shared;
+}
+
+// The first or the last images of the model that go together, if any.
+std::set<int> loose_end(bool last, const std::set<int>& known, const ModelRefinementOptions& options,
+                        const ColmapModel& model) {
+  std::vector<int> images;  // from the end on
+  for (const auto& [image, pose] : model.cam_from_world) images.push_back(image);
+  if (last) std::reverse(images.begin(), images.end());
+  const auto is_known = [&](int image) { return known.contains(image); };
+  if (std::find_if_not(images.begin(), images.end(), is_known) - images.begin() >= kHoldingImages) return {};
+  std::set<int> end;
+  for (size_t i = 0; i < images.size() && i < kMostLooseImages; ++i) {
+    end.insert(images[i]);
+    if (points_shared(end, options, model) < kOpenEndFactor * options.resection_min_inliers) return end;
+  }
+  return {};
+}
+
 }  // namespace
 
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model) {
@@ -257,14 +286,9 @@ int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* mode
 
 int trim_open_ends(const std::set<int>& known, const ModelRefinementOptions& options, ColmapModel* model) {
   int removed = 0;
-  const auto is_loose_end = [&](const std::pair<const int, int>& end) {
-    return !known.contains(end.first) && end.second < kOpenEndFactor * options.resection_min_inliers;
-  };
   while (!model->cam_from_world.empty()) {
-    const std::map<int, int> placed = points_placed_by_others(options, *model);
-    std::set<int> gone;
-    if (is_loose_end(*placed.begin())) gone.insert(placed.begin()->first);
-    if (is_loose_end(*placed.rbegin())) gone.insert(placed.rbegin()->first);
+    std::set<int> gone = loose_end(false, known, options, *model);
+    gone.merge(loose_end(true, known, options, *model));
     if (gone.empty()) break;
     remove_images(gone, model);
     removed += static_cast<int>(gone.size());

@@ -60,11 +60,14 @@ void triangulate_tracks(const Camera& camera, const std::vector<ColmapImage>& im
 // its rays. Returns how many went.
 int remove_loose_images(const ModelRefinementOptions& options, ColmapModel* model);
 
-// The first and the last image of a model (images are in order of time) hang on one side only, unless front_tracker
-// knows where they are. They go, one after another, unless the others place kOpenEndFactor times resection_min_inliers
-// points of theirs: where the light goes out, a few wrong matches among as many right ones carry such an end away step
-// by step. Returns how many went; adjust_model should follow.
+// The first and the last images of a model (images are in order of time) hang on one side only, unless front_tracker
+// knows where kHoldingImages of them in a row are: fewer join the model to nothing. An end of up to kMostLooseImages
+// goes unless the others place kOpenEndFactor times resection_min_inliers points of it, and then the next: where the
+// light goes out, a few wrong matches among as many right ones carry such an end away step by step, and images that see
+// points of their own have any scale. Returns how many went; adjust_model should follow.
 constexpr int kOpenEndFactor = 2;
+constexpr int kHoldingImages = 3;
+constexpr int kMostLooseImages = 3;
 int trim_open_ends(const std::set<int>& known, const ModelRefinementOptions& options, ColmapModel* model);
 
 // Removes images that are farther from the middle of all (the median of the positions) than kMaxStray times the median

@@ -193,11 +193,36 @@ TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   EXPECT_EQ(trim_open_ends({}, kOptions, &model), 0);
   EXPECT_EQ(trim_open_ends({0, 1, 2}, kOptions, &first_known), 3);
   EXPECT_TRUE(first_known.cam_from_world.contains(0));
-  EXPECT_EQ(trim_open_ends({11}, kOptions, &last_known), 1) << "what has a known image behind it is no end";
+  EXPECT_EQ(trim_open_ends({9, 10, 11}, kOptions, &last_known), 1);
   EXPECT_TRUE(last_known.cam_from_world.contains(9));
+  EXPECT_EQ(trim_open_ends({10, 11}, kOptions, &last_known), 3) << "two known images join it to nothing";
 
   ColmapModel nothing;
   EXPECT_EQ(trim_open_ends({}, kOptions, &nothing), 0);
+}
+
+// Two images see many points, but nearly all of them nobody else does: either has the other, and both have any scale.
+TEST(TrimOpenEnds, GoTogetherWhereTheySeePointsOfTheirOwn) {
+  const TestWindow w = testing::sideways_window(10);
+  ColmapModel model = testing::true_model(w);
+  int shared = 0;
+  std::vector<ColmapModel::Point> points;
+  for (ColmapModel::Point& point : model.points) {
+    ColmapModel::Point own = point, others = point;
+    std::erase_if(own.track, [](const auto& o) { return o.first > 1; });
+    std::erase_if(others.track, [](const auto& o) { return o.first <= 1; });
+    if (!own.track.empty() && !others.track.empty() && shared++ < kOptions.resection_min_inliers) {
+      points.push_back(point);
+      continue;
+    }
+    for (const ColmapModel::Point& part : {own, others})
+      if (part.track.size() >= 2) points.push_back(part);
+  }
+  model.points = points;
+  ColmapModel held = model;
+  EXPECT_EQ(trim_open_ends({}, kOptions, &model), 2);
+  EXPECT_EQ(model.cam_from_world.begin()->first, 2);
+  EXPECT_EQ(trim_open_ends({0, 1, 2}, kOptions, &held), 0);
 }
 
 TEST(RemoveStrays, RemovesWhatHasAnotherScale) {
