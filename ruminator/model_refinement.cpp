@@ -87,6 +87,7 @@ bool resect_image(const Camera& camera, const std::vector<ColmapImage>& images, 
     }
   }
   std::vector<PointObservation> observations;
+  observations.reserve(candidates.size());
   for (const auto& [keypoint, point] : candidates)
     observations.push_back({model->points[point].position, images[image].keypoints[keypoint].cast<double>(), 1.0});
   ResectionOptions resection;

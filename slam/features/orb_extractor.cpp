@@ -30,8 +30,7 @@ const std::array<PatchRow, kPatchRadius + 1>& patch_rows() {
   static const std::array<PatchRow, kPatchRadius + 1> rows = [] {
     std::array<PatchRow, kPatchRadius + 1> weights{};
     for (int v = 0; v <= kPatchRadius; ++v) {
-      const int half_width =
-          static_cast<int>(std::sqrt(static_cast<double>(kPatchRadius * kPatchRadius - v * v)) + 0.5);
+      const auto half_width = static_cast<int>(std::lround(std::sqrt(kPatchRadius * kPatchRadius - v * v)));
       for (int u = -half_width; u <= half_width; ++u) {
         weights[v].x[kPatchRadius + u] = static_cast<int16_t>(u);
         weights[v].y[kPatchRadius + u] = static_cast<int16_t>(v);
