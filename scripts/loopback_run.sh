@@ -45,9 +45,14 @@ tail -n +1 -F "$out.log" 2>/dev/null & # as it comes: it takes long
 # More minutes than it takes; the camera waits for its first image, and then for the end.
 "$here/long_run.sh" "$build" /dev/video8 "$out" $((minutes + 10)) --camera "$recording/calibration.yaml" \
   --set camera_driver.rate="$rate" --set camera_driver.stall=600 --set up.viewer=false \
-  --set front_tracker.recently_lost_s="$(slower 1)" --set front_tracker.publish_interval_s="$(slower 0.5)" >/run/tables &
+  --set front_tracker.recently_lost_s="$(slower 1)" --set front_tracker.publish_interval_s="$(slower 0.5)" \
+  --set map_server.place_min_apart_s="$(slower 5)" >/run/tables &
 run=$!
-wait "$feeder" || exit 1
+while kill -0 "$feeder" 2>/dev/null; do
+  kill -0 "$run" 2>/dev/null || exit 1 # the log says why
+  sleep 1
+done
+wait "$feeder"
 sleep 10 # for what is still on its way
 "$build/bin/rumi" status >/run/status
 pkill -INT -x -P "$(pgrep -x -P "$run" live_run.sh)" rumi

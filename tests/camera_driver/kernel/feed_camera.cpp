@@ -4,12 +4,15 @@
 // that whoever is to see all of them has the time to start.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "camera_driver/image_source.h"
 #include "camera_feeder.h"
@@ -18,29 +21,36 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void feed(const char* recording, uint32_t rate_hz, int64_t images) {
-  rumi::CameraOptions options;
-  options.loop = true;
-  const rumi::OpenedSource opened = rumi::open_recording(recording, options);
+// In memory: reading while feeding would hold images up where files are slow, as they are in a virtual machine.
+std::vector<rumi::image_t> read(const char* recording, size_t at_most) {
+  const rumi::OpenedSource opened = rumi::open_recording(recording, {});
   if (!opened.ok()) throw std::runtime_error(opened.error);
-  rumi::ImageSource& source = *opened.source;
-  std::optional<rumi::image_t> image = source.next();
-  if (!image) throw std::runtime_error(fmt::format("{} has no images", recording));
-  const bool is_jpeg = image->pixelformat == rumi::image_t::PIXEL_FORMAT_MJPEG;
-  rumi::testing::CameraFeeder feeder(is_jpeg ? V4L2_PIX_FMT_MJPEG : V4L2_PIX_FMT_GREY, image->width, image->height,
-                                     rate_hz);
+  std::vector<rumi::image_t> images;
+  while (images.size() < at_most) {
+    std::optional<rumi::image_t> image = opened.source->next();
+    if (!image) break;
+    images.push_back(std::move(*image));
+  }
+  if (images.empty()) throw std::runtime_error(fmt::format("{} has no images", recording));
+  return images;
+}
+
+void feed(const std::vector<rumi::image_t>& images, uint32_t rate_hz, size_t n) {
+  const bool is_jpeg = images[0].pixelformat == rumi::image_t::PIXEL_FORMAT_MJPEG;
+  rumi::testing::CameraFeeder feeder(is_jpeg ? V4L2_PIX_FMT_MJPEG : V4L2_PIX_FMT_GREY, images[0].width,
+                                     images[0].height, rate_hz);
   fmt::print("{} waits to be fed\n", rumi::testing::kFedDevice);
   std::fflush(stdout);
   std::getchar();
   const Clock::time_point start = Clock::now();
-  int64_t fed = 0;
-  for (; fed < images && image; ++fed) {
-    std::this_thread::sleep_until(start + fed * std::chrono::microseconds(1'000'000) / rate_hz);
-    feeder.write(image->data);
-    image = source.next();
+  std::chrono::duration<double> latest{};  // an image came so long after its time
+  for (size_t i = 0; i < n; ++i) {
+    const Clock::time_point due = start + i * std::chrono::microseconds(1'000'000) / rate_hz;
+    std::this_thread::sleep_until(due);
+    latest = std::max<std::chrono::duration<double>>(latest, Clock::now() - due);
+    feeder.write(images[i % images.size()].data);
   }
-  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  fmt::print("{} images fed in {:.1f} s\n", fed, seconds);
+  fmt::print("{} images fed, at most {:.2f} s late\n", n, latest.count());
 }
 
 }  // namespace
@@ -52,7 +62,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    feed(argv[1], static_cast<uint32_t>(rate_hz), std::atoll(argv[3]));
+    const size_t n = std::strtoul(argv[3], nullptr, 10);
+    feed(read(argv[1], n), static_cast<uint32_t>(rate_hz), n);
   } catch (const std::exception& e) {
     fmt::print(stderr, "feed_camera: {}\n", e.what());
     return 1;
