@@ -33,7 +33,7 @@ fps=$(sed -n 's/^fps: *//p' "$recording/calibration.yaml")
 slower() { awk -v f="${fps:-30}" -v r="$rate" -v s="$1" 'BEGIN {print s * f / r}'; }
 echo 2097152 >/proc/sys/net/core/rmem_max # as the README says
 
-all_run() { [ "$("$build/bin/rumi" status --json 2>/dev/null | grep -c '"state": "running"')" -eq 4 ]; }
+all_run() { [ "$("$build/bin/rumi" status --json 2>/dev/null | grep -c '"state": "running"')" -ge 5 ]; } # and live_stats
 {
   until all_run; do sleep 1; done
   echo
