@@ -3,19 +3,22 @@
 # Does it last? The whole system live (scripts/live_run.sh) on a recording that is played again and again at its own pace:
 # what was seen from outside (losses), then Markdown tables: how long each stage took, and the memory and CPU time of each
 # process as time goes by, and of the map on disk.
-#   scripts/long_run.sh BUILD_DIR INPUT OUT MINUTES
+#   scripts/long_run.sh BUILD_DIR INPUT OUT MINUTES [flags of scripts/live_run.sh, instead of --loop ...]
 # OUT must not exist; the log is OUT.log. Needs python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 build=$1
 input=$2
 out=$3
+minutes=$4
+shift 4
+[ $# -gt 0 ] || set -- --loop
 if [ -e "$out" ]; then
   echo "$out exists: name a new folder" >&2
   exit 1
 fi
 code=0
-RUMI_LIVE_MINUTES=$4 "$here/live_run.sh" "$build" "$input" "$out" --loop >"$out.log" 2>&1 || code=$?
+RUMI_LIVE_MINUTES=$minutes "$here/live_run.sh" "$build" "$input" "$out" "$@" >"$out.log" 2>&1 || code=$?
 grep 'seen from outside' "$out.log" || tail -n 20 "$out.log"
 python3 - "$out" <<'PYTHON'
 import csv, json, pathlib, sys

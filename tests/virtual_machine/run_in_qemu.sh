@@ -5,7 +5,8 @@
 # (v4l2loopback). With --systemd this machine's systemd and udev run in it, its files can be written (nothing of that stays),
 # and there is no camera to be fed. WORK is a folder for the kernel and the initramfs.
 # Needs no root and no KVM. Exit code: the command's, 77 (CTest: skipped) where something needed is missing.
-# RUMI_QEMU_ACCEL=kvm is faster where KVM works; RUMI_QEMU_TIMEOUT_S is the limit for all of it.
+# RUMI_QEMU_ACCEL=kvm is faster where KVM works; RUMI_QEMU_TIMEOUT_S is the limit for all of it,
+# RUMI_QEMU_MEMORY_MB its memory, RUMI_QEMU_FLAGS what else QEMU is to know.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 systemd=false
@@ -69,7 +70,7 @@ cp "$(command -v busybox)" "$work/initramfs/bin/busybox"
 cp "$here/init" "$work/initramfs/init"
 chmod 755 "$work/initramfs/init"
 modules="9pnet_virtio 9p virtio_pci vivid"
-memory_mb=1024
+memory_mb=${RUMI_QEMU_MEMORY_MB:-1024}
 options=""
 if $systemd; then
   cp "$here/init_systemd" "$here/command.service" "$work/initramfs/"
@@ -108,8 +109,9 @@ done <"$work/modules"
 # One processor: a second one costs TCG as much as it brings.
 begin=$(date +%s)
 code=0
+# shellcheck disable=SC2086 # several flags
 timeout "$limit_s" qemu-system-x86_64 -accel "$accel" -cpu max -nodefaults -display none -monitor none -no-reboot \
-  -m "$memory_mb" -smp 1 -kernel "$kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
+  -m "$memory_mb" -smp 1 ${RUMI_QEMU_FLAGS:-} -kernel "$kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
   -append "console=ttyS0 quiet panic=-1 loglevel=3 $options" -serial stdio \
   -virtfs local,path=/,mount_tag=hostroot,security_model=none,readonly=on,multidevs=remap </dev/null >"$work/console" || code=$?
 tr -d '\r' <"$work/console"
