@@ -6,8 +6,8 @@
 # Prints how many images were fed, where they went (`rumi status` after the last one), and the tables of
 # scripts/long_run.sh; the log is BUILD_DIR/tests/virtual_machine/loopback_run.log, and while it runs in "console" beside it.
 # The machine does an instruction in a nanosecond, by its own clock: some ten times slower than its host, so RATE_HZ (whole,
-# 2) is far below the recording's, but the same however busy the host is. MINUTES are the machine's too: QEMU takes several
-# times as long.
+# 2) is far below the recording's, but how busy the host is counts little. MINUTES are the machine's too: QEMU takes
+# several times as long.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 if [ "${1:-}" != --inside ]; then
