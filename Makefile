@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
 #   make demo      set up, build, then render a short sequence, run Rumi on it and measure the result
-#   make test      set up, build, run every test, and the unit tests again under sanitizers
+#   make test      set up, build, run every test, and those of what reads messages, files and images again under sanitizers
 #   make build     set up and build everything
 #   make bench     benchmarks
 #   make install   into PREFIX (default /usr/local): programs, wire types, CMake package, pkg-config file
@@ -38,13 +38,15 @@ demo: apps
 # With what the virtual machines need that camera_driver and systemd are tested in; without it those tests are skipped.
 test: build
 	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
-	ctest --test-dir $(BUILD) --output-on-failure
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure
 	$(MAKE) sanitized-test
 
+# SANITIZED=unit: every unit test, not only those with the label sanitized.
+SANITIZED ?= sanitized
 sanitized-test: dependencies
-	cmake -S . -B $(ASAN_BUILD) -G Ninja -DRUMI_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS=-O1
-	cmake --build $(ASAN_BUILD) -j $(JOBS) --target unit_tests
-	ctest --test-dir $(ASAN_BUILD) --output-on-failure -L unit
+	cmake -S . -B $(ASAN_BUILD) -G Ninja -DRUMI_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
+	cmake --build $(ASAN_BUILD) -j $(JOBS) --target $(SANITIZED)_tests
+	ctest --test-dir $(ASAN_BUILD) -j $(JOBS) --output-on-failure -L $(SANITIZED)
 
 bench: dependencies
 	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF -DCMAKE_BUILD_TYPE=Release
