@@ -61,6 +61,8 @@ std::vector<SharedRun> runs_beside_bent_end(const Submap& a, const Submap& b, co
     runs.push_back({0, count, back.last_us <= front.last_us});
     runs.push_back({all - count, count, back.first_us >= front.first_us});
   }
+  for (size_t count = all - 2; count >= least && count < all; --count)
+    for (size_t first = 1; first + count < all; ++first) runs.push_back({first, count, true});
   return runs;
 }
 

@@ -258,6 +258,14 @@ void MapBuilder::fuse_places(Placed* submaps) const {
   }
 }
 
+bool MapBuilder::is_only_tie(const Pair& pair) const {
+  Groups groups;
+  for (const auto& [keys, other] : pairs_)
+    if (&other != &pair && !other.joints.empty()) groups.unite(keys.first, keys.second);
+  for (const PlaceLink& place : places_.found()) groups.unite(place.link.a, place.link.b);
+  return groups.find(pair.link->a) != groups.find(pair.link->b);
+}
+
 bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2) {
   std::map<JointName, double> chi2_of;  // those of submaps outside the map are not in it
   for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
@@ -282,6 +290,15 @@ bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, con
   const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", worst);
   if (wrong_place != kNone) {
     places_.refuse(wrong_place, doubt);
+    return true;
+  }
+  if (wrong_pair && is_only_tie(*wrong_pair)) {
+    // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
+    const auto chi2_less = [&](const KeyframeJoint& a, const KeyframeJoint& b) {
+      return chi2_of[name_of(a)] < chi2_of[name_of(b)];
+    };
+    std::vector<KeyframeJoint>& of_pair = wrong_pair->joints;
+    of_pair.erase(std::max_element(of_pair.begin(), of_pair.end(), chi2_less));
     return true;
   }
   if (wrong_pair) {

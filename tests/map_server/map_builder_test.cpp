@@ -300,6 +300,22 @@ TEST_F(MapBuilderTest, ALinkThatTheRestContradictsIsTakenOut) {
   EXPECT_EQ(doubt(other, front1_, back1_), "");
 }
 
+// The scale of one slips within the images that it shares with the only submap before it: the joints there contradict
+// each other, however many of them are asked.
+TEST_F(MapBuilderTest, AnOnlyTieHoldsWhereItAgreesBest) {
+  recipes_[front2_].distortion = jump(58, Sim3(1.06, so3_exp({0, 0.06, 0}), {0.06, 0, 0}));
+  made_[front2_] = make_submap(world_, images_, recipes_[front2_]);
+  MapBuilderOptions strict;
+  strict.max_joint_chi2 = 0.01;
+  MapBuilder builder(strict);
+  builder.find_links(submaps());
+  const BuiltMap map = builder.build(submaps(), {});
+  print("only ties", map, error(map.placements));
+  EXPECT_EQ(map.placements.size(), 5u);
+  EXPECT_LT(error(map.placements).rmse, 0.04);
+  for (const Link& link : builder.links()) EXPECT_EQ(link.doubt, "") << link.a.id << " and " << link.b.id;
+}
+
 TEST_F(MapBuilderTest, ASubmapThatGrows) {
   const SyntheticSubmap whole = made_[front3_];
   SubmapRecipe half = recipes_[front3_];
