@@ -73,6 +73,11 @@ function(rumi_test name)
     list(APPEND arg_LABELS sanitized)
     add_dependencies(sanitized_tests ${name})
   endif()
+  # What tests is not what is tested: compiled quickly.
+  target_compile_options(${name} PRIVATE -O1)
+  if(RUMI_SANITIZE MATCHES undefined)
+    target_compile_options(${name} PRIVATE -fno-sanitize=undefined)
+  endif()
   if(RUMI_SANITIZE)
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # it only ends what hangs
     list(JOIN arg_TOO_LONG_SANITIZED ":" too_long)
