@@ -20,7 +20,7 @@ source=$2
 build=$3
 services="rumi-camera-driver rumi-front-tracker rumi-ruminator rumi-viewer rumi-map-server"
 map=/var/lib/rumi/map.db
-limit_s=120 # for anything to come true: without KVM the machine is slow, and others may be at work beside it
+limit_s=300  # it only ends what hangs: the machine is emulated, and may be busy
 
 uptime_s() { cut -d . -f 1 /proc/uptime; }
 say() { echo "$(uptime_s) s: $*"; }
