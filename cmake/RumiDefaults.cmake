@@ -74,7 +74,7 @@ function(rumi_test name)
     add_dependencies(sanitized_tests ${name})
   endif()
   # What tests is not what is tested: compiled quickly.
-  target_compile_options(${name} PRIVATE -O1)
+  target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
   if(RUMI_SANITIZE MATCHES undefined)
     target_compile_options(${name} PRIVATE -fno-sanitize=undefined)
   endif()

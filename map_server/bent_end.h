@@ -16,8 +16,8 @@ struct SharedRun {
   bool is_back_bent = false;  // what is left out is an end of the back submap that lies within the front submap
 };
 
-// What may be left of the shared keyframes without a bent end, the longest first: of a front and a back submap. Never
-// fewer than four, or a third of them.
+// What may be left of the shared keyframes without a bent end, the longest first, and then without both ends: of a
+// front and a back submap. Never fewer than four, or a third of them.
 std::vector<SharedRun> runs_beside_bent_end(const Submap& a, const Submap& b, const Correspondences& common);
 
 // Is it an end that is bent, and not the back submap that is torn? True if the back submap hangs

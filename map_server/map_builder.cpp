@@ -258,15 +258,15 @@ void MapBuilder::fuse_places(Placed* submaps) const {
   }
 }
 
-bool MapBuilder::is_only_tie(const Pair& pair) const {
+bool MapBuilder::is_only_tie(const Link& link, const Submaps& submaps) const {
   Groups groups;
-  for (const auto& [keys, other] : pairs_)
-    if (&other != &pair && !other.joints.empty()) groups.unite(keys.first, keys.second);
-  for (const PlaceLink& place : places_.found()) groups.unite(place.link.a, place.link.b);
-  return groups.find(pair.link->a) != groups.find(pair.link->b);
+  for (const Tie& tie : ties(submaps))
+    if (tie.link != &link) groups.unite(tie.link->a, tie.link->b);
+  return groups.find(link.a) != groups.find(link.b);
 }
 
-bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2) {
+bool MapBuilder::drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
+                                   const std::vector<double>& chi2) {
   std::map<JointName, double> chi2_of;  // those of submaps outside the map are not in it
   for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
   // What is wrong pulls at what is right: the worst goes first.
@@ -292,7 +292,7 @@ bool MapBuilder::drop_contradicted(const std::vector<KeyframeJoint>& joints, con
     places_.refuse(wrong_place, doubt);
     return true;
   }
-  if (wrong_pair && is_only_tie(*wrong_pair)) {
+  if (wrong_pair && is_only_tie(*wrong_pair->link, submaps)) {
     // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
     const auto chi2_less = [&](const KeyframeJoint& a, const KeyframeJoint& b) {
       return chi2_of[name_of(a)] < chi2_of[name_of(b)];
@@ -324,7 +324,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
     if (known.empty() && scope == Scope::kAll && members->size() == 1) return arranged;  // it is the whole map
     if (known.empty()) return std::nullopt;
     const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
-    if (!drop_contradicted(known, bent.joint_chi2)) return arranged;
+    if (!drop_contradicted(submaps, known, bent.joint_chi2)) return arranged;
     *members = choose_members(submaps, placed);
   }
 }

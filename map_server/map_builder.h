@@ -130,10 +130,12 @@ class MapBuilder {
   // until nothing does. Nothing: none of them has a frame, or nothing joins them.
   std::optional<Arranged> arrange(Scope scope, const Submaps& submaps, const Placements& placed,
                                   std::set<SubmapKey>* members);
-  bool is_only_tie(const Pair& pair) const;
+  // Its two sides hang together by nothing else.
+  bool is_only_tie(const Link& link, const Submaps& submaps) const;
   // Of the link that is farthest out of what the map says, all of its joints, or its worst where nothing else ties the
   // two sides together; if there is none, every joint that is.
-  bool drop_contradicted(const std::vector<KeyframeJoint>& joints, const std::vector<double>& chi2);
+  bool drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
+                         const std::vector<double>& chi2);
   void fuse_places(Placed* submaps) const;
   std::vector<int> weld_window(const MapModel& model) const;
   // What is adjusted; none: all.

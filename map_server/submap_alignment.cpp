@@ -215,13 +215,15 @@ Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences&
                         const AlignmentOptions& options) {
   Alignment whole = Aligner(a, b, common, options).run();
   if (whole.doubt.empty()) return whole;
-  for (const SharedRun& run : runs_beside_bent_end(a, b, common)) {
+  const std::vector<SharedRun> runs = runs_beside_bent_end(a, b, common);
+  if (runs.empty() ||
+      !back_submap_holds(a, b, common, options.min_landmarks, options.min_inlier_ratio, options.max_reprojection_px))
+    return whole;
+  for (const SharedRun& run : runs) {
     Alignment part = Aligner(a, b, part_of(common, run), options).run();
     // A back submap may also be wrong as a whole, and agree here and there: nothing in the run may disagree.
     if (!part.doubt.empty() || (run.is_back_bent && part.keyframe_inliers < part.keyframes)) continue;
-    const bool holds =
-        back_submap_holds(a, b, common, options.min_landmarks, options.min_inlier_ratio, options.max_reprojection_px);
-    return holds ? spread(std::move(part), run, common) : whole;
+    return spread(std::move(part), run, common);
   }
   return whole;
 }
