@@ -62,13 +62,20 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         "a keyframe is due below this share of the reference's landmarks", 0.1, 1.0);
   t.add(s + "keyframe_urgent_ratio", &k.urgent_tracked_ratio, "",
         "a keyframe is due at once below this share, whatever the interval", 0.0, 1.0);
-  t.add(s + "keyframe_min_interval", &k.min_interval_frames, "frames", "between keyframes", 0, 100);
-  t.add(s + "keyframe_max_interval", &k.max_interval_frames, "frames", "a keyframe is due after so many", 1, 1000);
+  t.add(
+      s + "keyframe_max_motion", &k.max_motion, "",
+      "median motion of the image since the last frame, of its width, from which a keyframe is due: the next frame may "
+      "be too late",
+      0.0, 10.0);
+  t.add(s + "keyframe_min_interval_s", &k.min_interval_s, "s", "between keyframes", 0.0, 10.0);
+  t.add(s + "keyframe_max_interval_s", &k.max_interval_s, "s", "a keyframe is due after so long", 0.01, 1000.0);
   t.add(s + "keyframe_min_inliers", &k.min_inliers, "", "fewer matches: a keyframe is due sooner", 0, 5000);
 
   MappingOptions& m = o.mapping;
   t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
   t.add(s + "min_parallax", &m.min_parallax_deg, "deg", "of a new landmark", 0.1, 20.0);
+  t.add(s + "min_baseline", &m.min_baseline_ratio, "",
+        "of two keyframes between which landmarks are made, over the median depth", 0.0, 1.0);
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);

@@ -48,18 +48,19 @@ struct TrackingOptions {
 struct KeyframeOptions {
   double min_tracked_ratio = 0.7;     // of the reference keyframe's landmarks; fewer: a keyframe is due
   double urgent_tracked_ratio = 0.6;  // the same, whatever the interval since the last keyframe
-  int min_interval_frames = 3;
-  int max_interval_frames = 30;
+  double max_motion = 0.03;           // of the image between two frames (median, of its width); more: one is due
+  double min_interval_s = 0.09;
+  double max_interval_s = 1.0;
   int min_inliers = 100;  // fewer: a keyframe is due sooner
 };
 
 struct MappingOptions {
   int neighbours = 10;               // keyframes to triangulate with and to fuse into
   double min_parallax_deg = 1.0;     // of a new landmark
-  double min_baseline_ratio = 0.01;  // of two keyframes, over the median depth
+  double min_baseline_ratio = 0.03;  // of two keyframes, over the median depth; see docs/tracking.md, "Mapping"
   int max_distance = 50;             // Hamming distance of a new pair
-  int bundle_keyframes = 12;         // free in the local bundle adjustment
-  int bundle_fixed_keyframes = 12;   // that hold it in place, at most
+  int bundle_keyframes = 24;         // free in the local bundle adjustment
+  int bundle_fixed_keyframes = 24;   // that hold it in place, at most
   int bundle_iterations = 5;
   int keyframe_images = 15;      // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
   double redundant_ratio = 0.9;  // of a keyframe's landmarks seen by three others: it is dropped

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -184,7 +185,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
     posed_afterwards_.push_back(result);
   }
   last_ = initial.frames.back();
-  frames_since_keyframe_ = 0;
+  last_keyframe_us_ = last_.utime_us;
   for (const auto& [id, kf] : submap->map.keyframes) {
     relocalizer_.add_keyframe(active_, submap->map, kf);
     tasks_.emplace_back(submap, id);
@@ -209,17 +210,31 @@ bool Tracker::needs_keyframe(const Frame& frame) const {
   const int inliers = frame.matches();
   // In a fast turn, or at a low frame rate, the next frame may be too late.
   if (inliers < o.urgent_tracked_ratio * established) return true;
-  if (frames_since_keyframe_ < o.min_interval_frames) return false;
-  if (inliers < o.min_tracked_ratio * established) return true;
-  if (inliers < o.min_inliers && frames_since_keyframe_ >= 3 * o.min_interval_frames) return true;
-  return frames_since_keyframe_ >= o.max_interval_frames;
+  const double since_s = 1e-6 * static_cast<double>(frame.utime_us - last_keyframe_us_);
+  if (since_s < o.min_interval_s) return false;
+  if (inliers < o.min_tracked_ratio * established || motion_since_last_frame(frame) > o.max_motion) return true;
+  if (inliers < o.min_inliers && since_s >= 3 * o.min_interval_s) return true;
+  return since_s >= o.max_interval_s;
+}
+
+// Median, of the image's width.
+double Tracker::motion_since_last_frame(const Frame& frame) const {
+  if (velocity_dt_us_ == 0) return 0;  // the last frame may be of another submap
+  const Submap& map = submaps_[active_]->map;
+  std::vector<double> motion;
+  for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
+    const Landmark* lm = frame.landmark_ids[i] == kNone ? nullptr : map.landmark(frame.landmark_ids[i]);
+    const Eigen::Vector3d before = lm ? last_.cam_from_submap * lm->position : Eigen::Vector3d::Zero();
+    if (before.z() > 0)
+      motion.push_back((camera_.project_undistorted(before) - frame.features->undistorted[i].cast<double>()).norm());
+  }
+  return motion.empty() ? 0 : median(&motion) / camera_.width;
 }
 
 void Tracker::accept(Frame frame, TrackResult* result) {
   FrontSubmap& submap = active();
   state_ = TrackingState::kTracking;
   initializer_.clear();
-  ++frames_since_keyframe_;
   const bool already = submap.map.frame(frame.utime_us) != nullptr;  // it began the submap
   result->is_keyframe = already;
   if (!already) {
@@ -230,7 +245,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
       submap.keep_images(options_.mapping.keyframe_images);
       relocalizer_.add_keyframe(active_, submap.map, kf);
       tasks_.emplace_back(&submap, kf.id);
-      frames_since_keyframe_ = 0;
+      last_keyframe_us_ = frame.utime_us;
       result->is_keyframe = true;
     }
     record_pose(&submap, frame);

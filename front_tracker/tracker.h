@@ -68,6 +68,7 @@ class Tracker {
   bool is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us);
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
+  double motion_since_last_frame(const Frame& frame) const;
   bool recover(Frame* frame);
   bool go_on_in_back_submap(Frame* frame);
   void activate(size_t submap_index);  // it is the one that is tracked from now on
@@ -104,7 +105,7 @@ class Tracker {
   int64_t velocity_dt_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;
   int64_t lost_since_us_ = 0;
-  int frames_since_keyframe_ = 0;
+  int64_t last_keyframe_us_ = 0;
   MappingWorker mapping_;  // last: its thread ends first
 };
 

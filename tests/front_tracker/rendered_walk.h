@@ -24,8 +24,9 @@ struct RenderedWalk {
 };
 
 // seed: of the room and the path.
-inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1) {
+inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1, std::vector<HardPassage> hard = {}) {
   SynthOptions options;
+  options.hard = std::move(hard);
   options.seed = seed;
   options.seconds = seconds;
   options.rate_hz = rate_hz;

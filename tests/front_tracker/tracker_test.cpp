@@ -167,6 +167,42 @@ TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
   EXPECT_GT(lost, sequence().images.size() / 4);
 }
 
+// Five images a second while the camera turns by 110 degrees in three seconds, and back.
+const testing::RenderedWalk& turning_walk() {
+  static const testing::RenderedWalk walk = testing::render_walk(12, 5, 8, {{HardPassage::Kind::kRotation, 2, 6}});
+  return walk;
+}
+
+std::vector<Error> errors_in_fast_turn(const FrontTrackerOptions& options) {
+  const testing::RenderedWalk& walk = turning_walk();
+  Tracker tracker(walk.camera, options, 1);
+  for (size_t i = 0; i < walk.images.size(); ++i) tracker.process(walk.utime_us[i], walk.images[i]);
+  std::vector<Error> errors;
+  for (const auto& submap : tracker.submaps()) errors.push_back(testing::error_of(submap->map, walk.center));
+  return errors;
+}
+
+// What is seen again of a keyframe falls off too quickly to wait until it is little.
+TEST(Tracker, KeyframesFollowFastMotion) {
+  FrontTrackerOptions options = replay_options();
+  const std::vector<Error> errors = errors_in_fast_turn(options);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_GE(errors[0].frames, turning_walk().images.size() - 6) << "all but those before the camera has moved";
+  EXPECT_LT(errors[0].rmse_m, 0.01 * errors[0].path_m);
+  options.keyframes.max_motion = 10;
+  EXPECT_GT(errors_in_fast_turn(options).size(), 1u) << "it is not lost without them";
+}
+
+// Between keyframes that hardly moved, the points that seem near enough are those whose parallax noise has made larger.
+TEST(Tracker, ScaleHoldsInATurnOnTheSpot) {
+  FrontTrackerOptions options = replay_options();
+  for (const Error& e : errors_in_fast_turn(options)) EXPECT_LT(e.rmse_m, 0.01 * e.path_m);
+  options.mapping.min_baseline_ratio = 0.01;
+  const std::vector<Error> errors = errors_in_fast_turn(options);
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_GT(errors[0].rmse_m, 0.03 * errors[0].path_m) << "the scale does not slip here: the test shows nothing";
+}
+
 TEST(Tracker, NothingToSeeIsNoSubmap) {
   Tracker tracker(sequence().camera, replay_options(), 1);
   cv::Mat image(sequence().images[0].size(), CV_8U);
