@@ -36,6 +36,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
   t.add(s + "min_established", &r.min_established, "",
         "landmarks that at least three keyframes have seen and that agree with a pose; fewer: lost", 0, 1000);
+  t.add(s + "min_established_parallax", &r.min_established_parallax_deg, "deg",
+        "of such a landmark, seen by three keyframes; more sights need less, by the root of their number", 0.0, 20.0);
   t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
         "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
         "supports the pose (epipolar constraint); 0: never",

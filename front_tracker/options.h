@@ -29,10 +29,11 @@ struct TrackingOptions {
   int max_distance = 64;         // Hamming distance of a match
   double max_ratio = 0.9;        // best over second-best distance at the same octave
   int min_inliers = 25;          // fewer: lost
-  int min_established = 12;      // of these, seen by three keyframes; fewer: lost, for nothing carries the scale on
-  int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
-  int epipolar_inliers = 70;     // fewer: matches with earlier frames that are no landmarks help too; 0: never
-  int local_keyframes = 25;      // whose landmarks are looked for
+  int min_established = 25;      // of these, seen by three keyframes; fewer: lost, for nothing carries the scale on
+  double min_established_parallax_deg = 2.5;  // of these landmarks; more sights need less, by the root of their number
+  int min_first_inliers = 15;                 // of the matches with the last frame; fewer: brute force and resection
+  int epipolar_inliers = 70;  // fewer: matches with earlier frames that are no landmarks help too; 0: never
+  int local_keyframes = 25;   // whose landmarks are looked for
   // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
   // poses' own noise explain becomes no keyframe.
   int sure_inliers = 80;

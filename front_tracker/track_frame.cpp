@@ -179,10 +179,12 @@ bool Tracker::carries_scale(const Frame& frame) const {
   const Submap& map = submaps_[active_]->map;
   constexpr size_t kYoung = 5;  // keyframes: of a submap that has nothing established
   if (map.keyframes.size() < kYoung) return true;
+  const double min_parallax_rad = options_.tracking.min_established_parallax_deg * M_PI / 180;
   int established = 0;
   for (int id : frame.landmark_ids) {
     const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
-    if (lm && lm->observations.size() >= 3) ++established;
+    const double sights = lm ? static_cast<double>(lm->observations.size()) : 0;
+    if (sights >= 3 && lm->parallax_rad * std::sqrt(sights / 3) >= min_parallax_rad) ++established;
   }
   return established >= options_.tracking.min_established;
 }

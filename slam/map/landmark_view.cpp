@@ -34,7 +34,8 @@ Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
 }  // namespace
 
 void update_landmark_view(const Submap& submap, const std::vector<double>& scales, Landmark* landmark) {
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero(), newest = Eigen::Vector3d::Zero();
+  double least_cosine = 1;
   std::vector<const Descriptor*> descriptors;
   double distance = 0;
   // Newest first: the latest looks matter most to what comes next.
@@ -45,12 +46,15 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& scale
     const double d = ray.norm();
     if (!(d > 0)) continue;
     direction += ray / d;
+    if (newest.isZero()) newest = ray / d;
+    least_cosine = std::min(least_cosine, newest.dot(ray) / d);
     distance = d * scale_of(kf->features->keypoints[o->keypoint_index].octave,
                             scales);  // in the end that of the oldest observation, which made the landmark
     if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
   }
   if (descriptors.empty()) return;
   landmark->view_direction = direction.normalized();
+  landmark->parallax_rad = std::acos(std::max(-1.0, least_cosine));
   landmark->octave0_distance = distance;
   landmark->descriptor = median_descriptor(descriptors);
 }

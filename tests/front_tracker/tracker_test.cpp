@@ -152,19 +152,24 @@ TEST(Tracker, NothingIsBuiltOnFewLandmarksFarFromTheMotionSoFar) {
   }
 }
 
-// With as many landmarks of three keyframes asked for as there are landmarks at all, only young submaps get by.
+// With as many landmarks of three keyframes asked for as there are landmarks at all, or with more parallax than any
+// has, only young submaps get by.
 TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
-  FrontTrackerOptions options = replay_options();
-  options.tracking.min_established = 1000;
-  Tracker tracker(sequence().camera, options, 1);
-  std::optional<TrackResult> last;
-  size_t lost = 0;
-  for (size_t i = 0; i < sequence().images.size(); ++i) {
-    last = tracker.process(sequence().utime_us[i], sequence().images[i]);
-    if (tracker.submaps().empty() || tracker.submaps()[0]->map.keyframes.size() < 5) continue;
-    lost += last->state != TrackingState::kTracking;
+  for (const bool by_parallax : {false, true}) {
+    FrontTrackerOptions options = replay_options();
+    if (by_parallax)
+      options.tracking.min_established_parallax_deg = 90;
+    else
+      options.tracking.min_established = 1000;
+    Tracker tracker(sequence().camera, options, 1);
+    size_t lost = 0;
+    for (size_t i = 0; i < sequence().images.size(); ++i) {
+      const auto last = tracker.process(sequence().utime_us[i], sequence().images[i]);
+      if (tracker.submaps().empty() || tracker.submaps()[0]->map.keyframes.size() < 5) continue;
+      lost += last->state != TrackingState::kTracking;
+    }
+    EXPECT_GT(lost, sequence().images.size() / 4) << (by_parallax ? "parallax" : "number");
   }
-  EXPECT_GT(lost, sequence().images.size() / 4);
 }
 
 // Five images a second while the camera turns by 110 degrees in three seconds, and back.
