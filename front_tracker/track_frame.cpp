@@ -175,6 +175,7 @@ bool Tracker::match_local_map(Frame* frame) {
 
 // A landmark of two keyframes lies where their motion put it. Where a frame sees nothing else (nearly all is lost in a
 // turn, what mapping has just made is left), a wrong length of that motion is all there is from then on.
+// So it is with one of little parallax, unless many sights make up for it: its distance is as uncertain as their mean.
 bool Tracker::carries_scale(const Frame& frame) const {
   const Submap& map = submaps_[active_]->map;
   constexpr size_t kYoung = 5;  // keyframes: of a submap that has nothing established
