@@ -37,7 +37,14 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "min_established", &r.min_established, "",
         "landmarks that at least three keyframes have seen and that agree with a pose; fewer: lost", 0, 1000);
   t.add(s + "min_established_parallax", &r.min_established_parallax_deg, "deg",
-        "of such a landmark, seen by three keyframes; more sights need less, by the root of their number", 0.0, 20.0);
+        "of such a landmark, seen by three keyframes, that counts fully; less counts by its square times the sights",
+        0.0, 20.0);
+  t.add(s + "patch_inliers", &r.patch_inliers, "",
+        "landmarks that do in fast motion; with fewer, others in view that no keypoint is matched to are looked for by "
+        "the patches around them (keyframe_images); 0: never",
+        0, 10000);
+  t.add(s + "patch_motion", &r.patch_motion, "",
+        "median motion of the image since the last frame, of its width, that counts as fast there", 0.0, 10.0);
   t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
         "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
         "supports the pose (epipolar constraint); 0: never",

@@ -30,10 +30,12 @@ struct TrackingOptions {
   double max_ratio = 0.9;        // best over second-best distance at the same octave
   int min_inliers = 25;          // fewer: lost
   int min_established = 25;      // of these, seen by three keyframes; fewer: lost, for nothing carries the scale on
-  double min_established_parallax_deg = 2.5;  // of these landmarks; more sights need less, by the root of their number
-  int min_first_inliers = 15;                 // of the matches with the last frame; fewer: brute force and resection
-  int epipolar_inliers = 70;  // fewer: matches with earlier frames that are no landmarks help too; 0: never
-  int local_keyframes = 25;   // whose landmarks are looked for
+  double min_established_parallax_deg = 6;  // of these, to count fully; less counts by its square times the sights
+  int min_first_inliers = 15;               // of the matches with the last frame; fewer: brute force and resection
+  int patch_inliers = 200;  // fewer, in fast motion: landmarks without a keypoint are looked for by patches; 0: never
+  double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast
+  int epipolar_inliers = 70;   // fewer: matches with earlier frames that are no landmarks help too; 0: never
+  int local_keyframes = 25;    // whose landmarks are looked for
   // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
   // poses' own noise explain becomes no keyframe.
   int sure_inliers = 80;

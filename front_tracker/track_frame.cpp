@@ -8,6 +8,7 @@
 
 #include "front_tracker/align_keypoints.h"
 #include "front_tracker/epipolar_matches.h"
+#include "front_tracker/patch_search.h"
 #include "front_tracker/projection_search.h"
 #include "front_tracker/tracker.h"
 #include "slam/features/matching.h"
@@ -164,6 +165,10 @@ bool Tracker::match_local_map(Frame* frame) {
   int inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame, &templates_))
     inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.patch_inliers &&
+      motion_since_last_frame(*frame) > options_.tracking.patch_motion &&
+      search_by_patch(active(), visible, options_.tracking.patch_inliers, frame, &templates_) > 0)
+    inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)
     inliers = support_by_epipolar_matches(frame);
   for (int id : visible)
@@ -175,17 +180,18 @@ bool Tracker::match_local_map(Frame* frame) {
 
 // A landmark of two keyframes lies where their motion put it. Where a frame sees nothing else (nearly all is lost in a
 // turn, what mapping has just made is left), a wrong length of that motion is all there is from then on.
-// So it is with one of little parallax, unless many sights make up for it: its distance is as uncertain as their mean.
+// So it is with one of little parallax, unless many sights make up for it: it counts by how well its distance is known,
+// the information of the mean of its sights.
 bool Tracker::carries_scale(const Frame& frame) const {
   const Submap& map = submaps_[active_]->map;
   constexpr size_t kYoung = 5;  // keyframes: of a submap that has nothing established
   if (map.keyframes.size() < kYoung) return true;
   const double min_parallax_rad = options_.tracking.min_established_parallax_deg * M_PI / 180;
-  int established = 0;
+  double established = 0;
   for (int id : frame.landmark_ids) {
     const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
     const double sights = lm ? static_cast<double>(lm->observations.size()) : 0;
-    if (sights >= 3 && lm->parallax_rad * std::sqrt(sights / 3) >= min_parallax_rad) ++established;
+    if (sights >= 3) established += std::min(1.0, sights / 3 * std::pow(lm->parallax_rad / min_parallax_rad, 2));
   }
   return established >= options_.tracking.min_established;
 }

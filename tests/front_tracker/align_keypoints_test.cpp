@@ -5,49 +5,16 @@
 #include <gtest/gtest.h>
 
 #include "front_tracker/projection_search.h"
-#include "slam/features/matching.h"
 #include "slam/geometry/epipolar.h"
 #include "slam/geometry/median.h"
-#include "slam/geometry/triangulation.h"
-#include "slam/map/landmark_view.h"
-#include "tests/front_tracker/rendered_walk.h"
+#include "tests/front_tracker/walk_submap.h"
 
 namespace rumi {
 namespace {
 
-const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
-
-Frame frame_of(size_t i) {
-  OrbExtractor extractor({});
-  const auto images = std::make_shared<const ImagePyramid>(extractor.pyramid(walk().images[i]));
-  Frame frame = make_frame(walk().utime_us[i], extractor.extract(*images), walk().camera);
-  frame.images = images;
-  frame.cam_from_submap = walk().cam_from_room[i];
-  return frame;
-}
-
-// Keyframes at their true poses, with landmarks of the corners that the first two have in common.
-std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images) {
-  auto s = std::make_unique<FrontSubmap>();
-  s->map.camera = walk().camera;
-  s->map.revision = 1;
-  s->octave_scales = octave_scales({});
-  for (size_t i : images) {
-    Frame frame = frame_of(i);
-    s->add_keyframe(&frame);
-  }
-  const Keyframe &a = *s->map.keyframe(0), &b = *s->map.keyframe(1);
-  for (const Match& m : match_features(*a.features, {}, *b.features, {}, {})) {
-    const auto ray = [](const Keyframe& kf, int i) { return walk().camera.ray(kf.features->undistorted[i]); };
-    const auto point = triangulate(a.cam_from_submap, ray(a, m.first), b.cam_from_submap, ray(b, m.second));
-    if (!point) continue;
-    const int id = s->add_landmark(*point).id;
-    s->map.add_observation(id, 0, m.first);
-    s->map.add_observation(id, 1, m.second);
-    update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
-  }
-  return s;
-}
+using testing::frame_of;
+using testing::submap_of;
+using testing::walk;
 
 // Median distance of the frame's keypoints from the true epipolar lines of those of keyframe 0 that see the same
 // landmarks, in pixels of their level.

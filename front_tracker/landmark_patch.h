@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where a landmark appears in an image, by the patch around it in the first keyframes that saw it, as far as their
+// images are kept (FrontSubmap::images).
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "front_tracker/front_submap.h"
+#include "front_tracker/patch_templates.h"
+
+namespace rumi {
+
+// One view of a landmark: the camera's pose, and its image.
+struct ImagedView {
+  const SE3& cam_from_submap;
+  const ImagePyramid& images;
+};
+
+struct LandmarkPatch {
+  Keypoint keypoint;      // in the view; its direction is that of the reference, turned with the patch
+  Observation reference;  // whose patch was found
+};
+
+// The place in the view, within two pixels of at.pixel in the level at.octave, where it looks as in the first of the
+// submap's observations `references` of the landmark at `position` whose images are kept; the view's own is none of
+// them. The surface is taken to be parallel to the reference's image plane. Nothing if two of them are not found.
+std::optional<LandmarkPatch> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
+                                        const std::vector<Observation>& references, const ImagedView& view,
+                                        const Keypoint& at, PatchTemplates* templates);
+
+}  // namespace rumi

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Frames and a submap of the rendered walk, at their true poses.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "front_tracker/front_submap.h"
+#include "slam/features/matching.h"
+#include "slam/features/orb_extractor.h"
+#include "slam/geometry/triangulation.h"
+#include "slam/map/landmark_view.h"
+#include "tests/front_tracker/rendered_walk.h"
+
+namespace rumi::testing {
+
+inline const RenderedWalk& walk() { return rendered_walk(); }
+
+inline Frame frame_of(size_t i) {
+  OrbExtractor extractor({});
+  const auto images = std::make_shared<const ImagePyramid>(extractor.pyramid(walk().images[i]));
+  Frame frame = make_frame(walk().utime_us[i], extractor.extract(*images), walk().camera);
+  frame.images = images;
+  frame.cam_from_submap = walk().cam_from_room[i];
+  return frame;
+}
+
+// Keyframes at their true poses, with landmarks of the corners that the first two have in common.
+inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images) {
+  auto s = std::make_unique<FrontSubmap>();
+  s->map.camera = walk().camera;
+  s->map.revision = 1;
+  s->octave_scales = octave_scales({});
+  for (size_t i : images) {
+    Frame frame = frame_of(i);
+    s->add_keyframe(&frame);
+  }
+  const Keyframe &a = *s->map.keyframe(0), &b = *s->map.keyframe(1);
+  for (const Match& m : match_features(*a.features, {}, *b.features, {}, {})) {
+    const auto ray = [](const Keyframe& kf, int i) { return walk().camera.ray(kf.features->undistorted[i]); };
+    const auto point = triangulate(a.cam_from_submap, ray(a, m.first), b.cam_from_submap, ray(b, m.second));
+    if (!point) continue;
+    const int id = s->add_landmark(*point).id;
+    s->map.add_observation(id, 0, m.first);
+    s->map.add_observation(id, 1, m.second);
+    update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
+  }
+  return s;
+}
+
+}  // namespace rumi::testing
