@@ -13,7 +13,7 @@ bool align_keypoints(const FrontSubmap& submap, Frame* frame, PatchTemplates* te
     const Landmark* lm = frame->landmark_ids[i] == kNone ? nullptr : submap.map.landmark(frame->landmark_ids[i]);
     if (!lm) continue;
     if (const auto found = find_patch(submap, lm->position, lm->observations, view, features->keypoints[i], templates))
-      features->move(i, found->keypoint.pixel, submap.map.camera);
+      features->move(i, found->pixel, submap.map.camera);
   }
   templates->end_frame();
   frame->features = std::move(features);
@@ -30,7 +30,7 @@ bool KeyframeAligner::align(int keypoint, const Eigen::Vector3d& position, const
                                 kf.features->keypoints[keypoint], &templates);
   if (!found) return false;
   if (!moved_) kf.features = moved_ = std::make_shared<Features>(*kf.features);
-  moved_->move(keypoint, found->keypoint.pixel, submap_.map.camera);
+  moved_->move(keypoint, found->pixel, submap_.map.camera);
   return true;
 }
 

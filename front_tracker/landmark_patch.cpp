@@ -43,9 +43,9 @@ float turn_rad(const Eigen::Matrix2f& steps) {
 
 }  // namespace
 
-std::optional<LandmarkPatch> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
-                                        const std::vector<Observation>& references, const ImagedView& view,
-                                        const Keypoint& at, PatchTemplates* templates) {
+std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
+                                   const std::vector<Observation>& references, const ImagedView& view,
+                                   const Keypoint& at, PatchTemplates* templates) {
   if (at.octave >= view.images.levels()) return std::nullopt;
   int tried = 0;
   for (const Observation& o : references) {
@@ -56,7 +56,7 @@ std::optional<LandmarkPatch> find_patch(const FrontSubmap& submap, const Eigen::
     const auto steps = view_from_reference(submap.map.camera, position, kf.cam_from_submap, view.cam_from_submap);
     const PatchTemplate* patch = steps ? templates->find(*images->second, {o, seen.pixel, *steps, at.octave}) : nullptr;
     const auto pixel = patch ? align_patch(*patch, {view.images, at.pixel, at.octave}) : std::nullopt;
-    if (pixel) return LandmarkPatch{{*pixel, seen.angle_rad + turn_rad(*steps), at.octave}, o};
+    if (pixel) return Keypoint{*pixel, seen.angle_rad + turn_rad(*steps), at.octave};
     if (++tried == kReferences) break;
   }
   return std::nullopt;

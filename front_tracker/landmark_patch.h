@@ -17,16 +17,12 @@ struct ImagedView {
   const ImagePyramid& images;
 };
 
-struct LandmarkPatch {
-  Keypoint keypoint;      // in the view; its direction is that of the reference, turned with the patch
-  Observation reference;  // whose patch was found
-};
-
-// The place in the view, within two pixels of at.pixel in the level at.octave, where it looks as in the first of the
+// The keypoint in the view, within two pixels of at.pixel in the level at.octave, where it looks as in the first of the
 // submap's observations `references` of the landmark at `position` whose images are kept; the view's own is none of
-// them. The surface is taken to be parallel to the reference's image plane. Nothing if two of them are not found.
-std::optional<LandmarkPatch> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
-                                        const std::vector<Observation>& references, const ImagedView& view,
-                                        const Keypoint& at, PatchTemplates* templates);
+// them. Its direction is that of the observation, turned with the patch. The surface is taken to be parallel to the
+// reference's image plane. Nothing if two of them are not found.
+std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vector3d& position,
+                                   const std::vector<Observation>& references, const ImagedView& view,
+                                   const Keypoint& at, PatchTemplates* templates);
 
 }  // namespace rumi

@@ -37,16 +37,16 @@ bool is_taken(const Frame& frame, const Prediction& at, double radius_px) {
 }
 
 // From coarse to fine; only the finest must agree.
-std::optional<LandmarkPatch> find_from_coarse(const FrontSubmap& submap, const Landmark& lm, const ImagedView& view,
-                                              const Prediction& at, PatchTemplates* templates) {
+std::optional<Keypoint> find_from_coarse(const FrontSubmap& submap, const Landmark& lm, const ImagedView& view,
+                                         const Prediction& at, PatchTemplates* templates) {
   const auto predicted = submap.map.camera.project(view.cam_from_submap * lm.position);
   if (!predicted) return std::nullopt;
   Keypoint place{predicted->cast<float>()};
-  std::optional<LandmarkPatch> found;
+  std::optional<Keypoint> found;
   for (const int above : kOctavesAbove) {
     place.octave = static_cast<uint8_t>(std::min(at.octave + above, view.images.levels() - 1));
     found = find_patch(submap, lm.position, lm.observations, view, place, templates);
-    if (found) place.pixel = found->keypoint.pixel;
+    if (found) place.pixel = found->pixel;
   }
   return found;
 }
@@ -58,9 +58,8 @@ bool is_inside(const ImagePyramid& images, const Keypoint& keypoint) {
          at.y() < static_cast<float>(level.rows) - kBorder_px;
 }
 
-void add_keypoint(const Submap& map, const Landmark& lm, const ImagePyramid& images, const LandmarkPatch& found,
+void add_keypoint(const Submap& map, const Landmark& lm, const ImagePyramid& images, const Keypoint& keypoint,
                   Features* features) {
-  const Keypoint& keypoint = found.keypoint;
   const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
   const Observation& latest = lm.observations.back();
   features->keypoints.push_back(keypoint);
@@ -84,7 +83,7 @@ int search_by_patch(const FrontSubmap& submap, const std::vector<int>& visible, 
         predict(submap.map.camera, view.cam_from_submap, *lm, submap.octave_scales, ProjectionSearch().min_view_cosine);
     if (!at || is_taken(*frame, *at, kTooNear_px * submap.octave_scales[at->octave])) continue;
     const auto found = find_from_coarse(submap, *lm, view, *at, templates);
-    if (!found || !is_inside(view.images, found->keypoint)) continue;
+    if (!found || !is_inside(view.images, *found)) continue;
     add_keypoint(submap.map, *lm, view.images, *found, features.get());
     found_ids.push_back(lm->id);
   }
