@@ -8,13 +8,13 @@
 #include "front_tracker/landmark_patch.h"
 #include "front_tracker/projection_search.h"
 #include "slam/features/keypoint_whitening.h"
+#include "slam/features/orb_extractor.h"
 
 namespace rumi {
 namespace {
 
 constexpr std::array kOctavesAbove{4, 2, 0};  // that are looked at: the reach is two pixels of the coarsest
 constexpr double kTooNear_px = 2;  // of the level, to a keypoint of another landmark: it may be the same corner
-constexpr float kBorder_px = 19;   // of the level; corners keep away as far (ORB's pattern)
 
 // Of the visible, in view and unmatched; the order of those seen equally often is that of `visible`.
 std::vector<const Landmark*> most_seen_first(const Submap& map, const std::vector<int>& visible, const Frame& frame) {
@@ -54,8 +54,8 @@ std::optional<Keypoint> find_from_coarse(const FrontSubmap& submap, const Landma
 bool is_inside(const ImagePyramid& images, const Keypoint& keypoint) {
   const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
   const cv::Mat& level = images.level(keypoint.octave);
-  return at.minCoeff() >= kBorder_px && at.x() < static_cast<float>(level.cols) - kBorder_px &&
-         at.y() < static_cast<float>(level.rows) - kBorder_px;
+  return at.minCoeff() >= kOrbBorder_px && at.x() < static_cast<float>(level.cols) - kOrbBorder_px &&
+         at.y() < static_cast<float>(level.rows) - kOrbBorder_px;
 }
 
 void add_keypoint(const Submap& map, const Landmark& lm, const ImagePyramid& images, const Keypoint& keypoint,

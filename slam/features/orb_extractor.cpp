@@ -17,7 +17,6 @@ namespace {
 constexpr int kPatchRadius = 15;     // of the intensity centroid and of BRIEF's pattern
 constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold is for images with little to see
 constexpr double kPlenty = 2.5;      // corners for each that is wanted
-constexpr int kBorder = 19;          // the rotated pattern reaches this far, in pixels of the level
 
 // What a pixel of the patch weighs in its moments: its coordinates, or nothing outside the circle. The last column is
 // always outside: a row is 32 pixels, whole vectors.
@@ -114,7 +113,7 @@ std::vector<double> octave_scales(const OrbOptions& options) {
 OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
       lacks_clear_(options.levels, false),
-      describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.scale_factor), 1, kBorder, 0, 2,
+      describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.scale_factor), 1, kOrbBorder_px, 0, 2,
                                  cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
 
 // Clear ones where there is plenty of them: the faint ones would be left over in the end, and finding them costs most.
@@ -135,7 +134,7 @@ std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int o
 }
 
 std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int octave, int wanted) {
-  const int inset = kBorder - 3;  // FAST itself leaves 3 pixels
+  const int inset = kOrbBorder_px - 3;  // FAST itself leaves 3 pixels
   const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
   std::vector<cv::KeyPoint> corners = find_corners(level(inner), octave, wanted);
   corners = spread(corners, wanted, options_.cell_px, inner.size());
@@ -155,7 +154,7 @@ Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
   const std::vector<int> wanted = quotas(options_, keypoints > 0 ? keypoints : options_.keypoints);
   for (int octave = 0; octave < pyramid.levels(); ++octave) {
     const cv::Mat& level = pyramid.level(octave);
-    if (std::min(level.cols, level.rows) < 2 * kBorder + 8) break;
+    if (std::min(level.cols, level.rows) < 2 * kOrbBorder_px + 8) break;
     std::vector<cv::KeyPoint> corners = detect(level, octave, wanted[octave]);
     if (corners.empty()) continue;
     cv::Mat descriptors;

@@ -13,6 +13,9 @@
 
 namespace rumi {
 
+// Keypoints keep away from the border as far as the rotated pattern reaches, in pixels of the level.
+inline constexpr int kOrbBorder_px = 19;
+
 struct OrbOptions {
   int keypoints = 1000;       // wanted per image; fewer where the image has no more
   int levels = 8;             // pyramid levels
