@@ -20,6 +20,7 @@ struct Frame {
   std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
   SE3 cam_from_submap;                         // meaningful once tracked
   bool is_believable = true;                   // else the pose is nothing to build on
+  bool has_corners = true;                     // else its keypoints are landmarks found by patches, and no others
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
 

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "slam/features/keypoint_whitening.h"
+#include "slam/features/orb_extractor.h"
 #include "slam/features/patch_alignment.h"
 
 namespace rumi {
@@ -60,6 +62,23 @@ std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vecto
     if (++tried == kReferences) break;
   }
   return std::nullopt;
+}
+
+bool is_inside(const ImagePyramid& images, const Keypoint& keypoint) {
+  const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
+  const cv::Mat& level = images.level(keypoint.octave);
+  return at.minCoeff() >= kOrbBorder_px && at.x() < static_cast<float>(level.cols) - kOrbBorder_px &&
+         at.y() < static_cast<float>(level.rows) - kOrbBorder_px;
+}
+
+void add_keypoint(const Submap& map, const Landmark& landmark, const ImagePyramid& images, const Keypoint& keypoint,
+                  Features* features) {
+  const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
+  const Observation& latest = landmark.observations.back();
+  features->keypoints.push_back(keypoint);
+  features->descriptors.push_back(map.keyframe(latest.keyframe_id)->features->descriptors[latest.keypoint_index]);
+  features->undistorted.push_back(map.camera.undistort(keypoint.pixel.cast<double>()).cast<float>());
+  features->whitenings.push_back(keypoint_whitening(images.level(keypoint.octave), {at.x(), at.y()}));
 }
 
 }  // namespace rumi

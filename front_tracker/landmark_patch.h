@@ -25,4 +25,11 @@ std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vecto
                                    const std::vector<Observation>& references, const ImagedView& view,
                                    const Keypoint& at, PatchTemplates* templates);
 
+// Far enough from the border of its level for a keypoint (kOrbBorder_px).
+bool is_inside(const ImagePyramid& images, const Keypoint& keypoint);
+
+// A keypoint of the landmark that no corner was found for, with the descriptor of its latest observation.
+void add_keypoint(const Submap& map, const Landmark& landmark, const ImagePyramid& images, const Keypoint& keypoint,
+                  Features* features);
+
 }  // namespace rumi

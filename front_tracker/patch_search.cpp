@@ -7,8 +7,6 @@
 
 #include "front_tracker/landmark_patch.h"
 #include "front_tracker/projection_search.h"
-#include "slam/features/keypoint_whitening.h"
-#include "slam/features/orb_extractor.h"
 
 namespace rumi {
 namespace {
@@ -49,23 +47,6 @@ std::optional<Keypoint> find_from_coarse(const FrontSubmap& submap, const Landma
     if (found) place.pixel = found->pixel;
   }
   return found;
-}
-
-bool is_inside(const ImagePyramid& images, const Keypoint& keypoint) {
-  const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
-  const cv::Mat& level = images.level(keypoint.octave);
-  return at.minCoeff() >= kOrbBorder_px && at.x() < static_cast<float>(level.cols) - kOrbBorder_px &&
-         at.y() < static_cast<float>(level.rows) - kOrbBorder_px;
-}
-
-void add_keypoint(const Submap& map, const Landmark& lm, const ImagePyramid& images, const Keypoint& keypoint,
-                  Features* features) {
-  const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
-  const Observation& latest = lm.observations.back();
-  features->keypoints.push_back(keypoint);
-  features->descriptors.push_back(map.keyframe(latest.keyframe_id)->features->descriptors[latest.keypoint_index]);
-  features->undistorted.push_back(map.camera.undistort(keypoint.pixel.cast<double>()).cast<float>());
-  features->whitenings.push_back(keypoint_whitening(images.level(keypoint.octave), {at.x(), at.y()}));
 }
 
 }  // namespace

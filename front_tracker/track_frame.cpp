@@ -24,7 +24,8 @@ constexpr double kTranslationNoise = 0.005;  // of the landmarks' median depth
 
 }  // namespace
 
-bool Tracker::track(Frame* frame) {
+// Also brings the last frame to where mapping has moved its keyframe since.
+void Tracker::predict_pose(Frame* frame) {
   const Keyframe* reference = active().map.keyframe(last_.reference_keyframe);
   if (!reference) {
     // Culled since: its frames hang on another keyframe now.
@@ -33,23 +34,30 @@ bool Tracker::track(Frame* frame) {
     last_.cam_from_keyframe = pose->cam_from_keyframe;
     reference = active().map.keyframe(last_.reference_keyframe);
   }
-  // Mapping may have moved the keyframe that the last frame hangs on.
   last_.cam_from_submap = last_.cam_from_keyframe * reference->cam_from_submap;
   const int64_t dt_us = frame->utime_us - last_.utime_us;
-  const SE3 before = last_.cam_from_submap;
   SE3 motion = velocity_;
   if (velocity_dt_us_ > 0 && dt_us != velocity_dt_us_) {
     const double ratio = std::min(3.0, static_cast<double>(dt_us) / static_cast<double>(velocity_dt_us_));
     motion = SE3::exp(ratio * velocity_.log());
   }
-  frame->cam_from_submap = motion * before;
+  frame->cam_from_submap = motion * last_.cam_from_submap;
   frame->reference_keyframe = last_.reference_keyframe;
+}
+
+void Tracker::note_motion(const Frame& frame) {
+  velocity_ = frame.cam_from_submap * last_.cam_from_submap.inverse();
+  velocity_dt_us_ = frame.utime_us - last_.utime_us;
+}
+
+bool Tracker::track(Frame* frame) {
+  predict_pose(frame);
   const SE3 predicted = frame->cam_from_submap;
   if (!match_last_frame(frame) && !match_by_brute_force(frame)) return false;
   if (!match_local_map(frame)) return false;
-  frame->is_believable = velocity_dt_us_ == 0 || is_believable(*frame, predicted, std::max(dt_us, velocity_dt_us_));
-  velocity_ = frame->cam_from_submap * before.inverse();
-  velocity_dt_us_ = dt_us;
+  frame->is_believable = velocity_dt_us_ == 0 ||
+                         is_believable(*frame, predicted, std::max(frame->utime_us - last_.utime_us, velocity_dt_us_));
+  note_motion(*frame);
   return true;
 }
 

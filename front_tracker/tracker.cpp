@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "front_tracker/patch_tracking.h"
 #include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 
@@ -25,17 +26,19 @@ Tracker::Tracker(const Camera& camera, const FrontTrackerOptions& options, int64
 std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
   if (utime_us <= last_utime_us_) return std::nullopt;
   last_utime_us_ = utime_us;
-  const bool tracking = state_ == TrackingState::kTracking;
   const bool keep = options_.mapping.keyframe_images > 0;
   const auto images = std::make_shared<const ImagePyramid>(extractor_.pyramid(keep ? grey.clone() : grey));
-  Frame frame = make_frame(
-      utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
-      camera_);
-  if (keep) frame.images = images;
-
   posed_afterwards_.clear();
   TrackResult result;
   result.utime_us = utime_us;
+  if (follow(utime_us, images, &result)) return result;
+
+  const bool tracking = state_ == TrackingState::kTracking;
+  Frame frame = make_frame(
+      utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
+      camera_);
+  last_corners_us_ = utime_us;
+  if (keep) frame.images = images;
   result.keypoints = static_cast<int>(frame.features->size());
   {
     const std::scoped_lock lock(map_mutex_);
@@ -48,6 +51,33 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   for (const auto& [submap, keyframe] : tasks_) mapping_.post(submap, keyframe);
   tasks_.clear();
   return result;
+}
+
+// In slow motion, between images that may become keyframes: without looking for corners.
+bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result) {
+  constexpr double kLeastFound = 0.6;  // of the landmarks that should be in view
+  const TrackingOptions& o = options_.tracking;
+  const double since_corners_s = 1e-6 * static_cast<double>(utime_us - last_corners_us_);
+  if (state_ != TrackingState::kTracking || velocity_dt_us_ == 0 || options_.mapping.keyframe_images == 0 ||
+      since_corners_s >= options_.keyframes.min_interval_s)
+    return false;
+  const std::scoped_lock lock(map_mutex_);
+  Frame frame;
+  frame.utime_us = utime_us;
+  frame.images = images;
+  frame.has_corners = false;
+  predict_pose(&frame);
+  if (!find_pose_by_patches(active(), last_, &frame, &templates_) || motion_since_last_frame(frame) > o.patch_motion)
+    return false;
+  const PatchTracking tracked = track_by_patches(active(), last_, &frame, &templates_);
+  if (tracked.inliers < std::max<double>(o.sure_inliers, kLeastFound * tracked.in_view) || !carries_scale(frame))
+    return false;
+  note_motion(frame);
+  ++active().map.revision;
+  result->state = state_;
+  result->keypoints = static_cast<int>(frame.features->size());
+  accept(std::move(frame), result);
+  return true;
 }
 
 void Tracker::lose(const Frame& frame) {
@@ -199,7 +229,7 @@ void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
   const FrontSubmap& submap = *submaps_[active_];
-  if (mapping_.pending() > 2 || !frame.is_believable) return false;
+  if (mapping_.pending() > 2 || !frame.is_believable || !frame.has_corners) return false;
   const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
   int established = 0;
   for (int id : reference->landmark_ids) {

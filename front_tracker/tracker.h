@@ -59,7 +59,10 @@ class Tracker {
   // A keyframe that the mapper has to be told of, once the map's mutex is free.
   using MappingTask = std::pair<FrontSubmap*, int>;
 
+  bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
   bool track(Frame* frame);
+  void predict_pose(Frame* frame);
+  void note_motion(const Frame& frame);
   bool match_last_frame(Frame* frame);
   bool match_by_brute_force(Frame* frame);
   bool match_local_map(Frame* frame);
@@ -106,7 +109,8 @@ class Tracker {
   int64_t last_utime_us_ = INT64_MIN;
   int64_t lost_since_us_ = 0;
   int64_t last_keyframe_us_ = 0;
-  MappingWorker mapping_;  // last: its thread ends first
+  int64_t last_corners_us_ = 0;  // of the last image that corners were looked for in
+  MappingWorker mapping_;        // last: its thread ends first
 };
 
 }  // namespace rumi
