@@ -12,6 +12,7 @@ namespace rumi {
 namespace {
 
 using testing::frame_of;
+using testing::median_shift;
 using testing::submap_of;
 using testing::walk;
 
@@ -31,19 +32,6 @@ double median_error(const FrontSubmap& s, const Frame& frame, size_t added, cons
                      s.octave_scales[frame.features->keypoints[i].octave]);
   }
   return median(&errors);
-}
-
-// How far the frame's pose puts its landmarks from where the true one does, pixels.
-double median_shift(const FrontSubmap& s, const Frame& frame, const SE3& cam_from_room) {
-  std::vector<double> shifts;
-  for (int id : frame.landmark_ids) {
-    if (id == kNone) continue;
-    const Eigen::Vector3d& p = s.map.landmark(id)->position;
-    shifts.push_back((walk().camera.project_undistorted(cam_from_room * p) -
-                      walk().camera.project_undistorted(frame.cam_from_submap * p))
-                         .norm());
-  }
-  return median(&shifts);
 }
 
 void expect_consistent(const Frame& frame) {

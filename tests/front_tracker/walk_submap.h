@@ -8,6 +8,7 @@
 #include "front_tracker/front_submap.h"
 #include "slam/features/matching.h"
 #include "slam/features/orb_extractor.h"
+#include "slam/geometry/median.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/map/landmark_view.h"
 #include "tests/front_tracker/rendered_walk.h"
@@ -46,6 +47,19 @@ inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images)
     update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
   }
   return s;
+}
+
+// How far the frame's pose puts its landmarks from where the true one does, pixels.
+inline double median_shift(const FrontSubmap& s, const Frame& frame, const SE3& cam_from_room) {
+  std::vector<double> shifts;
+  for (int id : frame.landmark_ids) {
+    if (id == kNone) continue;
+    const Eigen::Vector3d& p = s.map.landmark(id)->position;
+    shifts.push_back((walk().camera.project_undistorted(cam_from_room * p) -
+                      walk().camera.project_undistorted(frame.cam_from_submap * p))
+                         .norm());
+  }
+  return median(&shifts);
 }
 
 }  // namespace rumi::testing

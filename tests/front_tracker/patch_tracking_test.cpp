@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/patch_tracking.h"
+
+#include <gtest/gtest.h>
+
+#include "front_tracker/tracker.h"
+#include "tests/front_tracker/walk_submap.h"
+
+namespace rumi {
+namespace {
+
+using testing::frame_of;
+using testing::median_shift;
+using testing::submap_of;
+using testing::walk;
+
+constexpr size_t kLast = 32;
+
+// The last frame, a keyframe of the submap.
+Frame last_frame(const FrontSubmap& s) {
+  Frame last = frame_of(kLast);
+  last.landmark_ids = s.map.keyframe(1)->landmark_ids;
+  return last;
+}
+
+// An image without features, at a pose that puts landmarks some pixels off.
+Frame next_frame(const cv::Mat& image) {
+  Frame frame;
+  frame.utime_us = walk().utime_us[kLast + 1];
+  frame.images = std::make_shared<const ImagePyramid>(OrbExtractor({}).pyramid(image));
+  frame.has_corners = false;
+  frame.cam_from_submap =
+      SE3::exp((Vector6d() << 0, 0, 0, 0.006, -0.006, 0).finished()) * walk().cam_from_room[kLast + 1];
+  return frame;
+}
+
+TEST(PatchTracking, FindsThePoseAndTheLandmarksOfTheLastFrame) {
+  const auto s = submap_of({20, kLast});
+  const Frame last = last_frame(*s);
+  const SE3& truth = walk().cam_from_room[kLast + 1];
+  Frame frame = next_frame(walk().images[kLast + 1]);
+  frame.landmark_ids = last.landmark_ids;
+  ASSERT_GT(median_shift(*s, frame, truth), 2) << "px";
+  PatchTemplates templates;
+  ASSERT_TRUE(find_pose_by_patches(*s, last, &frame, &templates));
+  EXPECT_LT(frame.features->size(), 110u) << "a few do";
+  EXPECT_LT(median_shift(*s, frame, truth), 1) << "px";
+  const PatchTracking tracked = track_by_patches(*s, last, &frame, &templates);
+  EXPECT_GT(tracked.in_view, 0.8 * last.matches());
+  EXPECT_LE(tracked.in_view, last.matches());
+  EXPECT_GT(tracked.inliers, 0.7 * tracked.in_view);
+  EXPECT_EQ(tracked.inliers, frame.matches());
+  EXPECT_LT(median_shift(*s, frame, truth), 0.5) << "px";
+  EXPECT_EQ(frame.landmark_ids.size(), frame.features->size());
+  EXPECT_EQ(frame.features->descriptors.size(), frame.features->size());
+  EXPECT_EQ(frame.features->undistorted.size(), frame.features->size());
+  EXPECT_EQ(frame.features->whitenings.size(), frame.features->size());
+}
+
+// Part of the image is another picture: what is hidden does not agree, and the rest is as true.
+TEST(PatchTracking, WhatIsHiddenIsNotFound) {
+  const auto s = submap_of({20, kLast});
+  const Frame last = last_frame(*s);
+  cv::Mat image = walk().images[kLast + 1].clone();
+  const cv::Rect hidden(0, 0, image.cols * 2 / 3, image.rows);
+  walk().images[100](hidden).copyTo(image(hidden));
+  Frame frame = next_frame(image);
+  PatchTemplates templates;
+  ASSERT_TRUE(find_pose_by_patches(*s, last, &frame, &templates));
+  const PatchTracking tracked = track_by_patches(*s, last, &frame, &templates);
+  EXPECT_GT(tracked.in_view, 0.8 * last.matches());
+  EXPECT_LT(tracked.inliers, 0.8 * tracked.in_view);
+  int in_the_other = 0;
+  for (size_t i = 0; i < frame.features->size(); ++i) {
+    const Keypoint& k = frame.features->keypoints[i];
+    const double patch_px = 4 * s->octave_scales[k.octave];  // the smaller radius: half of it is to be seen
+    in_the_other += frame.landmark_ids[i] != kNone && k.pixel.x() < hidden.width - patch_px;
+  }
+  EXPECT_LE(in_the_other, 0.02 * tracked.inliers) << "by chance, of " << tracked.inliers;
+  EXPECT_LT(median_shift(*s, frame, walk().cam_from_room[kLast + 1]), 1) << "px";
+}
+
+TEST(PatchTracking, NoPoseFromAnotherImageOrFromNothing) {
+  const auto s = submap_of({20, kLast});
+  const Frame last = last_frame(*s);
+  PatchTemplates templates;
+  Frame black = next_frame(cv::Mat::zeros(walk().images[0].size(), CV_8U));
+  EXPECT_FALSE(find_pose_by_patches(*s, last, &black, &templates));
+  Frame elsewhere = next_frame(walk().images[100]);
+  EXPECT_FALSE(find_pose_by_patches(*s, last, &elsewhere, &templates));
+  Frame behind = next_frame(walk().images[kLast + 1]);
+  behind.cam_from_submap = SE3::exp((Vector6d() << 0, 0, 0, 0, M_PI, 0).finished()) * behind.cam_from_submap;
+  EXPECT_FALSE(find_pose_by_patches(*s, last, &behind, &templates));
+  Frame unmatched = last_frame(*s);
+  unmatched.clear_matches();
+  Frame frame = next_frame(walk().images[kLast + 1]);
+  EXPECT_FALSE(find_pose_by_patches(*s, unmatched, &frame, &templates));
+  s->keep_images(0);
+  EXPECT_FALSE(find_pose_by_patches(*s, last, &frame, &templates)) << "no images, no patches";
+}
+
+// Ninety images a second: eight of nine are no keyframes, for these are 0.09 s apart at least.
+TEST(PatchTracking, CornersAreSoughtOnlyWhereAKeyframeMayBe) {
+  const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
+  double rmse_m[2] = {};
+  for (const bool follows : {false, true}) {
+    FrontTrackerOptions options = testing::replay_options();
+    if (!follows) options.tracking.patch_motion = 0;
+    Tracker tracker(fast.camera, options, 1);
+    int tracked = 0, without_corners = 0;
+    for (size_t i = 0; i < fast.images.size(); ++i) {
+      const auto r = tracker.process(fast.utime_us[i], fast.images[i]);
+      if (tracked == 0 && r->state != TrackingState::kTracking) continue;
+      ASSERT_EQ(r->state, TrackingState::kTracking) << "image " << i;
+      ++tracked;
+      if (r->keypoints > 1.2 * r->inliers) continue;  // not only landmarks
+      ++without_corners;
+      EXPECT_FALSE(r->is_keyframe);
+      EXPECT_GE(r->inliers, options.tracking.sure_inliers);
+    }
+    EXPECT_EQ(without_corners > 0.8 * tracked, follows) << without_corners << " of " << tracked;
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+    rmse_m[follows] = testing::error_of(tracker.submaps()[0]->map, fast.center).rmse_m;
+  }
+  EXPECT_LT(rmse_m[1], 1.2 * rmse_m[0]) << rmse_m[0] << " m with corners in every image, " << rmse_m[1] << " m without";
+}
+
+}  // namespace
+}  // namespace rumi
