@@ -76,7 +76,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
       "median motion of the image since the last frame, of its width, from which a keyframe is due: the next frame may "
       "be too late",
       0.0, 10.0);
-  t.add(s + "keyframe_min_interval_s", &k.min_interval_s, "s", "between keyframes", 0.0, 10.0);
+  t.add(s + "keyframe_min_interval_s", &k.min_interval_s, "s",
+        "between keyframes; in slow motion images in between are tracked without looking for corners", 0.0, 10.0);
   t.add(s + "keyframe_max_interval_s", &k.max_interval_s, "s", "a keyframe is due after so long", 0.01, 1000.0);
   t.add(s + "keyframe_min_inliers", &k.min_inliers, "", "fewer matches: a keyframe is due sooner", 0, 5000);
 
