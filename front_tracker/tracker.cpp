@@ -53,13 +53,13 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
-// In slow motion, between images that may become keyframes: without looking for corners.
+// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe.
 bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result) {
   constexpr double kLeastFound = 0.6;  // of the landmarks that should be in view
   const TrackingOptions& o = options_.tracking;
   const double since_corners_s = 1e-6 * static_cast<double>(utime_us - last_corners_us_);
   if (state_ != TrackingState::kTracking || velocity_dt_us_ == 0 || options_.mapping.keyframe_images == 0 ||
-      since_corners_s >= options_.keyframes.min_interval_s)
+      since_corners_s >= o.corner_interval_s)
     return false;
   const std::scoped_lock lock(map_mutex_);
   Frame frame;
