@@ -45,10 +45,12 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         0, 10000);
   t.add(s + "patch_motion", &r.patch_motion, "",
         "median motion of the image since the last frame, of its width, that counts as fast there", 0.0, 10.0);
-  t.add(s + "corner_interval_s", &r.corner_interval_s, "s",
-        "images sooner after the last one with corners are tracked by patches alone where they move little: at 30 Hz "
-        "0.09 takes 40 % less CPU, but the camera is lost sooner where images blur; 0: corners in every image",
-        0.0, 10.0);
+  t.add(
+      s + "corner_interval_s", &r.corner_interval_s, "s",
+      "images sooner after the last one with corners are tracked by patches alone (keyframe_images) where they move by "
+      "less than patch_motion: at 30 Hz "
+      "0.09 takes 40 % less CPU, but the camera is lost sooner where images blur; 0: corners in every image",
+      0.0, 10.0);
   t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
         "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
         "supports the pose (epipolar constraint); 0: never",

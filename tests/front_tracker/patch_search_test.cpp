@@ -11,6 +11,7 @@
 namespace rumi {
 namespace {
 
+using testing::expect_consistent;
 using testing::frame_of;
 using testing::median_shift;
 using testing::submap_of;
@@ -32,14 +33,6 @@ double median_error(const FrontSubmap& s, const Frame& frame, size_t added, cons
                      s.octave_scales[frame.features->keypoints[i].octave]);
   }
   return median(&errors);
-}
-
-void expect_consistent(const Frame& frame) {
-  const size_t n = frame.features->size();
-  EXPECT_EQ(frame.landmark_ids.size(), n);
-  EXPECT_EQ(frame.features->descriptors.size(), n);
-  EXPECT_EQ(frame.features->undistorted.size(), n);
-  EXPECT_EQ(frame.features->whitenings.size(), n);
 }
 
 TEST(PatchSearch, FindsLandmarksAFewPixelsFromWhereThePosePutsThem) {

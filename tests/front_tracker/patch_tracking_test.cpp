@@ -9,6 +9,7 @@
 namespace rumi {
 namespace {
 
+using testing::expect_consistent;
 using testing::frame_of;
 using testing::median_shift;
 using testing::submap_of;
@@ -51,10 +52,7 @@ TEST(PatchTracking, FindsThePoseAndTheLandmarksOfTheLastFrame) {
   EXPECT_GT(tracked.inliers, 0.7 * tracked.in_view);
   EXPECT_EQ(tracked.inliers, frame.matches());
   EXPECT_LT(median_shift(*s, frame, truth), 0.5) << "px";
-  EXPECT_EQ(frame.landmark_ids.size(), frame.features->size());
-  EXPECT_EQ(frame.features->descriptors.size(), frame.features->size());
-  EXPECT_EQ(frame.features->undistorted.size(), frame.features->size());
-  EXPECT_EQ(frame.features->whitenings.size(), frame.features->size());
+  expect_consistent(frame);
 }
 
 // Part of the image is another picture: what is hidden does not agree, and the rest is as true.
@@ -118,7 +116,11 @@ TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
       EXPECT_FALSE(r->is_keyframe);
       EXPECT_GE(r->inliers, options.tracking.sure_inliers);
     }
-    EXPECT_EQ(without_corners > 0.8 * tracked, follows) << without_corners << " of " << tracked;
+    if (follows) {
+      EXPECT_GT(without_corners, 0.8 * tracked);
+    } else {
+      EXPECT_EQ(without_corners, 0);
+    }
     ASSERT_EQ(tracker.submaps().size(), 1u);
     rmse_m[follows] = testing::error_of(tracker.submaps()[0]->map, fast.center).rmse_m;
   }

@@ -2,6 +2,8 @@
 // Frames and a submap of the rendered walk, at their true poses.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <memory>
 #include <vector>
 
@@ -60,6 +62,14 @@ inline double median_shift(const FrontSubmap& s, const Frame& frame, const SE3& 
                          .norm());
   }
   return median(&shifts);
+}
+
+inline void expect_consistent(const Frame& frame) {
+  const size_t n = frame.features->size();
+  EXPECT_EQ(frame.landmark_ids.size(), n);
+  EXPECT_EQ(frame.features->descriptors.size(), n);
+  EXPECT_EQ(frame.features->undistorted.size(), n);
+  EXPECT_EQ(frame.features->whitenings.size(), n);
 }
 
 }  // namespace rumi::testing
