@@ -21,6 +21,7 @@ struct Frame {
   SE3 cam_from_submap;                         // meaningful once tracked
   bool is_believable = true;                   // else the pose is nothing to build on
   bool has_corners = true;                     // else its keypoints are landmarks found by patches, and no others
+  bool has_few_corners = false;  // they were looked for: blurred, dark or blank; patches may still be found
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
 

@@ -39,17 +39,17 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "min_established_parallax", &r.min_established_parallax_deg, "deg",
         "of such a landmark, seen by three keyframes, that counts fully; less counts by its square times the sights",
         0.0, 20.0);
-  t.add(s + "patch_inliers", &r.patch_inliers, "",
-        "landmarks that do in fast motion; with fewer, others in view that no keypoint is matched to are looked for by "
-        "the patches around them (keyframe_images); 0: never",
-        0, 10000);
+  t.add(
+      s + "patch_inliers", &r.patch_inliers, "",
+      "landmarks that do in fast motion and in images with few corners; with fewer, others in view that no keypoint is "
+      "matched to are looked for by the patches around them (keyframe_images); 0: never",
+      0, 10000);
   t.add(s + "patch_motion", &r.patch_motion, "",
         "median motion of the image since the last frame, of its width, that counts as fast there", 0.0, 10.0);
   t.add(
       s + "corner_interval_s", &r.corner_interval_s, "s",
       "images sooner after the last one with corners are tracked by patches alone (keyframe_images) where they move by "
-      "less than patch_motion: at 30 Hz "
-      "0.09 takes 40 % less CPU, but the camera is lost sooner where images blur; 0: corners in every image",
+      "less than patch_motion, for 40 % less CPU at 30 Hz; 0: corners in every image",
       0.0, 10.0);
   t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
         "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "

@@ -162,6 +162,14 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
   return landmarks;
 }
 
+// In fast motion the detector finds other corners, in a blurred or dark image or of a blank wall it finds few: then
+// less than what tracking takes tells where to look.
+bool Tracker::patches_may_help(const Frame& frame, int inliers) const {
+  const TrackingOptions& o = options_.tracking;
+  if (frame.has_few_corners) return inliers >= o.min_first_inliers;
+  return inliers >= o.min_inliers && motion_since_last_frame(frame) > o.patch_motion;
+}
+
 bool Tracker::match_local_map(Frame* frame) {
   std::vector<int> visible;
   ProjectionSearch search{.radius_px = options_.tracking.local_radius_px * camera_.width / 640.0,
@@ -173,8 +181,7 @@ bool Tracker::match_local_map(Frame* frame) {
   int inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame, &templates_))
     inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.patch_inliers &&
-      motion_since_last_frame(*frame) > options_.tracking.patch_motion &&
+  if (inliers < options_.tracking.patch_inliers && patches_may_help(*frame, inliers) &&
       search_by_patch(active(), visible, options_.tracking.patch_inliers, frame, &templates_) > 0)
     inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)

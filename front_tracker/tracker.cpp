@@ -37,6 +37,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   Frame frame = make_frame(
       utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
       camera_);
+  frame.has_few_corners = static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2;
   last_corners_us_ = utime_us;
   if (keep) frame.images = images;
   result.keypoints = static_cast<int>(frame.features->size());
@@ -53,13 +54,14 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
-// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe.
+// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe, so the
+// first of those that blur or darken must not be one: patches are found in it, but its corners are what the next need.
 bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result) {
-  constexpr double kLeastFound = 0.6;  // of the landmarks that should be in view
+  constexpr double kLeastFound = 0.8;  // of the landmarks that should be in view
   const TrackingOptions& o = options_.tracking;
   const double since_corners_s = 1e-6 * static_cast<double>(utime_us - last_corners_us_);
   if (state_ != TrackingState::kTracking || velocity_dt_us_ == 0 || options_.mapping.keyframe_images == 0 ||
-      since_corners_s >= o.corner_interval_s)
+      since_corners_s >= o.corner_interval_s || last_.has_few_corners)
     return false;
   const std::scoped_lock lock(map_mutex_);
   Frame frame;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "front_tracker/tracker.h"
 #include "tests/front_tracker/walk_submap.h"
 
@@ -97,13 +99,38 @@ TEST(PatchTracking, NoPoseFromAnotherImageOrFromNothing) {
   EXPECT_FALSE(find_pose_by_patches(*s, last, &frame, &templates)) << "no images, no patches";
 }
 
+// Thirty images a second, sharp for two seconds, then not: few corners are left, the patches hardly change.
+TEST(PatchTracking, ImagesThatBlurAreTracked) {
+  const testing::RenderedWalk sharp = testing::render_walk(3, 30);
+  constexpr size_t kFirst = 60;
+  int tracked[2] = {};
+  for (const bool patches : {false, true}) {
+    FrontTrackerOptions options = testing::replay_options();
+    if (!patches) options.tracking.patch_inliers = 0;
+    Tracker tracker(sharp.camera, options, 1);
+    for (size_t i = 0; i < sharp.images.size(); ++i) {
+      cv::Mat image = sharp.images[i].clone();
+      if (i >= kFirst) cv::GaussianBlur(sharp.images[i], image, {}, 3);
+      const auto r = tracker.process(sharp.utime_us[i], image);
+      if (i == kFirst) EXPECT_TRUE(r->is_keyframe) << "its corners are what the next are tracked by";
+      tracked[patches] += i >= kFirst && r->state == TrackingState::kTracking;
+    }
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+    const testing::Error error = testing::error_of(tracker.submaps()[0]->map, sharp.center);
+    EXPECT_LT(error.rmse_m, 0.015 * error.path_m);
+    if (patches) EXPECT_LT(error.worst_m, 0.03 * error.path_m);
+  }
+  EXPECT_EQ(tracked[true], 30);
+  EXPECT_LT(tracked[false], 15) << "few corners agree with landmarks";
+}
+
 // Ninety images a second, corners in one of nine.
 TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
   const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
   double rmse_m[2] = {};
   for (const bool follows : {false, true}) {
     FrontTrackerOptions options = testing::replay_options();
-    if (follows) options.tracking.corner_interval_s = 0.09;
+    if (!follows) options.tracking.corner_interval_s = 0;
     Tracker tracker(fast.camera, options, 1);
     int tracked = 0, without_corners = 0;
     for (size_t i = 0; i < fast.images.size(); ++i) {
