@@ -11,6 +11,10 @@
 
 namespace rumi {
 
+// Of an image. Few: it is blurred, dark or of a blank wall; patches may still be found. None: they were not looked for,
+// its keypoints are landmarks found by patches.
+enum class Corners { kEnough, kFew, kNone };
+
 // One image on its way through the tracker.
 struct Frame {
   int64_t utime_us = 0;
@@ -20,8 +24,7 @@ struct Frame {
   std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
   SE3 cam_from_submap;                         // meaningful once tracked
   bool is_believable = true;                   // else the pose is nothing to build on
-  bool has_corners = true;                     // else its keypoints are landmarks found by patches, and no others
-  bool has_few_corners = false;  // they were looked for: blurred, dark or blank; patches may still be found
+  Corners corners = Corners::kEnough;
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
 

@@ -32,8 +32,7 @@ struct TrackingOptions {
   int min_established = 25;      // of these, seen by three keyframes; fewer: lost, for nothing carries the scale on
   double min_established_parallax_deg = 6;  // of these, to count fully; less counts by its square times the sights
   int min_first_inliers = 15;               // of the matches with the last frame; fewer: brute force and resection
-  int patch_inliers =
-      200;  // fewer, in fast motion or blur: landmarks without a keypoint are looked for by patches; 0: never
+  int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
   double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast
   int epipolar_inliers = 70;   // fewer: matches with earlier frames that are no landmarks help too; 0: never
   // Images sooner than that after the last one with corners are tracked by patches alone where they move little; 0:

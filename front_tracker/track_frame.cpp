@@ -166,7 +166,7 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
 // less than what tracking takes tells where to look.
 bool Tracker::patches_may_help(const Frame& frame, int inliers) const {
   const TrackingOptions& o = options_.tracking;
-  if (frame.has_few_corners) return inliers >= o.min_first_inliers;
+  if (frame.corners == Corners::kFew) return inliers >= o.min_first_inliers;
   return inliers >= o.min_inliers && motion_since_last_frame(frame) > o.patch_motion;
 }
 

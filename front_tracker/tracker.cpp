@@ -37,7 +37,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   Frame frame = make_frame(
       utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
       camera_);
-  frame.has_few_corners = static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2;
+  if (static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2) frame.corners = Corners::kFew;
   last_corners_us_ = utime_us;
   if (keep) frame.images = images;
   result.keypoints = static_cast<int>(frame.features->size());
@@ -54,20 +54,21 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
-// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe, so the
-// first of those that blur or darken must not be one: patches are found in it, but its corners are what the next need.
+// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe. Of
+// images that blur or darken the first must become one, for its corners are what the next are matched with, though most
+// patches are found in it: hence kLeastFound.
 bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result) {
   constexpr double kLeastFound = 0.8;  // of the landmarks that should be in view
   const TrackingOptions& o = options_.tracking;
   const double since_corners_s = 1e-6 * static_cast<double>(utime_us - last_corners_us_);
   if (state_ != TrackingState::kTracking || velocity_dt_us_ == 0 || options_.mapping.keyframe_images == 0 ||
-      since_corners_s >= o.corner_interval_s || last_.has_few_corners)
+      since_corners_s >= o.corner_interval_s || last_.corners == Corners::kFew)
     return false;
   const std::scoped_lock lock(map_mutex_);
   Frame frame;
   frame.utime_us = utime_us;
   frame.images = images;
-  frame.has_corners = false;
+  frame.corners = Corners::kNone;
   predict_pose(&frame);
   if (!find_pose_by_patches(active(), last_, &frame, &templates_) || motion_since_last_frame(frame) > o.patch_motion)
     return false;
@@ -231,7 +232,7 @@ void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
   const FrontSubmap& submap = *submaps_[active_];
-  if (mapping_.pending() > 2 || !frame.is_believable || !frame.has_corners) return false;
+  if (mapping_.pending() > 2 || !frame.is_believable || frame.corners == Corners::kNone) return false;
   const Keyframe* reference = submap.map.keyframe(frame.reference_keyframe);
   int established = 0;
   for (int id : reference->landmark_ids) {

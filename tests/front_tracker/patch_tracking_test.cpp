@@ -31,7 +31,7 @@ Frame next_frame(const cv::Mat& image) {
   Frame frame;
   frame.utime_us = walk().utime_us[kLast + 1];
   frame.images = std::make_shared<const ImagePyramid>(OrbExtractor({}).pyramid(image));
-  frame.has_corners = false;
+  frame.corners = Corners::kNone;
   frame.cam_from_submap =
       SE3::exp((Vector6d() << 0, 0, 0, 0.006, -0.006, 0).finished()) * walk().cam_from_room[kLast + 1];
   return frame;
