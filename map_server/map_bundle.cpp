@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <numeric>
+#include <optional>
 
 #include "map_server/covisible_pieces.h"
 #include "slam/features/orb_extractor.h"
@@ -11,6 +13,10 @@
 
 namespace rumi {
 namespace {
+
+// Observations of a view that it takes to place it: three place it anywhere, and of a few the wrong ones do not show.
+// An image that went dark while SIFT still placed it may have no more.
+constexpr int kLeastToPlace = 15;
 
 class Bundle {
  public:
@@ -74,21 +80,46 @@ class Bundle {
     }
   }
 
-  // Observations below the gate, of points that have two of them at least.
-  std::vector<BundleProblem::Observation> within(double gate_chi2) const {
+  // Observations below the gate, of views that they can place and of points that have two of them at least.
+  std::vector<BundleProblem::Observation> within(double gate_chi2) {
     std::vector<char> good(problem_.observations.size());
-    std::vector<int> count(problem_.points.size(), 0);
+    std::vector<int> of_view(problem_.views.size(), 0), of_point(problem_.points.size(), 0);
     for (size_t i = 0; i < good.size(); ++i) {
       good[i] = reprojection_chi2(camera_, problem_, problem_.observations[i]) <= gate_chi2;
-      count[problem_.observations[i].point] += good[i];
+      of_view[problem_.observations[i].view] += good[i];
+    }
+    is_placed_.assign(problem_.views.size(), false);
+    for (size_t v = 0; v < is_placed_.size(); ++v)
+      is_placed_[v] = problem_.views[v].fixed || of_view[v] >= kLeastToPlace;
+    for (size_t i = 0; i < good.size(); ++i) {
+      good[i] = good[i] && is_placed_[problem_.observations[i].view];
+      of_point[problem_.observations[i].point] += good[i];
     }
     std::vector<BundleProblem::Observation> chosen;
     for (size_t i = 0; i < good.size(); ++i)
-      if (good[i] && count[problem_.observations[i].point] >= 2) chosen.push_back(problem_.observations[i]);
+      if (good[i] && of_point[problem_.observations[i].point] >= 2) chosen.push_back(problem_.observations[i]);
     return chosen;
   }
 
+  // Where the view is if it goes with that which is next to it in time of those that were placed.
+  SE3 carried_along(size_t view) const {
+    const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
+    std::optional<size_t> next;
+    int64_t least_us = 0;
+    for (size_t v = 0; v < views_.size(); ++v) {
+      const int64_t apart_us = std::abs(before(v).utime_us - before(view).utime_us);
+      if (!is_placed_[v] || (next && apart_us >= least_us)) continue;
+      next = v;
+      least_us = apart_us;
+    }
+    const SE3& was = before(view).cam_from_map;
+    if (!next || problem_.views[*next].fixed) return was;
+    return was * before(*next).cam_from_map.inverse() * problem_.views[*next].cam_from_submap;
+  }
+
   void apply(double gate_chi2, MapBundleReport* report) {
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (!is_placed_[v]) problem_.views[v].cam_from_submap = carried_along(v);
     for (size_t v = 0; v < views_.size(); ++v)
       if (!problem_.views[v].fixed) model_.views[views_[v]].cam_from_map = problem_.views[v].cam_from_submap;
     for (size_t p = 0; p < points_.size(); ++p) model_.points[points_[p]].position = problem_.points[p];
@@ -112,6 +143,7 @@ class Bundle {
   BundleProblem problem_;
   std::vector<int> views_, points_;  // of the model, by index in the problem
   std::vector<int> index_of_view_;
+  std::vector<bool> is_placed_;  // by index in the problem: in the last round
   size_t free_views_ = 0;
 };
 

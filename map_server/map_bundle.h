@@ -26,7 +26,8 @@ struct MapBundleReport {
 };
 
 // Adjusts these views (all if empty) and the points that they see; other views that see these points stay fixed. At
-// least one view is kept fixed. Outliers of the last round are forgotten.
+// least one view is kept fixed. Outliers of the last round are forgotten. A view with fewer than 15 observations (of an
+// image that is nearly dark, say) is not placed by them: it goes with the view next to it in time.
 // More than most_views are adjusted in pieces that see the same points, in each round one after another while the
 // others stay, in other pieces each round: time and memory grow with the number of pieces only. What a pose graph has
 // brought about right is as good afterwards; slow bends of the whole it does not straighten. Outliers of every round

@@ -101,6 +101,24 @@ TEST_F(MapBundleWithOutliersTest, FindsTheTruthAgain) {
   EXPECT_EQ(inconsistency(model_), "");
 }
 
+// Three of its landmarks agree with many places of a view.
+TEST_F(MapBundleTest, AViewThatSeesTooLittleGoesWithItsNeighbour) {
+  disturb(0.2, 0.01, 0.03);
+  const int dark_view = static_cast<int>(model_.views.size()) - 4, view_before = dark_view - 1;
+  MapModel::View& dark = model_.views[dark_view];
+  int left = 3;
+  for (size_t k = 0; k < dark.points.size(); ++k)
+    if (dark.points[k] != kNone && left-- <= 0) model_.forget(dark.points[k], dark_view);
+  const SE3 dark_from_before = dark.cam_from_map * model_.views[view_before].cam_from_map.inverse();
+  const SE3 was = dark.cam_from_map;
+  adjust_map({}, {}, &model_);
+  const SE3 off =
+      model_.views[dark_view].cam_from_map * (dark_from_before * model_.views[view_before].cam_from_map).inverse();
+  EXPECT_GT((was.center() - dark.cam_from_map.center()).norm(), 0.001) << "it did not go with it";
+  EXPECT_LT(off.log().norm(), 1e-9);
+  EXPECT_LT(error().rmse, 0.02);
+}
+
 TEST_F(MapBundleWithOutliersTest, InPiecesItFindsTheTruthToo) {
   const MapModel truth = model_;
   adjust_map({}, {}, &model_);
