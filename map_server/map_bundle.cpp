@@ -104,20 +104,17 @@ class Bundle {
   // Where the view is if it goes with that which is next to it in time of those that were placed.
   SE3 carried_along(size_t view) const {
     const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
+    const auto apart_us = [&](size_t v) { return std::abs(before(v).utime_us - before(view).utime_us); };
     std::optional<size_t> next;
-    int64_t least_us = 0;
-    for (size_t v = 0; v < views_.size(); ++v) {
-      const int64_t apart_us = std::abs(before(v).utime_us - before(view).utime_us);
-      if (!is_placed_[v] || (next && apart_us >= least_us)) continue;
-      next = v;
-      least_us = apart_us;
-    }
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (is_placed_[v] && (!next || apart_us(v) < apart_us(*next))) next = v;
     const SE3& was = before(view).cam_from_map;
     if (!next || problem_.views[*next].fixed) return was;
     return was * before(*next).cam_from_map.inverse() * problem_.views[*next].cam_from_submap;
   }
 
   void apply(double gate_chi2, MapBundleReport* report) {
+    // Before the model, which has where all were, is changed.
     for (size_t v = 0; v < views_.size(); ++v)
       if (!is_placed_[v]) problem_.views[v].cam_from_submap = carried_along(v);
     for (size_t v = 0; v < views_.size(); ++v)
