@@ -170,6 +170,12 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
     return std::nullopt;
   }
   const Rival& best = *holding;
+  // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend).
+  if (motion_px < options_.min_motion_to_rmse * best.error_px) {
+    refusal_ = fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
+                           best.error_px);
+    return std::nullopt;
+  }
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
     // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.

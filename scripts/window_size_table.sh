@@ -1,12 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Time, memory, registered images and error of rebuilding windows of 20 to 320 frames, against COLMAP with its default
-# options on the same frames: feature_extractor, exhaustive_matcher, mapper, without GPU, one thread each, starting from
+# options on the same frames: feature_extractor, exhaustive_matcher, mapper, without GPU, starting from
 # the same calibration. Prints a Markdown table and writes OUT/table.csv.
 #   scripts/window_size_table.sh BUILD_DIR SEQUENCE OUT
 # SEQUENCE: TUM-style folder with groundtruth.txt. RUMI_SIZE_STRIDE (3): frames from one image to the next.
 # RUMI_SIZES ("20 40 80 160 320"). RUMI_COLMAP_LIMIT_S (600): CPU seconds that COLMAP may take for one size; a size larger
-# than one that took longer is not tried with it (0: COLMAP is not run at all). What exists in OUT is kept.
+# than one that took longer is not tried with it (0: COLMAP is not run at all). RUMI_COLMAP_THREADS (1): seconds are those of
+# the CPU, so that more only end sooner. What exists in OUT is kept.
 # Needs GNU time, jq and python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -16,6 +17,7 @@ out=$3
 stride=${RUMI_SIZE_STRIDE:-3}
 sizes=${RUMI_SIZES:-20 40 80 160 320}
 limit=${RUMI_COLMAP_LIMIT_S:-600}
+threads=${RUMI_COLMAP_THREADS:-1}
 export QT_QPA_PLATFORM=offscreen GLOG_logtostderr=1
 mkdir -p "$out"
 
@@ -53,11 +55,11 @@ colmap_step() { # work command options ...
 colmap_steps() { # work
   colmap_step "$1" feature_extractor --database_path "$1/colmap.db" --image_path "$1/images" \
     --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
-    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads 1 &&
+    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads "$threads" &&
     colmap_step "$1" exhaustive_matcher --database_path "$1/colmap.db" --SiftMatching.use_gpu 0 \
-      --SiftMatching.num_threads 1 &&
+      --SiftMatching.num_threads "$threads" &&
     colmap_step "$1" mapper --database_path "$1/colmap.db" --image_path "$1/images" --output_path "$1/models" \
-      --Mapper.num_threads 1
+      --Mapper.num_threads "$threads"
 }
 
 colmap_alone() { # size
