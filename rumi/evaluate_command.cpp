@@ -44,8 +44,9 @@ void print_report(const ordered_json& json) {
              json["frames"].get<int>(), json["frames_with_truth"].get<int>());
   fmt::print("{:<44}{}\n", "submaps", json["submaps"].get<int>());
   for (const auto& submap : json["per_submap"]) {
-    fmt::print("  submap {:<35}{} frames, ATE {}, path {}\n", submap["name"].get<std::string>(),
-               submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"), number(submap["path_m"], " m"));
+    fmt::print("  submap {:<35}{} frames, ATE {} (as the map has them {}), path {}\n",
+               submap["name"].get<std::string>(), submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"),
+               number(submap["ate_in_map_rmse_m"], " m"), number(submap["path_m"], " m"));
   }
   if (const auto reason = json["reason"].get<std::string>(); !reason.empty()) fmt::print("note: {}\n", reason);
 }

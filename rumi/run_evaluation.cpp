@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 
 namespace rumi {
@@ -22,6 +23,14 @@ ordered_json read_run(const fs::path& run_json) {
   std::ifstream in(run_json);
   ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
   return run.is_object() ? run : ordered_json::object();
+}
+
+// The poses of `map` at the times of `submap`; both by time.
+std::vector<TimedPose> at_times_of(const std::vector<TimedPose>& submap, const std::vector<TimedPose>& map) {
+  std::vector<TimedPose> poses;
+  const auto earlier = [](const TimedPose& a, const TimedPose& b) { return a.utime_us < b.utime_us; };
+  std::set_intersection(map.begin(), map.end(), submap.begin(), submap.end(), std::back_inserter(poses), earlier);
+  return poses;
 }
 
 }  // namespace
@@ -49,7 +58,8 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
     if (!submap.ok()) return submap.error;
     submaps.push_back(submap.poses);
     evaluation->submaps.push_back(
-        {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, metric_options)});
+        {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, metric_options),
+         evaluate_trajectory(at_times_of(submap.poses, map.poses), truth.poses, metric_options).ate_rmse_m});
   }
   const ordered_json run = read_run(out / "run.json");
   const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
@@ -90,6 +100,7 @@ ordered_json to_json(const RunEvaluation& evaluation) {
                                   {"frames", submap.metrics.poses},
                                   {"frames_with_truth", submap.metrics.associated},
                                   {"ate_rmse_m", or_null(submap.metrics.ate_rmse_m)},
+                                  {"ate_in_map_rmse_m", or_null(submap.ate_in_map_rmse_m)},
                                   {"path_m", submap.metrics.path_m},
                                   {"reason", submap.metrics.reason}});
   }

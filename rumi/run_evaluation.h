@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace rumi {
 struct SubmapResult {
   std::string name;  // of its file
   TrajectoryMetrics metrics;
+  std::optional<double> ate_in_map_rmse_m;  // of the same frames in the served map, aligned by themselves
 };
 
 struct RunEvaluation {

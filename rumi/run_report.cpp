@@ -94,9 +94,9 @@ void add_errors(const std::string& folder, const std::string& groundtruth, const
   page->table({}, rows);
   rows.clear();
   for (const auto& submap : json["per_submap"])
-    rows.push_back(
-        {text_of(submap["name"]), text_of(submap["frames"]), text_of(submap["ate_rmse_m"]), text_of(submap["path_m"])});
-  page->table({"submap", "frames", "ATE, m", "path, m"}, rows);
+    rows.push_back({text_of(submap["name"]), text_of(submap["frames"]), text_of(submap["ate_rmse_m"]),
+                    text_of(submap["ate_in_map_rmse_m"]), text_of(submap["path_m"])});
+  page->table({"submap", "frames", "ATE, m", "ATE in the map, m", "path, m"}, rows);
 }
 
 std::vector<uint8_t> thumbnail(const image_t& image) {
