@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "slam/geometry/two_view.h"
 
@@ -170,8 +171,10 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
     return std::nullopt;
   }
   const Rival& best = *holding;
-  // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend).
-  if (motion_px < options_.min_motion_to_rmse * best.error_px) {
+  // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend). In narrow
+  // images it stands out less, and the starts are right all the same.
+  const double min_ratio = options_.min_motion_to_rmse * std::pow(std::min(1.0, camera_.width / 640.0), 2);
+  if (motion_px < min_ratio * best.error_px) {
     refusal_ = fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
                            best.error_px);
     return std::nullopt;

@@ -26,7 +26,9 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         30.0);
   t.add(s + "init_max_rmse", &i.max_rmse_px, "px", "reprojection error after the first bundle adjustment", 0.1, 10.0);
   t.add(s + "init_min_motion_to_rmse", &i.min_motion_to_rmse, "",
-        "motion beyond a rotation over that error, below which more motion is waited for", 0.0, 100.0);
+        "motion beyond a rotation over that error below which more motion is waited for; for images narrower than 640 "
+        "px less by the square",
+        0.0, 100.0);
   t.add(s + "init_min_points", &i.two_view.min_points, "", "triangulated by the first pair", 10, 5000);
 
   TrackingOptions& r = o.tracking;
