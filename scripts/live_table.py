@@ -9,7 +9,8 @@ import sys
 # heading, key, digits, is more better
 COLUMNS = [("in the map", "in_map", 3, True), ("ATE m", "ate_m", 4, False), ("true_rate", "true_rate", 3, True),
            ("in any submap", "in_submaps", 3, True), ("front submaps", "front_submaps", 0, False),
-           ("largest front submap", "largest", 3, True), ("its ATE m", "largest_ate_m", 4, False), ("worst front submap in the map, ATE m", "worst_in_map_m", 4, False),
+           ("largest front submap", "largest", 3, True), ("its ATE m", "largest_ate_m", 4, False),
+           ("worst front submap in the map, ATE m", "worst_in_map_m", 4, False),
            ("latency p50 ms", "latency_p50_ms", 1, False), ("p95 ms", "latency_p95_ms", 1, False),
            ("images not answered", "unanswered", 3, False), ("front_tracker MB", "front_mb", 0, False)]
 
@@ -18,6 +19,7 @@ def measure(folder):
     evaluation = json.loads((folder / "evaluation.json").read_text())
     seen = json.loads((folder / "live_stats.json").read_text())
     front = [s for s in evaluation["per_submap"] if not s["name"].startswith("b")]
+    in_map = [s["ate_in_map_rmse_m"] for s in front if s["ate_in_map_rmse_m"] is not None]
     largest = max(front, key=lambda s: s["frames"], default={"frames": 0, "ate_rmse_m": None})
     return {
         "run": folder.name,
@@ -28,7 +30,7 @@ def measure(folder):
         "front_submaps": len(front),
         "largest": largest["frames"] / evaluation["frames"],
         "largest_ate_m": largest["ate_rmse_m"],
-        "worst_in_map_m": max((s["ate_in_map_rmse_m"] for s in front if s["ate_in_map_rmse_m"] is not None), default=None),
+        "worst_in_map_m": max(in_map, default=None),
         "latency_p50_ms": seen["latency_p50_ms"],
         "latency_p95_ms": seen["latency_p95_ms"],
         "unanswered": 1 - seen["answers"] / evaluation["frames"],

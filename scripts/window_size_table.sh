@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Time, memory, registered images and error of rebuilding windows of 20 to 320 frames, against COLMAP with its default
-# options on the same frames: feature_extractor, exhaustive_matcher, mapper, without GPU, starting from
-# the same calibration. Prints a Markdown table and writes OUT/table.csv.
+# options on the same frames: feature_extractor, exhaustive_matcher, mapper, without GPU, starting from the same
+# calibration. Prints a Markdown table and writes OUT/table.csv.
 #   scripts/window_size_table.sh BUILD_DIR SEQUENCE OUT
 # SEQUENCE: TUM-style folder with groundtruth.txt. RUMI_SIZE_STRIDE (3): frames from one image to the next.
 # RUMI_SIZES ("20 40 80 160 320"). RUMI_COLMAP_LIMIT_S (600): CPU seconds that COLMAP may take for one size; a size larger
-# than one that took longer is not tried with it (0: COLMAP is not run at all). RUMI_COLMAP_THREADS (1): seconds are those of
-# the CPU, so that more only end sooner. What exists in OUT is kept.
+# than one that took longer is not tried with it (0: COLMAP is not run at all). RUMI_COLMAP_THREADS (1): more
+# change the wall time only, not the CPU seconds that are compared. What exists in OUT is kept.
 # Needs GNU time, jq and python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
