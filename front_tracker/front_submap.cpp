@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/front_submap.h"
 
+#include <algorithm>
+
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
@@ -60,6 +62,20 @@ void FrontSubmap::remove_keyframe(int id, int heir) {
   grids.erase(id);
   images.erase(id);
   moved_.erase(id);
+}
+
+void FrontSubmap::cut_end(int64_t utime_us) {
+  const auto is_older = [&](const auto& kf) { return kf.second.utime_us < utime_us; };
+  const int heir = std::find_if(map.keyframes.rbegin(), map.keyframes.rend(), is_older)->first;
+  map.frames.erase(map.frames.lower_bound(utime_us), map.frames.end());
+  while (!is_older(*map.keyframes.rbegin())) remove_keyframe(map.keyframes.rbegin()->first, heir);
+  std::vector<int> unseen;
+  for (const auto& [id, lm] : map.landmarks)
+    if (lm.observations.size() < 2) unseen.push_back(id);
+  for (int id : unseen) map.remove_landmark(id);
+  // An update does not say which frames go: copies get the submap as a whole.
+  map.removed_keyframes.forget(map.revision);
+  map.removed_landmarks.forget(map.revision);
 }
 
 void FrontSubmap::keypoints_moved(int keyframe_id) {

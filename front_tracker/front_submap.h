@@ -29,6 +29,8 @@ struct FrontSubmap {
   Keyframe& add_keyframe(Frame* frame);
   Landmark& add_landmark(const Eigen::Vector3d& position);
   void remove_keyframe(int id, int heir);
+  // Takes out the frames from `utime_us` on, with what only their keyframes saw. At least one keyframe must be older.
+  void cut_end(int64_t utime_us);
   // Some of the keyframe's keypoints are elsewhere than they were.
   void keypoints_moved(int keyframe_id);
   // Keeps the newest `n` images; what became of the keypoints of the others is final.

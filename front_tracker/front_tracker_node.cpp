@@ -93,6 +93,7 @@ void FrontTrackerNode::begin_session(const Camera& camera) {
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   without_pose_.clear();
+  with_pose_.clear();
   if (back_submaps_) back_submaps_->begin_session(session_);
   tracker_ = std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_);
 }
@@ -147,6 +148,7 @@ void FrontTrackerNode::on_image(const image_t& image) {
   ++cpu_count_;
   state_ = result->state;
   publish_posed_afterwards();
+  publish_withdrawn();
   publish(image, *result, cpu_ms);
   publisher_.publish(*tracker_, bus_.now_us(), false);
 }
@@ -176,8 +178,9 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track.processing_ms = static_cast<float>(cpu_ms);
   track.latency_ms = latency_ms(image, bus_.now_us());
   bus_.publish(channels::kTrack, track);
-  if (r.submap_id == kNoSubmap) return remember_without_pose(track);
+  if (r.submap_id == kNoSubmap) return remember(track, options_.initializer.max_frames, &without_pose_);
   without_pose_.clear();
+  remember(track, Tracker::kMostWithdrawn, &with_pose_);
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
   const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
   if (map_from_submap == map_from_submap_.end()) return;
@@ -185,10 +188,9 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   bus_.publish(channels::kCameraToMap, to_wire(r.utime_us, cam_from_map.inverse()));
 }
 
-void FrontTrackerNode::remember_without_pose(const track_t& track) {
-  without_pose_[track.utime] = track;
-  while (static_cast<int>(without_pose_.size()) > options_.initializer.max_frames)
-    without_pose_.erase(without_pose_.begin());
+void FrontTrackerNode::remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told) {
+  (*told)[track.utime] = track;
+  while (told->size() > most) told->erase(told->begin());
 }
 
 // Before the frame that began the submap, so that who follows the states knows what that frame leaves without a pose.
@@ -199,6 +201,21 @@ void FrontTrackerNode::publish_posed_afterwards() {
     track_t track = told->second;  // sequence, state and times stay what they were
     set_pose(r, &track);
     bus_.publish(channels::kTrack, track);
+    remember(track, Tracker::kMostWithdrawn, &with_pose_);
+  }
+}
+
+// Before the frame that contradicts them, for the same reason.
+void FrontTrackerNode::publish_withdrawn() {
+  for (const int64_t utime_us : tracker_->withdrawn()) {
+    const auto told = with_pose_.find(utime_us);
+    if (told == with_pose_.end()) continue;
+    track_t track = told->second;  // sequence and times stay what they were
+    track.state = track_t::RECENTLY_LOST;
+    set_pose({}, &track);
+    track.keypoints = told->second.keypoints;
+    bus_.publish(channels::kTrack, track);
+    with_pose_.erase(told);
   }
 }
 

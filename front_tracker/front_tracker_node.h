@@ -45,7 +45,8 @@ class FrontTrackerNode : public Node {
   bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_posed_afterwards();
-  void remember_without_pose(const track_t& track);
+  void publish_withdrawn();
+  static void remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told);
   // Notes what is wrong for the status; says it in the log once per kind of problem.
   void refuse(const std::string& kind, const std::string& problem);
 
@@ -61,6 +62,7 @@ class FrontTrackerNode : public Node {
   int64_t session_ = 0;
   int64_t sequence_ = 0;
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime
+  std::map<int64_t, track_t> with_pose_;     // and of those that may lose it
   int64_t last_utime_us_ = INT64_MIN;
   int backward_images_ = 0;
   bool finishing_ = false;

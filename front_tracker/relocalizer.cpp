@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/relocalizer.h"
 
+#include <algorithm>
 #include <set>
 
 #include "front_tracker/projection_search.h"
@@ -43,22 +44,43 @@ std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) 
   return result;
 }
 
+Relocalizer::Alike Relocalizer::match(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const {
+  const std::vector<int> known = keypoints_with_landmarks(keyframe);
+  if (known.empty()) return {};
+  Alike alike;
+  for (const Match& m : match_features(*keyframe.features, known, *frame.features, {}, {options_.max_distance, 0.85})) {
+    const Landmark* lm = submap.landmark(keyframe.landmark_ids[m.first]);
+    if (!lm) continue;
+    alike.observations.push_back({lm->position, frame.features->undistorted[m.second].cast<double>(),
+                                  scales_[frame.features->keypoints[m.second].octave]});
+    alike.pairs.emplace_back(m.second, lm->id);
+  }
+  return alike;
+}
+
+bool Relocalizer::contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const {
+  constexpr int kMinInliers = 15;
+  constexpr double kMaxShare = 0.5;  // of what agrees with one pose, that agrees with the frame's own
+  constexpr double kMaxError = 4.0;  // px at octave 0
+  const Keyframe* kf = submap.keyframe(keyframe_id);
+  if (!kf) return false;
+  const std::vector<PointObservation> observations = match(submap, *kf, frame).observations;
+  const auto pose = resect(camera_, observations, {.min_inliers = kMinInliers, .max_error_px = kMaxError});
+  if (!pose) return false;
+  const auto inliers = std::count(pose->inlier.begin(), pose->inlier.end(), true);
+  const auto agree = std::count_if(observations.begin(), observations.end(), [&](const PointObservation& o) {
+    const Eigen::Vector3d in_cam = frame.cam_from_submap * o.point;
+    return in_cam.z() > 0 && (camera_.project_undistorted(in_cam) - o.pixel).norm() <= kMaxError * o.sigma_px;
+  });
+  return static_cast<double>(agree) < kMaxShare * static_cast<double>(inliers);
+}
+
 bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame) const {
   const Keyframe* kf = submap.keyframe(keyframe_id);
   if (!kf) return false;  // culled since
-  const std::vector<int> known = keypoints_with_landmarks(*kf);
-  if (known.empty()) return false;
   Frame found = *frame;
   found.clear_matches();
-  std::vector<PointObservation> observations;
-  std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
-  for (const Match& m : match_features(*kf->features, known, *frame->features, {}, {options_.max_distance, 0.85})) {
-    const Landmark* lm = submap.landmark(kf->landmark_ids[m.first]);
-    if (!lm) continue;
-    observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
-                            scales_[frame->features->keypoints[m.second].octave]});
-    pairs.emplace_back(m.second, lm->id);
-  }
+  const auto [observations, pairs] = match(submap, *kf, *frame);
   const auto pose = resect(camera_, observations);
   if (!pose) return false;
   found.cam_from_submap = pose->cam_from_submap;

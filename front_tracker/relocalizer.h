@@ -2,11 +2,13 @@
 // Finds the camera again in submaps made before: retrieval over the keyframes' descriptors, matching, resection.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "front_tracker/frame.h"
 #include "front_tracker/options.h"
 #include "slam/features/keyframe_index.h"
+#include "slam/optimization/pose_optimizer.h"
 
 namespace rumi {
 
@@ -32,7 +34,18 @@ class Relocalizer {
   // submap and its matches; else it is as before.
   bool relocalize(const Submap& submap, int keyframe_id, Frame* frame) const;
 
+  // Does the frame see what this keyframe sees, but from elsewhere than its own pose says? So it is where a submap is
+  // torn between the keyframe and the place where the frame was found.
+  bool contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const;
+
  private:
+  struct Alike {
+    std::vector<PointObservation> observations;
+    std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
+  };
+  // Keypoints of the frame that look like landmarks that the keyframe sees, wherever they are.
+  Alike match(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const;
+
   Camera camera_;
   TrackingOptions options_;
   std::vector<double> scales_;

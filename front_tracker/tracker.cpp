@@ -10,6 +10,12 @@
 #include "slam/map/landmark_view.h"
 
 namespace rumi {
+namespace {
+
+// How long before a loss a slip may have begun.
+constexpr int64_t kMayBeWrong_us = 4'000'000;
+
+}  // namespace
 
 Tracker::Tracker(const Camera& camera, const FrontTrackerOptions& options, int64_t session)
     : camera_(camera),
@@ -29,6 +35,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   const bool keep = options_.mapping.keyframe_images > 0;
   const auto images = std::make_shared<const ImagePyramid>(extractor_.pyramid(keep ? grey.clone() : grey));
   posed_afterwards_.clear();
+  withdrawn_.clear();
   TrackResult result;
   result.utime_us = utime_us;
   if (follow(utime_us, images, &result)) return result;
@@ -96,7 +103,7 @@ bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {
     if (relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) {
-      go_on_in(active_, *frame);
+      go_on_in(active_, frame);
       return true;
     }
     const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - lost_since_us_);
@@ -104,7 +111,7 @@ bool Tracker::recover(Frame* frame) {
   }
   for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame)) {
     if (!relocalizer_.relocalize(submaps_[c.submap_index]->map, c.keyframe_id, frame)) continue;
-    go_on_in(c.submap_index, *frame);
+    go_on_in(c.submap_index, frame);
     return true;
   }
   return false;
@@ -119,11 +126,12 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
   for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, submap.map, kf);
   spdlog::info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
                submap.map.keyframes.size(), submap.map.landmarks.size());
-  go_on_in(submaps_.size() - 1, *frame);
+  go_on_in(submaps_.size() - 1, frame);
   return true;
 }
 
 void Tracker::activate(size_t submap_index) {
+  recent_.clear();
   if (submap_index != active_) templates_.clear();
   if (submap_index != active_ && !active().images.empty()) {
     ++active().map.revision;  // keypoints that moved are sent again
@@ -132,14 +140,50 @@ void Tracker::activate(size_t submap_index) {
   active_ = submap_index;
 }
 
-void Tracker::go_on_in(size_t submap_index, const Frame& frame) {
-  if (submap_index != active_) initializer_.clear();
-  activate(submap_index);
+void Tracker::go_on_in(size_t submap_index, Frame* frame) {
+  if (submap_index != active_) {
+    initializer_.clear();
+    activate(submap_index);
+  }
   ++active().map.revision;
+  withdraw_torn_end(frame);
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame.utime_us, frame.matches());
+  spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
+               frame->matches());
+}
+
+// Just before a loss tracking may have slipped: then the same things lie at two places of the submap, where they were
+// seen long ago and where the last frames put them. The slip began where least agreed; what came after is not true.
+void Tracker::withdraw_torn_end(Frame* found) {
+  constexpr int kCompared = 3;  // newest keyframes
+  FrontSubmap& submap = active();
+  if (recent_.empty()) return;
+  bool is_torn = false;
+  auto kf = submap.map.keyframes.rbegin();
+  for (int i = 0; i < kCompared && kf != submap.map.keyframes.rend() && !is_torn; ++i, ++kf)
+    is_torn =
+        kf->second.utime_us >= recent_.front().utime_us && relocalizer_.contradicts(submap.map, kf->first, *found);
+  if (!is_torn) return;
+  // The weakest frame, and those just before it that are hardly stronger.
+  auto first = std::min_element(recent_.begin(), recent_.end(),
+                                [](const Support& a, const Support& b) { return a.inliers < b.inliers; });
+  const int weak = 2 * first->inliers;
+  while (first != recent_.begin() && std::prev(first)->inliers < weak) --first;
+  const int64_t first_us = first->utime_us;
+  if (submap.map.keyframe(found->reference_keyframe)->utime_us >= first_us ||
+      submap.map.keyframes.begin()->second.utime_us >= first_us)
+    return;  // nothing older to hold on to
+  for (auto frame = submap.map.frames.lower_bound(first_us); frame != submap.map.frames.end(); ++frame)
+    withdrawn_.push_back(frame->first);
+  submap.cut_end(first_us);
+  recent_.erase(first, recent_.end());
+  templates_.clear();
+  for (int& id : found->landmark_ids)
+    if (id != kNone && !submap.map.landmark(id)) id = kNone;
+  spdlog::info("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
+               first_us);
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {
@@ -284,6 +328,9 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     record_pose(&submap, frame);
   }
   note_pose(submap, frame, result);
+  recent_.push_back({frame.utime_us, result->inliers});
+  while (frame.utime_us - recent_.front().utime_us > kMayBeWrong_us || recent_.size() > kMostWithdrawn)
+    recent_.pop_front();
   last_ = std::move(frame);
 }
 

@@ -2,6 +2,7 @@
 // The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
 #pragma once
 
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -32,6 +33,8 @@ struct TrackResult {
 
 class Tracker {
  public:
+  static constexpr size_t kMostWithdrawn = 120;  // frames, see withdrawn()
+
   // The camera is that of the images given to process(). `session` goes into the submaps' keys.
   Tracker(const Camera& camera, const FrontTrackerOptions& options, int64_t session);
 
@@ -41,6 +44,10 @@ class Tracker {
 
   // Earlier frames that got their poses because the last image began a submap, in order of time; else empty.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
+
+  // Earlier frames whose poses turned out to be wrong when the last image was found again, in order of time; else
+  // empty. No submap has them any more.
+  const std::vector<int64_t>& withdrawn() const { return withdrawn_; }
 
   // A back submap of this session, to relocalize in where front submaps do not tell. Found in it, tracking goes on in a
   // new front submap that begins as a copy of it: same unit, same images. Returns why it was refused, or an empty
@@ -76,7 +83,8 @@ class Tracker {
   bool recover(Frame* frame);
   bool go_on_in_back_submap(Frame* frame);
   void activate(size_t submap_index);  // it is the one that is tracked from now on
-  void go_on_in(size_t submap_index, const Frame& frame);
+  void go_on_in(size_t submap_index, Frame* frame);
+  void withdraw_torn_end(Frame* found);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
   void add_initial_map(InitialMap map, FrontSubmap* submap);
@@ -101,11 +109,17 @@ class Tracker {
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;
   std::vector<MappingTask> tasks_;
   std::vector<TrackResult> posed_afterwards_;
+  std::vector<int64_t> withdrawn_;
 
   TrackingState state_ = TrackingState::kNotInitialized;
   size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST
-  Frame last_;         // last tracked frame
-  SE3 velocity_;       // this_cam_from_last_cam
+  struct Support {
+    int64_t utime_us = 0;
+    int inliers = 0;
+  };
+  std::deque<Support> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
+  Frame last_;                  // last tracked frame
+  SE3 velocity_;                // this_cam_from_last_cam
   int64_t velocity_dt_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;
   int64_t lost_since_us_ = 0;

@@ -32,9 +32,10 @@ void take(const track_t& track, Messages* messages) {
   const auto [it, is_new] = messages->frames.try_emplace({track.session, track.utime});
   SceneFrame& frame = it->second;
   frame.utime_us = track.utime;
-  if (is_new) frame.state = track.state;
-  frame.has_pose = frame.has_pose || track.submap_id != 0;
-  frame.is_keyframe = frame.is_keyframe || track.is_keyframe;
+  // Told once more it has got its pose afterwards, or lost it; the state counts that it had without.
+  if (is_new || track.submap_id == 0) frame.state = track.state;
+  frame.has_pose = track.submap_id != 0;
+  frame.is_keyframe = track.is_keyframe;
 }
 
 Messages read_messages(const std::string& log_file) {

@@ -12,7 +12,7 @@ namespace rumi {
 struct WindowOptions {
   int stride = 5;                   // frames from one sample to the next while tracked (paper: inter), at most
   double max_turn_deg = 5;          // the same as an angle: at a low frame rate a stride may leave nothing in common
-  int window_length = 10;           // samples before the loss (paper: len); keyframes beyond it see shared_keyframes
+  int window_length = 15;           // samples before the loss (paper: len); keyframes beyond it see shared_keyframes
   int shared_keyframes = 10;        // wanted on each side; a merge is the more accurate the more there are, up to that
   int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
   int departure_max_samples = 40;   // complete the window anyway, for a camera that stands still

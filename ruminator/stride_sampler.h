@@ -46,6 +46,10 @@ class StrideSampler {
   void add_last(const Sample& frame) {
     if (samples_.empty() || samples_.back().utime_us < frame.utime_us) samples_.push_back(frame);
   }
+  // Removes the sample of that time; false if there is none.
+  bool take(int64_t utime_us) {
+    return std::erase_if(samples_, [utime_us](const Sample& s) { return s.utime_us == utime_us; }) > 0;
+  }
   void clear() {
     samples_.clear();
     since_last_ = 0;

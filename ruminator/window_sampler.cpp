@@ -12,6 +12,8 @@ namespace {
 
 // Frames that may yet get a pose: well more than front_tracker buffers while it tries to begin a submap.
 constexpr size_t kMaxUntracked = 1000;
+// Samples before a loss that front_tracker may yet withdraw: it goes back some seconds.
+constexpr int kMayBeWithdrawn = 40;
 
 std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
 
@@ -20,6 +22,7 @@ std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples
 WindowSampler::WindowSampler(const WindowOptions& options)
     : options_(options),
       approach_(options.stride, options.max_turn_deg),
+      before_(options.stride, options.max_turn_deg),
       gap_(options),
       departure_(options.stride, options.max_turn_deg),
       since_resume_(options) {}
@@ -32,7 +35,7 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
     return ended;
   }
   if (is_late(frame)) {
-    ignored_ += !on_late_pose(frame);
+    ignored_ += !(frame.submap_id == kNoSubmap ? on_withdrawn(frame.utime_us) : on_late_pose(frame));
     return std::nullopt;
   }
   last_utime_us_ = frame.utime_us;
@@ -65,12 +68,15 @@ std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& fram
   std::optional<RuminationWindow> ended;
   if (open_ && !open_->is_lost() && frame.submap_id != open_->submap_after)
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
-  if (frame.submap_id != submap_) approach_.clear();
+  if (frame.submap_id != submap_) {
+    approach_.clear();
+    tracked_since_us_ = frame.utime_us;
+  }
   submap_ = frame.submap_id;
   if (open_ && open_->is_lost()) resume(frame);
   const GapFrame measured_frame = measured(frame);
   approach_.add(measured_frame.sample, frame.has_image);
-  approach_.keep_newest(options_.window_length, options_.shared_keyframes);
+  approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
   if (frame.has_image) last_tracked_ = measured_frame.sample;
   known_submaps_.insert(frame.submap_id);
 
@@ -103,6 +109,7 @@ void WindowSampler::resume(const FrameEvent& frame) {
     add_to_departure(late.frame, late.has_image);
   }
   late_poses_.clear();
+  tracked_since_us_ = open_->resumed_utime_us;
 }
 
 void WindowSampler::add_to_departure(const GapFrame& frame, bool has_image) {
@@ -126,6 +133,42 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
   return true;
 }
 
+bool WindowSampler::on_withdrawn(int64_t utime_us) {
+  if (submap_ != kNoSubmap && utime_us >= tracked_since_us_) {  // found again in the very image that was lost
+    if (open_) {
+      extend_window();
+    } else {
+      begin_window(utime_us);
+      before_until_us_ = last_utime_us_ + 1;
+    }
+    leave_submap();
+  }
+  if (!open_ || utime_us < before_since_us_ || untracked_.contains(utime_us)) return false;
+  std::optional<GapFrame> withdrawn = gap_.take(utime_us);
+  if (!withdrawn && utime_us < before_until_us_) withdrawn = take_from_approach(utime_us);
+  if (withdrawn) {
+    withdrawn->sample = {.utime_us = utime_us};
+    gap_.merge({*withdrawn});
+  }
+  untracked_.insert(utime_us);
+  open_->gap = gap_.samples();
+  return true;
+}
+
+// Nothing if the frame is no sample; it is part of the gap all the same.
+std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
+  ++open_->gap_frames;
+  open_->lost_utime_us = std::min(open_->lost_utime_us, utime_us);
+  const auto newer = std::count_if(before_.samples().begin(), before_.samples().end(),
+                                   [&](const Sample& s) { return s.utime_us >= utime_us; });
+  if (!before_.take(utime_us)) return std::nullopt;
+  list_approach();
+  // Nobody has looked how its picture moved, nor how sharp it is: nothing speaks against it.
+  return GapFrame{.sample = {},
+                  .path_px = -options_.gap_motion_px * static_cast<double>(newer),
+                  .sharpness = std::numeric_limits<double>::infinity()};
+}
+
 bool WindowSampler::has_enough() const {
   return departure_.keyframes() >= options_.departure_min_keyframes ||
          (resumed_in_known_ && static_cast<int>(departure_.samples().size()) >= options_.window_length);
@@ -147,10 +190,8 @@ std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& fr
     else
       extend_window();
   }
-  if (!open_) begin_window(frame);
-  submap_ = kNoSubmap;
-  approach_.clear();
-  last_tracked_.reset();
+  if (!open_) begin_window(frame.utime_us);
+  leave_submap();
   ++open_->gap_frames;
   untracked_.insert(frame.utime_us);
   if (untracked_.size() > kMaxUntracked) untracked_.erase(untracked_.begin());
@@ -159,17 +200,30 @@ std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& fr
   return ended;
 }
 
-void WindowSampler::begin_window(const FrameEvent& frame) {
+void WindowSampler::leave_submap() {
+  submap_ = kNoSubmap;
+  approach_.clear();
+  last_tracked_.reset();
+}
+
+void WindowSampler::begin_window(int64_t utime_us) {
   open_.emplace();
   open_->id = last_id_ + 1;
   open_->session = session_;
   open_->submap_before = submap_;
-  open_->lost_utime_us = frame.utime_us;
+  open_->lost_utime_us = before_since_us_ = before_until_us_ = utime_us;
   if (submap_ == kNoSubmap) return;
   // The last tracked frame is the nearest to the gap and ties it to the submap.
   if (last_tracked_) approach_.add_last(*last_tracked_);
-  approach_.keep_newest(options_.window_length, options_.shared_keyframes);
-  open_->approach = list(approach_);
+  before_ = approach_;
+  before_since_us_ = tracked_since_us_;
+  list_approach();
+}
+
+void WindowSampler::list_approach() {
+  StrideSampler newest = before_;
+  newest.keep_newest(options_.window_length, options_.shared_keyframes);
+  open_->approach = list(newest);
 }
 
 void WindowSampler::extend_window() {
@@ -202,6 +256,7 @@ std::optional<RuminationWindow> WindowSampler::close(const std::string& reason) 
 
 void WindowSampler::forget_window() {
   open_.reset();
+  before_.clear();
   gap_.clear();
   untracked_.clear();
   late_poses_.clear();
@@ -225,7 +280,7 @@ std::set<int64_t> WindowSampler::retained() const {
   add(approach_.samples());
   if (last_tracked_) utimes.insert(last_tracked_->utime_us);
   if (!open_) return utimes;
-  add(open_->approach);
+  add(before_.samples());
   add(gap_.samples());
   add(departure_.samples());
   add(since_resume_.samples());

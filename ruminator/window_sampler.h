@@ -13,6 +13,8 @@
 // - front_tracker gives poses to earlier frames when it begins a submap, and tells of them again. These are not gap but
 //   departure, if all frames after them have poses too. A window of which no gap is left goes on if it connects two
 //   submaps; else there is nothing to rebuild, and it is as if it had never opened.
+// - front_tracker withdraws poses where it is found again at a place that contradicts the frames before the loss, and
+//   tells of these again, without a pose. They are gap: the window's, or of one that opens with them.
 // - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap
 // (samples
 //   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart
@@ -56,7 +58,8 @@ class WindowSampler {
   explicit WindowSampler(const WindowOptions& options);
 
   // Takes the next frame, in order of time. One that is not later than the last is ignored and counted, unless it is a
-  // frame of the gap that has a pose now. Returns the window that this frame completed or ended, if any.
+  // frame of the gap that has a pose now, or one that has none any more. Returns the window that this frame completed
+  // or ended, if any.
   std::optional<RuminationWindow> process(const FrameEvent& frame);
   // The input has ended: the open window, if any.
   std::optional<RuminationWindow> finish(const std::string& reason);
@@ -69,7 +72,7 @@ class WindowSampler {
   bool wants_measure(const FrameEvent& frame) const {
     return !is_late(frame) && (open_ || frame.submap_id == kNoSubmap);
   }
-  // It belongs to the past: it is a repetition, or got its pose afterwards.
+  // It belongs to the past: it is a repetition, or got or lost its pose afterwards.
   bool is_late(const FrameEvent& frame) const {
     return has_begun_ && frame.session == session_ && frame.utime_us <= last_utime_us_;
   }
@@ -89,7 +92,11 @@ class WindowSampler {
   std::optional<RuminationWindow> on_tracked(const FrameEvent& frame);
   std::optional<RuminationWindow> on_untracked(const FrameEvent& frame);
   bool on_late_pose(const FrameEvent& frame);
-  void begin_window(const FrameEvent& frame);
+  bool on_withdrawn(int64_t utime_us);
+  std::optional<GapFrame> take_from_approach(int64_t utime_us);
+  void leave_submap();
+  void begin_window(int64_t utime_us);
+  void list_approach();
   void resume(const FrameEvent& frame);
   void add_to_departure(const GapFrame& frame, bool has_image);
   void extend_window();     // lost again too soon
@@ -106,10 +113,14 @@ class WindowSampler {
   bool has_begun_ = false;
   int32_t submap_ = kNoSubmap;       // that the last frame was tracked in
   std::set<int32_t> known_submaps_;  // of this session
+  int64_t tracked_since_us_ = 0;     // without a break, in submap_
   StrideSampler approach_;           // of submap_
   std::optional<Sample> last_tracked_;
 
   std::optional<RuminationWindow> open_;
+  StrideSampler before_;         // the open window's approach, and what was before it
+  int64_t before_since_us_ = 0;  // tracked without a break since then ...
+  int64_t before_until_us_ = 0;  // ... and until before this
   GapThinner gap_;
   std::set<int64_t> untracked_;       // the newest frames of the gap that have no pose, thinned out or not
   std::vector<LatePose> late_poses_;  // since the loss, in order of arrival

@@ -57,7 +57,10 @@ void ViewerNode::note_frame(const track_t& track) {
   if (frames_.empty() || frames_.back().utime_us < track.utime) return frames_.push_back(note);
   const auto at = std::lower_bound(frames_.begin(), frames_.end(), track.utime,
                                    [](const FrameNote& f, int64_t utime_us) { return f.utime_us < utime_us; });
-  if (at->utime_us != track.utime) frames_.insert(at, note);  // told of twice: the first time counts
+  if (at->utime_us != track.utime)
+    frames_.insert(at, note);
+  else if (track.submap_id == kNoSubmap)
+    *at = note;  // its pose was withdrawn; of one that got it afterwards the first time counts
 }
 
 void ViewerNode::on_map_status(const map_status_t& status) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <utility>
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
@@ -13,12 +14,14 @@
 #include "bus/submap_update.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/synth/sequence_renderer.h"
+#include "tests/front_tracker/rendered_walk.h"
+#include "tests/front_tracker/slip.h"
 
 namespace rumi {
 namespace {
 
 // A front_tracker on a bus, with a stand-in for map_server that applies every update.
-class Fixture : public testing::Test {
+class Fixture : public ::testing::Test {
  protected:
   Fixture()
       : receiver_(bus_, channels::kSubmap, channels::kSubmapAck, "server", true,
@@ -238,6 +241,47 @@ TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
     return std::find_if(tracks_.begin(), tracks_.end(), [&](const track_t& t) { return t.utime == utime; });
   };
   EXPECT_EQ((position(began) - 1)->utime, late.back()) << "just before it";
+}
+
+TEST_F(Fixture, WithdrawnPosesAreToldBeforeTheFrameThatContradictsThem) {
+  const testing::RenderedWalk& walk = testing::rendered_walk();
+  const size_t slipped = 77, lost = 100, back = 72;
+  const cv::Mat black(walk.images[0].size(), CV_8U, cv::Scalar(0));
+  for (size_t i = 0; i < lost; ++i) {
+    cv::Mat grey = walk.images[i].clone();
+    if (i >= slipped && i < slipped + 3) grey.colRange(0, grey.cols / 2).setTo(0);
+    give(image(walk.utime_us[i], grey));
+  }
+  ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
+  testing::slip(node_->tracker()->submaps()[0].get(), walk.utime_us[slipped]);
+  int64_t utime_us = walk.utime_us[lost];
+  for (int i = 0; i < 25; ++i) give(image(utime_us += 50'000, black));
+  const std::vector<track_t> before = std::exchange(tracks_, {});
+  give(image(utime_us += 50'000, walk.images[back]));
+  const std::vector<int64_t>& withdrawn = node_->tracker()->withdrawn();
+  ASSERT_GE(withdrawn.size(), 10u);
+  ASSERT_EQ(tracks_.size(), withdrawn.size() + 1);
+  for (size_t i = 0; i < withdrawn.size(); ++i) {
+    const track_t& now = tracks_[i];
+    const auto told =
+        std::find_if(before.rbegin(), before.rend(), [&](const track_t& t) { return t.utime == now.utime; });
+    EXPECT_EQ(now.utime, withdrawn[i]);
+    EXPECT_EQ(now.sequence, told->sequence);
+    EXPECT_EQ(now.session, told->session);
+    EXPECT_EQ(now.state, track_t::RECENTLY_LOST);
+    EXPECT_EQ(now.submap_id, kNoSubmap);
+    EXPECT_EQ(now.reference_keyframe, kNone);
+    EXPECT_FALSE(now.is_keyframe);
+  }
+  EXPECT_EQ(tracks_.back().state, track_t::TRACKING);
+  const Submap made = node_->tracker()->submaps()[0]->map;
+  node_->finish();
+  for (int i = 0; i < 500 && !node_->finished(); ++i) {
+    bus_.set_now_us(bus_.now_us() + 100'000);
+    tick();
+  }
+  ASSERT_EQ(copies_.size(), 1u);
+  EXPECT_EQ(copies_.begin()->second.frames.size(), made.frames.size()) << "the server has forgotten them too";
 }
 
 TEST_F(Fixture, GarbageOnItsChannelsDoesNoHarm) {

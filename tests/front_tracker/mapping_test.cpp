@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
+#include "bus/submap_update.h"
 #include "feature_scene.h"
 #include "front_tracker/mapper.h"
 #include "front_tracker/projection_search.h"
 #include "front_tracker/relocalizer.h"
+#include "tests/front_tracker/slip.h"
 
 namespace rumi {
 namespace {
@@ -157,6 +160,69 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
     }
   }
   EXPECT_EQ(found, tried);
+}
+
+// A second later, with landmarks of its own: of what it sees nothing hangs on what was there before.
+void append(const FrontSubmap& end, FrontSubmap* s) {
+  std::map<int, int> id_of;
+  for (const auto& [id, kf] : end.map.keyframes) {
+    Frame frame;
+    frame.utime_us = kf.utime_us + 1'000'000;
+    frame.features = kf.features;
+    frame.cam_from_submap = kf.cam_from_submap;
+    frame.clear_matches();
+    const int added = s->add_keyframe(&frame).id;
+    for (size_t i = 0; i < kf.landmark_ids.size(); ++i) {
+      const int theirs = kf.landmark_ids[i];
+      if (theirs == kNone) continue;
+      if (!id_of.contains(theirs)) id_of[theirs] = s->add_landmark(end.map.landmark(theirs)->position).id;
+      s->map.add_observation(id_of[theirs], added, static_cast<int>(i));
+    }
+  }
+}
+
+TEST(Relocalizer, SeesThatASubmapIsTorn) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed);
+    const std::vector<SE3> poses = walk(6);
+    const auto s = scene.submap({poses.begin(), poses.begin() + 4});
+    append(*scene.submap({poses.begin() + 4, poses.end()}), s.get());
+    const Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
+    Frame frame = scene.frame(1, poses[3]);
+    ASSERT_TRUE(relocalizer.relocalize(s->map, 3, &frame));
+    for (int id = 0; id < 6; ++id) EXPECT_FALSE(relocalizer.contradicts(s->map, id, frame)) << id;
+    testing::slip(s.get(), 1'000'000);
+    for (int id = 0; id < 6; ++id) EXPECT_EQ(relocalizer.contradicts(s->map, id, frame), id >= 4) << id;
+    FeatureScene elsewhere(seed + 50);
+    Frame foreign = elsewhere.frame(1, poses[3]);
+    EXPECT_FALSE(relocalizer.contradicts(s->map, 5, foreign)) << "it sees nothing of that";
+    EXPECT_FALSE(relocalizer.contradicts(s->map, 99, frame)) << "there is no such keyframe";
+  }
+}
+
+TEST(FrontSubmap, ItsEndIsCutOffHereAndInCopies) {
+  FeatureScene scene(3);
+  auto s = scene.submap(walk(6));  // at 100, 200, ..., 600 ms
+  ++s->map.revision;
+  Submap copy;
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, 0), &copy), "");
+  ASSERT_EQ(copy.frames.size(), 6u);
+  ++s->map.revision;
+  s->cut_end(400'000);
+  EXPECT_EQ(s->map.keyframes.size(), 3u);
+  EXPECT_EQ(s->map.frames.size(), 3u);
+  EXPECT_EQ(s->map.frames.rbegin()->first, 300'000);
+  for (const auto& [id, lm] : s->map.landmarks) {
+    EXPECT_GE(lm.observations.size(), 2u);
+    for (const Observation& o : lm.observations) EXPECT_LT(o.keyframe_id, 3);
+  }
+  for (const auto& [utime, frame] : s->map.frames) EXPECT_NE(s->map.keyframe(frame.reference_keyframe), nullptr);
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, copy.revision), &copy), "");
+  EXPECT_EQ(copy.frames.size(), 3u);
+  EXPECT_EQ(copy.keyframes.size(), 3u);
+  EXPECT_EQ(copy.landmarks.size(), s->map.landmarks.size());
+  Frame next = scene.frame(7'000'000, SE3());
+  EXPECT_EQ(s->add_keyframe(&next).id, 6) << "no number is given twice";
 }
 
 TEST(Relocalizer, ForgetsKeyframesThatWereCulled) {

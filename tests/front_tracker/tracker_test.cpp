@@ -6,6 +6,7 @@
 
 #include "slam/map/landmark_view.h"
 #include "tests/front_tracker/rendered_walk.h"
+#include "tests/front_tracker/slip.h"
 
 namespace rumi {
 namespace {
@@ -126,6 +127,45 @@ TEST(Tracker, FrozenImagesKeepThePose) {
   const Keyframe& reference = *map.keyframe(after->reference_keyframe);
   const double depth = median_depth(map, reference.cam_from_submap, reference.landmark_ids);
   EXPECT_LT((after->cam_from_submap.center() - before->cam_from_submap.center()).norm(), 0.02 * depth);
+}
+
+TEST(Tracker, WhatContradictsThePlaceWhereItIsFoundAgainIsWithdrawn) {
+  for (const bool slipped : {true, false}) {
+    Tracker tracker(sequence().camera, replay_options(), 1);
+    const size_t weak = 77, lost = 100, back = 72;
+    const cv::Mat black(sequence().images[0].size(), CV_8U, cv::Scalar(0));
+    int64_t utime_us = 0;
+    const auto give = [&](size_t i, const cv::Mat& image) {
+      utime_us = std::max(utime_us + 50'000, sequence().utime_us[i]);
+      return tracker.process(utime_us, image);
+    };
+    for (size_t i = 0; i < lost; ++i) {
+      cv::Mat image = sequence().images[i].clone();
+      if (i >= weak && i < weak + 3) image.colRange(0, image.cols / 2).setTo(0);
+      give(i, image);
+    }
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+    ASSERT_EQ(tracker.submaps()[0]->map.frames.size(), lost);
+    FrontSubmap& submap = *tracker.submaps()[0];
+    const int64_t weak_us = sequence().utime_us[weak];
+    if (slipped) testing::slip(&submap, weak_us);
+    for (int i = 0; i < 25; ++i) give(lost, black);
+    EXPECT_TRUE(tracker.withdrawn().empty());
+    const auto found = give(lost, sequence().images[back]);
+    ASSERT_EQ(found->submap_id, 1);
+    ASSERT_NE(submap.map.frame(utime_us), nullptr);
+    EXPECT_LE(tracker.withdrawn().size(), slipped ? lost - weak : 0u);
+    EXPECT_GE(tracker.withdrawn().size(), slipped ? lost - weak - 2 : 0u) << "one of the three is the weakest";
+    for (const int64_t utime : tracker.withdrawn()) {
+      EXPECT_TRUE(utime >= weak_us && utime <= sequence().utime_us[lost - 1]);
+      EXPECT_EQ(submap.map.frame(utime), nullptr);
+    }
+    const SE3 before = submap.map.cam_from_submap(*submap.map.frame(sequence().utime_us[back]));
+    EXPECT_LT((found->cam_from_submap.center() - before.center()).norm(), 0.01);
+    // It goes on, and what it does is true.
+    for (size_t i = back; i < lost; ++i) EXPECT_EQ(give(lost, sequence().images[i])->submap_id, 1) << i;
+    EXPECT_TRUE(tracker.withdrawn().empty());
+  }
 }
 
 // All but a piece of the image is covered, and that piece has jumped by a dozen pixels.

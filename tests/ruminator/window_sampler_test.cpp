@@ -55,6 +55,11 @@ class Feed {
                                   .is_keyframe = is_keyframe});
     EXPECT_FALSE(ended);
   }
+  // front_tracker tells of frames once more, whose poses it takes back.
+  void withdraw(int64_t first, int64_t last) {
+    for (int64_t utime = first; utime <= last; ++utime)
+      EXPECT_FALSE(sampler.process({.utime_us = utime, .session = session}));
+  }
   void finish() {
     if (auto ended = sampler.finish("the input ended")) windows.push_back(*ended);
   }
@@ -71,7 +76,7 @@ TEST(WindowSampler, NothingHappensWithoutALoss) {
   feed.finish();
   EXPECT_THAT(feed.windows, IsEmpty());
   EXPECT_FALSE(feed.sampler.open());
-  EXPECT_LE(feed.sampler.retained().size(), 20);
+  EXPECT_LE(feed.sampler.retained().size(), 61) << "of the approach, with what may yet be withdrawn";
 }
 
 TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
@@ -184,7 +189,7 @@ TEST(WindowSampler, LosingAKnownSubmapAgainSoonIsOneWindow) {
 }
 
 TEST(WindowSampler, LosingAKnownSubmapLaterMakesTwoWindows) {
-  Feed feed;
+  Feed feed({.window_length = 10});
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.span(60, 2, 4);
@@ -287,9 +292,13 @@ TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
   Feed feed;
   feed.span(50, 1, 10);
   feed.now = 20;
-  feed.span(30, kNoSubmap);  // 21..50 once more, and not in order
+  feed.span(30, 1);  // 21..50 once more, and not in order
   EXPECT_EQ(feed.sampler.ignored(), 30);
   EXPECT_FALSE(feed.sampler.open());
+  feed.span(5, kNoSubmap);
+  feed.withdraw(51, 55);  // they never had a pose
+  EXPECT_EQ(feed.sampler.ignored(), 35);
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 5);
 }
 
 TEST(WindowSampler, ANewSessionStartsAfresh) {
@@ -501,6 +510,97 @@ TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
   EXPECT_EQ(feed.sampler.open()->gap_frames, 9);
   EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 103);
   EXPECT_EQ(feed.sampler.ignored(), 3);
+}
+
+std::vector<int64_t> from_to(int64_t first, int64_t last) {
+  std::vector<int64_t> list;
+  for (int64_t i = first; i <= last; ++i) list.push_back(i);
+  return list;
+}
+
+void expect_no_poses(const std::vector<Sample>& samples) {
+  for (const Sample& s : samples) EXPECT_TRUE(s.submap_id == kNoSubmap && !s.is_keyframe) << s.utime_us;
+}
+
+TEST(WindowSampler, PosesWithdrawnAfterALossAreItsGap) {
+  Feed feed({.window_length = 4, .shared_keyframes = 4});
+  feed.span(60, 1, 1);
+  feed.span(2, kNoSubmap);
+  feed.withdraw(50, 60);
+  EXPECT_EQ(feed.sampler.open()->lost_utime_us, 50);
+  feed.span(30, 1, 1);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_EQ(w.lost_utime_us, 50);
+  EXPECT_EQ(w.resumed_utime_us, 63);
+  EXPECT_EQ(utimes(w.approach), from_to(46, 49));
+  EXPECT_EQ(utimes(w.gap), from_to(50, 62));
+  EXPECT_EQ(w.gap_frames, 13);
+  expect_no_poses(w.gap);
+  EXPECT_EQ(feed.sampler.ignored(), 0);
+}
+
+TEST(WindowSampler, PosesWithdrawnWithoutALossOpenAWindow) {
+  Feed feed({.window_length = 4, .shared_keyframes = 4});
+  feed.span(60, 1, 1);
+  feed.withdraw(55, 60);
+  ASSERT_TRUE(feed.sampler.open());
+  EXPECT_TRUE(feed.sampler.open()->is_lost());
+  feed.span(30, 1, 1);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_EQ(w.submap_before, 1);
+  EXPECT_EQ(w.submap_after, 1);
+  EXPECT_EQ(utimes(w.approach), from_to(51, 54));
+  EXPECT_EQ(utimes(w.gap), from_to(55, 60));
+  EXPECT_EQ(w.gap_frames, 6);
+  EXPECT_EQ(feed.sampler.ignored(), 0);
+}
+
+TEST(WindowSampler, PosesWithdrawnFromADepartureProlongTheGap) {
+  Feed feed({.window_length = 12, .shared_keyframes = 12});
+  feed.span(60, 1, 1);
+  feed.span(3, kNoSubmap);
+  feed.span(9, 1, 1);
+  feed.withdraw(66, 72);
+  feed.span(30, 1, 1);
+  ASSERT_EQ(feed.windows.size(), 1);
+  const RuminationWindow& w = feed.windows[0];
+  EXPECT_EQ(w.lost_utime_us, 61);
+  EXPECT_EQ(w.resumed_utime_us, 73);
+  EXPECT_EQ(utimes(w.gap), from_to(61, 72));
+  EXPECT_EQ(w.gap_frames, 12);
+  EXPECT_EQ(w.gap[4].submap_id, 1) << "of the departure, and not withdrawn";
+  expect_no_poses({w.gap.begin() + 5, w.gap.end()});
+}
+
+TEST(WindowSampler, WithdrawnFramesThatAreNoSamplesCount) {
+  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 4});
+  feed.span(60, 1);  // samples at 1, 6, ..., 56
+  feed.span(2, kNoSubmap);
+  feed.withdraw(48, 60);
+  const RuminationWindow& w = *feed.sampler.open();
+  EXPECT_THAT(utimes(w.approach), ElementsAre(31, 36, 41, 46));
+  EXPECT_THAT(utimes(w.gap), ElementsAre(51, 56, 60, 61, 62));
+  EXPECT_EQ(w.gap_frames, 15);
+  const std::set<int64_t> retained = feed.sampler.retained();
+  for (const Sample& s : w.samples()) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
+}
+
+TEST(WindowSampler, WithdrawnLongAgoTwiceOrOfNobodyChangesNothing) {
+  Feed feed({.window_length = 4, .shared_keyframes = 4});
+  feed.span(30, 1, 1);
+  feed.span(2, kNoSubmap);
+  feed.span(40, 2, 1);  // completes the window
+  ASSERT_EQ(feed.windows.size(), 1);
+  feed.withdraw(20, 30);
+  EXPECT_FALSE(feed.sampler.open());
+  EXPECT_EQ(feed.sampler.ignored(), 11);
+  feed.withdraw(70, 72);
+  feed.withdraw(70, 72);
+  feed.withdraw(-5, -1);
+  EXPECT_EQ(feed.sampler.ignored(), 19);
+  EXPECT_EQ(feed.sampler.open()->gap_frames, 3);
 }
 
 TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
