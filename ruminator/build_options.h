@@ -93,6 +93,10 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "across a cut, for the scale to be carried over it", 1, 10000);
   table.add("ruminator.scale_max_carried_log_error", &o.scale.max_carried_log_error, "",
             "of what they tell: the standard error of the logarithm", 0.001, 10);
+  table.add("ruminator.scale_certain_points", &o.scale.certain_points, "",
+            "across a cut, that say more of the scale than front_tracker's poses", 1, 10000);
+  table.add("ruminator.scale_certain_log_error", &o.scale.certain_log_error, "",
+            "of what they tell: the standard error of the logarithm", 0.001, 10);
   table.add("ruminator.scale_min_depth_points", &o.scale.min_depth_points, "",
             "that a side of a cut sees by itself, for it to have a scale", 1, 10000);
   table.add("ruminator.scale_repairs", &o.scale.repairs, "", "of slips of the scale in one model, at most", 0, 100);

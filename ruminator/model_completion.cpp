@@ -162,13 +162,15 @@ void ModelCompletion::trim_new_ends(WindowModel* candidate) const {
   candidate->quality = adjust(&candidate->model);
 }
 
-// Both sides of such a cut agree with a front submap, each by itself, but not in scale.
+// Both sides of such a cut agree with a front submap, each by itself, but not in scale. Where many points cross the cut
+// it is the front submap that has slipped.
 std::optional<ScaleCut> ModelCompletion::front_break(const std::vector<ScaleCut>& cuts,
                                                      const ColmapModel& model) const {
   ColmapModel poses;
   poses.cam_from_world = model.cam_from_world;
   std::optional<ScaleCut> weakest;
   for (const ScaleCut& cut : cuts) {
+    if (is_certain(cut, o_.scale)) continue;
     const auto tie = front_tie(in_.front, in_.utimes_us, o_.min_front_frames, o_.joining, side_of(poses, cut, false),
                                side_of(poses, cut, true));
     if (!tie || std::abs(std::log(tie->scale)) < std::log1p(o_.scale.max_change)) continue;

@@ -80,12 +80,16 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Colmap
   return cuts;
 }
 
+bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options) {
+  return cut.points >= options.certain_points && cut.log_error <= options.certain_log_error;
+}
+
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options) {
   std::optional<ScaleCut> worst;
   for (const ScaleCut& cut : cuts) {
-    const bool is_certain = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
-                            std::abs(cut.log_ratio) > 3 * cut.log_error;
-    if (!is_certain || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
+    const bool is_told = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
+                         std::abs(cut.log_ratio) > 3 * cut.log_error;
+    if (!is_told || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
     if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
   }
   return worst;

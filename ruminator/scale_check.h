@@ -25,6 +25,8 @@ struct ScaleCheckOptions {
   double max_carried_log_error = 0.2;  // and how well; or,
   int few_carrying_points = 3;         // if all of them agree
   double few_max_log_spread = 0.1;     // as closely: points that are wrong do not
+  int certain_points = 30;             // that many, and
+  double certain_log_error = 0.05;     // so closely: they say more of the scale than front_tracker's poses
   int min_depth_points = 20;           // that a side must see by itself, for it to have a scale
   int repairs = 3;                     // of one model, at most
 };
@@ -45,6 +47,9 @@ struct ScaleCut {
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<ColmapImage>& images,
                                   const std::vector<Track>& tracks, const ScaleCheckOptions& options,
                                   const ColmapModel& model);
+
+// Do the points across the cut leave nothing to ask front_tracker?
+bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options);
 
 // The cut where the scale certainly changes the most, if it does.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);

@@ -91,6 +91,24 @@ TEST_F(SplitWindow, IsItsLargerSideWhereNothingJoinsIt) {
   }
 }
 
+// Of two images that see each other's points well front_tracker cannot tell that one side has another scale.
+TEST(ModelCompletion, AFrontSubmapThatSlippedChangesNothing) {
+  TestWindow w = testing::sideways_window(16);
+  testing::spoil(&w, 0.02, 0.05);
+  std::vector<Sample> front;
+  for (int i = 0; i < 16; ++i) {
+    const double slipped = i < 8 ? 1.0 : 2.0;
+    front.push_back(
+        {.utime_us = utimes_of(w)[i],
+         .submap_id = 4,
+         .cam_from_submap = Sim3(slipped, so3_exp({0, 0, 0}), {0, 0, 0}).transform_camera(w.cam_from_world[i])});
+  }
+  const WindowModel candidate = complete(w, moved_from(w, 16, Sim3()), front);
+  EXPECT_EQ(candidate.model.cam_from_world.size(), 16U);
+  EXPECT_LT(testing::worst_center_error(w, candidate.model), 0.01);
+  EXPECT_EQ(candidate.origin, "model");
+}
+
 TEST(ModelCompletion, JoinsTwoModelsThatSeeTheSame) {
   TestWindow w = testing::sideways_window(14, 0.7, 800);
   testing::spoil(&w, 0.05, 0.1);
