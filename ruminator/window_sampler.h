@@ -15,8 +15,7 @@
 //   submaps; else there is nothing to rebuild, and it is as if it had never opened.
 // - front_tracker withdraws poses where it is found again at a place that contradicts the frames before the loss, and
 //   tells of these again, without a pose. They are gap: the window's, or of one that opens with them.
-// - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap
-// (samples
+// - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap (but
 //   keep the young submap's id, pose and keyframe flag), and the loss extends the same window. So losses a moment apart
 //   are one window. Lost with more, but before shared_keyframes, the window is complete, and the loss opens another:
 //   waiting for more keyframes costs no submap its life.

@@ -16,6 +16,7 @@ namespace {
 
 std::vector<SE3> walk(int count) {
   std::vector<SE3> poses;
+  poses.reserve(count);
   for (int i = 0; i < count; ++i) poses.push_back(SyntheticScene::pose(0.12 * i, 0.02 * i, 0.03 * i, -0.02 * i));
   return poses;
 }
@@ -120,6 +121,7 @@ TEST(Mapper, PointBehindACameraIsPutRightAndStopsNothing) {
 TEST(Mapper, DropsRedundantKeyframesAndKeepsTheirFrames) {
   FeatureScene scene(5);
   std::vector<SE3> poses;
+  poses.reserve(10);
   for (int i = 0; i < 10; ++i) poses.push_back(SyntheticScene::pose(0.02 * i, 0, 0));
   auto s = scene.submap(poses);
   const Mapper mapper(test_camera(), {});

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <numeric>
+
 namespace rumi {
 namespace {
 
@@ -12,6 +14,7 @@ using ::testing::IsEmpty;
 
 std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
   std::vector<int64_t> list;
+  list.reserve(samples.size());
   for (const Sample& s : samples) list.push_back(s.utime_us);
   return list;
 }
@@ -513,8 +516,8 @@ TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
 }
 
 std::vector<int64_t> from_to(int64_t first, int64_t last) {
-  std::vector<int64_t> list;
-  for (int64_t i = first; i <= last; ++i) list.push_back(i);
+  std::vector<int64_t> list(static_cast<size_t>(last - first + 1));
+  std::iota(list.begin(), list.end(), first);
   return list;
 }
 
