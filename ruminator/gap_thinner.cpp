@@ -2,6 +2,7 @@
 #include "ruminator/gap_thinner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace rumi {
@@ -79,7 +80,8 @@ bool GapThinner::is_blurred(size_t index) const {
   const size_t begin = index - std::min(index, kNeighbours);
   const size_t end = std::min(index + kNeighbours + 1, frames_.size());
   for (size_t i = begin; i < end; ++i)
-    if (i != index) neighbours.push_back(frames_[i].sharpness);
+    if (i != index && std::isfinite(frames_[i].sharpness)) neighbours.push_back(frames_[i].sharpness);
+  if (neighbours.empty()) return false;
   // Of an even number the lower: at an edge between two scenes both halves are as they should be.
   const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>((neighbours.size() - 1) / 2);
   std::nth_element(neighbours.begin(), middle, neighbours.end());

@@ -23,7 +23,7 @@ namespace rumi {
 struct GapFrame {
   Sample sample;
   double path_px = 0;    // how far the picture has moved since the window opened; unknown steps count as one set point
-  double sharpness = 0;  // see ImageMeasure
+  double sharpness = 0;  // see ImageMeasure; infinity: not measured, and not blurred for all that is known
 };
 
 class GapThinner {

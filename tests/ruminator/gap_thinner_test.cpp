@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace rumi {
 namespace {
@@ -86,6 +87,19 @@ TEST(GapThinner, BlurIsRelativeToTheNeighbours) {
   for (int i = 0; i < 30; ++i) thinner.add(frame(i, i == 20 ? 10.0 * i + 9 : 10.0 * i, i < 15 ? 1 : 0.1));
   EXPECT_THAT(utimes(thinner), ::testing::Contains(15));
   EXPECT_THAT(utimes(thinner), ::testing::Contains(16));
+}
+
+// Withdrawn ones: nobody has looked at them.
+TEST(GapThinner, FramesOfUnknownSharpnessMakeNoOthersBlurred) {
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  GapThinner thinner({.gap_max_frames = 8});
+  std::vector<GapFrame> frames;
+  for (int i = 0; i < 4; ++i) frames.push_back(frame(i, 10.0 * i, kUnknown));
+  frames.push_back(frame(4, 40, 1));
+  for (int i = 5; i < 8; ++i) frames.push_back(frame(i, 10.0 * i, kUnknown));
+  thinner.merge(frames);
+  thinner.add(frame(8, 71, 1));  // the one before it moves least
+  EXPECT_THAT(utimes(thinner), ElementsAre(0, 1, 2, 3, 4, 5, 6, 8));
 }
 
 TEST(GapThinner, BlackFramesAmongBlackOnesAreThinnedLikeOthers) {
