@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 constexpr int64_t kBegin = 1'700'000'000'000'000, kPeriod = 100'000;
 
 // A log of 100 frames: tracked in submap 1, without a pose from 40 to 59 (55 and later got theirs afterwards), then
-// tracked in submap 2.
+// tracked in submap 2. The poses of 38 and 39 were withdrawn.
 class WindowPictureTest : public ::testing::Test {
  protected:
   WindowPictureTest()
@@ -63,8 +63,10 @@ class WindowPictureTest : public ::testing::Test {
       if (with_images) log.write(utime(i), channels::kCamera, encode_message(make_jpeg_image(utime(i), grey)));
       const bool is_tracked = i < 40 || i >= 60;
       const int8_t state = is_tracked ? track_t::TRACKING : i < 50 ? track_t::RECENTLY_LOST : track_t::LOST;
-      if (i == 60)
+      if (i == 60) {
         for (int late = 55; late < 60; ++late) write_track(log, late, track_t::LOST, 2);
+        for (int withdrawn = 38; withdrawn < 40; ++withdrawn) write_track(log, withdrawn, track_t::RECENTLY_LOST, 0);
+      }
       write_track(log, i, state, !is_tracked ? 0 : i < 40 ? 1 : 2);
     }
     for (const window_t& w : windows) log.write(w.utime, channels::kWindow, encode_message(w));
@@ -91,6 +93,9 @@ TEST_F(WindowPictureTest, TheSceneSaysWhatBecameOfEveryFrame) {
   EXPECT_TRUE(frame(55).has_pose);
   EXPECT_EQ(frame(55).state, track_t::LOST) << "as it was said first";
   EXPECT_EQ(frame(45).state, track_t::RECENTLY_LOST);
+  EXPECT_TRUE(frame(37).has_pose);
+  EXPECT_FALSE(frame(38).has_pose);
+  EXPECT_EQ(frame(38).state, track_t::RECENTLY_LOST);
   for (const SceneFrame& f : scene.frames) EXPECT_FALSE(f.image.empty()) << f.utime_us;
 }
 

@@ -14,6 +14,7 @@
 #include "bus/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "test_map.h"
+#include "viewer_offscreen/palette.h"
 
 namespace rumi {
 namespace {
@@ -277,6 +278,24 @@ TEST_F(ViewerNodeTest, ShowsTheLatestKeyframesImageWithItsKeypoints) {
   run(node, 3);
   EXPECT_EQ(colour_pixels(images_.back(), {240, 160, 40}), 0);
   EXPECT_FALSE(node.status().degraded);
+}
+
+TEST_F(ViewerNodeTest, APoseThatWasWithdrawnIsShownAsLost) {
+  ViewerNode node(bus_, options_);
+  publish_tracks();
+  publish_status();
+  run(node, 3);
+  ASSERT_GE(images_.size(), 1u);
+  const int before = colour_pixels(images_.back(), kRecentlyLostColor);
+  for (const auto& [utime_us, frame] : submap_.frames) {
+    track_t track{};
+    track.utime = utime_us;
+    track.session = 1;
+    track.state = track_t::RECENTLY_LOST;
+    bus_.publish(channels::kTrack, track);
+  }
+  run(node, 3);
+  EXPECT_GT(colour_pixels(images_.back(), kRecentlyLostColor), before + 200);
 }
 
 TEST_F(ViewerNodeTest, KeepsASeriesAtItsRate) {
