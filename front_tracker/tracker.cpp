@@ -154,23 +154,32 @@ void Tracker::go_on_in(size_t submap_index, Frame* frame) {
                frame->matches());
 }
 
-// Just before a loss tracking may have slipped: then the same things lie at two places of the submap, where they were
-// seen long ago and where the last frames put them. The slip began where least agreed; what came after is not true.
-void Tracker::withdraw_torn_end(Frame* found) {
-  constexpr int kCompared = 3;  // newest keyframes
-  FrontSubmap& submap = active();
-  if (recent_.empty()) return;
-  bool is_torn = false;
-  auto kf = submap.map.keyframes.rbegin();
-  for (int i = 0; i < kCompared && kf != submap.map.keyframes.rend() && !is_torn; ++i, ++kf)
-    is_torn =
-        kf->second.utime_us >= recent_.front().utime_us && relocalizer_.contradicts(submap.map, kf->first, *found);
-  if (!is_torn) return;
-  // The weakest frame, and those just before it that are hardly stronger.
+// Do the newest keyframes before the loss contradict the place where the frame was found?
+bool Tracker::is_torn(const Frame& found) const {
+  constexpr int kCompared = 3;
+  if (recent_.empty()) return false;
+  const Submap& map = submaps_[active_]->map;
+  auto kf = map.keyframes.rbegin();
+  for (int i = 0; i < kCompared && kf != map.keyframes.rend(); ++i, ++kf)
+    if (kf->second.utime_us >= recent_.front().utime_us && relocalizer_.contradicts(map, kf->first, found)) return true;
+  return false;
+}
+
+// A slip begins with the weakest frame, or one just before it that is hardly stronger.
+std::deque<Tracker::Support>::const_iterator Tracker::slip_begins() const {
   auto first = std::min_element(recent_.begin(), recent_.end(),
                                 [](const Support& a, const Support& b) { return a.inliers < b.inliers; });
   const int weak = 2 * first->inliers;
   while (first != recent_.begin() && std::prev(first)->inliers < weak) --first;
+  return first;
+}
+
+// Just before a loss tracking may have slipped: then the same things lie at two places of the submap, where they were
+// seen long ago and where the last frames put them. What came after the slip is not true.
+void Tracker::withdraw_torn_end(Frame* found) {
+  if (!is_torn(*found)) return;
+  FrontSubmap& submap = active();
+  const auto first = slip_begins();
   const int64_t first_us = first->utime_us;
   if (submap.map.keyframe(found->reference_keyframe)->utime_us >= first_us ||
       submap.map.keyframes.begin()->second.utime_us >= first_us)

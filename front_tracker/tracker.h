@@ -65,6 +65,10 @@ class Tracker {
  private:
   // A keyframe that the mapper has to be told of, once the map's mutex is free.
   using MappingTask = std::pair<FrontSubmap*, int>;
+  struct Support {
+    int64_t utime_us = 0;
+    int inliers = 0;
+  };
 
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
   bool track(Frame* frame);
@@ -84,6 +88,8 @@ class Tracker {
   bool go_on_in_back_submap(Frame* frame);
   void activate(size_t submap_index);  // it is the one that is tracked from now on
   void go_on_in(size_t submap_index, Frame* frame);
+  bool is_torn(const Frame& found) const;
+  std::deque<Support>::const_iterator slip_begins() const;
   void withdraw_torn_end(Frame* found);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
@@ -112,11 +118,7 @@ class Tracker {
   std::vector<int64_t> withdrawn_;
 
   TrackingState state_ = TrackingState::kNotInitialized;
-  size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST
-  struct Support {
-    int64_t utime_us = 0;
-    int inliers = 0;
-  };
+  size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST
   std::deque<Support> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
   Frame last_;                  // last tracked frame
   SE3 velocity_;                // this_cam_from_last_cam

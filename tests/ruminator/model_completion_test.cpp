@@ -91,7 +91,7 @@ TEST_F(SplitWindow, IsItsLargerSideWhereNothingJoinsIt) {
   }
 }
 
-// Of two images that see each other's points well front_tracker cannot tell that one side has another scale.
+// Each half agrees with the front submap, in a unit of its own; many points across the middle tell that it is one.
 TEST(ModelCompletion, AFrontSubmapThatSlippedChangesNothing) {
   TestWindow w = testing::sideways_window(16);
   testing::spoil(&w, 0.02, 0.05);

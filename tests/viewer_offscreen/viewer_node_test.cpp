@@ -60,13 +60,13 @@ class ViewerNodeTest : public testing::Test {
     status.submaps = {summary};
     bus_.publish(channels::kMapStatus, status);
   }
-  void publish_tracks() {
+  void publish_tracks(int8_t state = track_t::TRACKING) {
     for (const auto& [utime_us, frame] : submap_.frames) {
       track_t track{};
       track.utime = utime_us;
       track.session = 1;
-      track.state = track_t::TRACKING;
-      track.submap_id = 1;
+      track.state = state;
+      track.submap_id = state == track_t::TRACKING ? 1 : kNoSubmap;
       track.cam_from_submap = to_wire(submap_.cam_from_submap(frame));
       bus_.publish(channels::kTrack, track);
     }
@@ -287,13 +287,7 @@ TEST_F(ViewerNodeTest, APoseThatWasWithdrawnIsShownAsLost) {
   run(node, 3);
   ASSERT_GE(images_.size(), 1u);
   const int before = colour_pixels(images_.back(), kRecentlyLostColor);
-  for (const auto& [utime_us, frame] : submap_.frames) {
-    track_t track{};
-    track.utime = utime_us;
-    track.session = 1;
-    track.state = track_t::RECENTLY_LOST;
-    bus_.publish(channels::kTrack, track);
-  }
+  publish_tracks(track_t::RECENTLY_LOST);
   run(node, 3);
   EXPECT_GT(colour_pixels(images_.back(), kRecentlyLostColor), before + 200);
 }
