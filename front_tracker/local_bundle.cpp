@@ -10,11 +10,17 @@
 
 namespace rumi {
 
+bool LocalBundle::is_wide(int keyframe_id) const {
+  return options_.bundle_wide_every > 0 && (keyframe_id + 1) % options_.bundle_wide_every == 0;
+}
+
 void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
   const Submap& map = submap.map;
+  const int most_free = is_wide(keyframe_id) ? options_.bundle_wide_keyframes : options_.bundle_keyframes;
+  const int most_fixed = is_wide(keyframe_id) ? options_.bundle_wide_keyframes : options_.bundle_fixed_keyframes;
   std::set<int> free{keyframe_id};
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
-    if (static_cast<int>(free.size()) >= options_.bundle_keyframes) break;
+    if (static_cast<int>(free.size()) >= most_free) break;
     free.insert(id);
   }
   std::set<int> points;
@@ -29,8 +35,7 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
       if (!free.contains(o.keyframe_id)) ++seen_by_others[o.keyframe_id];
   std::vector<std::pair<int, int>> anchors(seen_by_others.begin(), seen_by_others.end());
   std::stable_sort(anchors.begin(), anchors.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  if (static_cast<int>(anchors.size()) > options_.bundle_fixed_keyframes)
-    anchors.resize(options_.bundle_fixed_keyframes);
+  if (static_cast<int>(anchors.size()) > most_fixed) anchors.resize(most_fixed);
 
   std::map<int, int> view;
   const auto add_view = [&](int id, bool fixed) {

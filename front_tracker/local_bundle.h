@@ -10,7 +10,9 @@
 namespace rumi {
 
 // Local bundle adjustment in three steps, so that the submap need not be locked during the second: collect a copy of
-// the keyframe's surroundings, solve, write back what still exists.
+// the keyframe's surroundings, solve, write back what still exists. Of every so many keyframes (bundle_wide_every) the
+// surroundings are wide: in fast motion those that are free otherwise are only three seconds, and what they leave
+// undone adds up.
 class LocalBundle {
  public:
   LocalBundle(const Camera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
@@ -20,6 +22,8 @@ class LocalBundle {
   void apply(FrontSubmap& submap) const;
 
  private:
+  bool is_wide(int keyframe_id) const;
+
   Camera camera_;
   MappingOptions options_;
   BundleProblem problem_;

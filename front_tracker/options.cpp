@@ -98,6 +98,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);
+  t.add(s + "bundle_wide_every", &m.bundle_wide_every, "keyframes",
+        "from one local bundle adjustment that is wide to the next; 0: none is", 0, 10000);
+  t.add(s + "bundle_wide_keyframes", &m.bundle_wide_keyframes, "keyframes",
+        "free in a wide one, and at most as many that hold it in place", 2, 1000);
   t.add(s + "keyframe_images", &m.keyframe_images, "keyframes",
         "the latest, whose images are kept to align keypoints with (1 MB each at 640x480, a quarter more CPU); "
         "0: no aligning",

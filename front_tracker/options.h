@@ -17,8 +17,8 @@ struct InitializerOptions {
   double min_motion_px =
       4.5;  // median, beyond what a rotation explains, for images 640 px wide; less: nothing is tried
   double accept_parallax_deg = 2.5;  // median, at which the first good pair is taken at once
-  double min_parallax_deg = 1.5;  // below it a pair is refused; between the two it is taken if no better one can come
-  double max_rmse_px = 1.2;       // after the first bundle adjustment
+  double min_parallax_deg = 1.75;  // below it a pair is refused; between the two it is taken if no better one can come
+  double max_rmse_px = 1.2;        // after the first bundle adjustment
   // Motion beyond a rotation over that error, for images narrower than 640 px less by the square; less: more motion is
   // waited for.
   double min_motion_to_rmse = 10;
@@ -71,8 +71,10 @@ struct MappingOptions {
   int bundle_keyframes = 24;         // free in the local bundle adjustment
   int bundle_fixed_keyframes = 24;   // that hold it in place, at most
   int bundle_iterations = 5;
-  int keyframe_images = 15;      // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
-  double redundant_ratio = 0.9;  // of a keyframe's landmarks seen by three others: it is dropped
+  int bundle_wide_every = 16;      // keyframes from one wide adjustment to the next; 0: never
+  int bundle_wide_keyframes = 96;  // free in a wide one, and as many that hold it in place
+  int keyframe_images = 15;        // latest keyframes whose images are kept, to align keypoints with; 0: no aligning
+  double redundant_ratio = 0.9;    // of a keyframe's landmarks seen by three others: it is dropped
 };
 
 struct FrontTrackerOptions {

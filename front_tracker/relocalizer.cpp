@@ -4,19 +4,12 @@
 #include <algorithm>
 #include <set>
 
+#include "front_tracker/brute_force_matching.h"
 #include "front_tracker/projection_search.h"
-#include "slam/features/matching.h"
 #include "slam/geometry/resection.h"
 
 namespace rumi {
 namespace {
-
-std::vector<int> keypoints_with_landmarks(const Keyframe& kf) {
-  std::vector<int> indices;
-  for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
-    if (kf.landmark_ids[i] != kNone) indices.push_back(static_cast<int>(i));
-  return indices;
-}
 
 // A keyframe's number in the index: submap above, keyframe below.
 constexpr int kSubmapShift = 32;
@@ -29,7 +22,8 @@ void Relocalizer::add_keyframe(size_t submap_index, const Submap& submap, const 
   index_.remove_if(
       [&](int64_t number) { return submap_of(number) == submap_index && !submap.keyframe(keyframe_of(number)); });
   std::vector<Descriptor> descriptors;
-  for (int i : keypoints_with_landmarks(keyframe)) descriptors.push_back(keyframe.features->descriptors[i]);
+  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i)
+    if (keyframe.landmark_ids[i] != kNone) descriptors.push_back(keyframe.features->descriptors[i]);
   index_.add(static_cast<int64_t>(submap_index) << kSubmapShift | keyframe.id, descriptors);
 }
 
@@ -44,27 +38,14 @@ std::vector<Relocalizer::Candidate> Relocalizer::candidates(const Frame& frame) 
   return result;
 }
 
-Relocalizer::Alike Relocalizer::match(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const {
-  const std::vector<int> known = keypoints_with_landmarks(keyframe);
-  if (known.empty()) return {};
-  Alike alike;
-  for (const Match& m : match_features(*keyframe.features, known, *frame.features, {}, {options_.max_distance, 0.85})) {
-    const Landmark* lm = submap.landmark(keyframe.landmark_ids[m.first]);
-    if (!lm) continue;
-    alike.observations.push_back({lm->position, frame.features->undistorted[m.second].cast<double>(),
-                                  scales_[frame.features->keypoints[m.second].octave]});
-    alike.pairs.emplace_back(m.second, lm->id);
-  }
-  return alike;
-}
-
 bool Relocalizer::contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const {
   constexpr int kMinInliers = 15;
   constexpr double kMaxShare = 0.5;  // of what agrees with one pose, that agrees with the frame's own
   constexpr double kMaxError = 4.0;  // px at octave 0
   const Keyframe* kf = submap.keyframe(keyframe_id);
   if (!kf) return false;
-  const std::vector<PointObservation> observations = match(submap, *kf, frame).observations;
+  const std::vector<PointObservation> observations =
+      match_by_brute_force(submap, scales_, *kf->features, kf->landmark_ids, frame, options_.max_distance).observations;
   const auto pose = resect(camera_, observations, {.min_inliers = kMinInliers, .max_error_px = kMaxError});
   if (!pose) return false;
   const auto inliers = std::count(pose->inlier.begin(), pose->inlier.end(), true);
@@ -80,12 +61,12 @@ bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame
   if (!kf) return false;  // culled since
   Frame found = *frame;
   found.clear_matches();
-  const auto [observations, pairs] = match(submap, *kf, *frame);
-  const auto pose = resect(camera_, observations);
+  const LandmarkMatches matches =
+      match_by_brute_force(submap, scales_, *kf->features, kf->landmark_ids, *frame, options_.max_distance);
+  const auto pose = resect(camera_, matches.observations);
   if (!pose) return false;
   found.cam_from_submap = pose->cam_from_submap;
-  for (size_t i = 0; i < pairs.size(); ++i)
-    if (pose->inlier[i]) found.landmark_ids[pairs[i].first] = pairs[i].second;
+  take_inliers(matches, pose->inlier, &found);
 
   // More landmarks of the neighbourhood settle whether it is true.
   std::set<int> near;

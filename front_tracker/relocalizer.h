@@ -39,13 +39,6 @@ class Relocalizer {
   bool contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const;
 
  private:
-  struct Alike {
-    std::vector<PointObservation> observations;
-    std::vector<std::pair<int, int>> pairs;  // keypoint, landmark
-  };
-  // Keypoints of the frame that look like landmarks that the keyframe sees, wherever they are.
-  Alike match(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const;
-
   Camera camera_;
   TrackingOptions options_;
   std::vector<double> scales_;

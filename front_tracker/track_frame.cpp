@@ -7,11 +7,11 @@
 #include <set>
 
 #include "front_tracker/align_keypoints.h"
+#include "front_tracker/brute_force_matching.h"
 #include "front_tracker/epipolar_matches.h"
 #include "front_tracker/patch_search.h"
 #include "front_tracker/projection_search.h"
 #include "front_tracker/tracker.h"
-#include "slam/features/matching.h"
 #include "slam/geometry/resection.h"
 #include "slam/map/landmark_view.h"
 
@@ -53,7 +53,7 @@ void Tracker::note_motion(const Frame& frame) {
 bool Tracker::track(Frame* frame) {
   predict_pose(frame);
   const SE3 predicted = frame->cam_from_submap;
-  if (!match_last_frame(frame) && !match_by_brute_force(frame)) return false;
+  if (!match_last_frame(frame) && !match_regardless_of_place(frame)) return false;
   if (!match_local_map(frame)) return false;
   frame->is_believable = velocity_dt_us_ == 0 ||
                          is_believable(*frame, predicted, std::max(frame->utime_us - last_.utime_us, velocity_dt_us_));
@@ -90,28 +90,15 @@ bool Tracker::match_last_frame(Frame* frame) {
   return false;
 }
 
-// The motion model failed (a fast turn, dropped frames): compare descriptors regardless of place.
-bool Tracker::match_by_brute_force(Frame* frame) {
+// The motion model failed (a fast turn, dropped frames): compare descriptors, wherever they are.
+bool Tracker::match_regardless_of_place(Frame* frame) {
   frame->clear_matches();
-  std::vector<int> known;
-  for (size_t i = 0; i < last_.landmark_ids.size(); ++i)
-    if (last_.landmark_ids[i] != kNone && active().map.landmark(last_.landmark_ids[i]))
-      known.push_back(static_cast<int>(i));
-  if (known.empty()) return false;
-  std::vector<PointObservation> observations;
-  std::vector<std::pair<int, int>> pairs;
-  for (const Match& m :
-       match_features(*last_.features, known, *frame->features, {}, {options_.tracking.max_distance, 0.85})) {
-    const Landmark* lm = active().map.landmark(last_.landmark_ids[m.first]);
-    observations.push_back({lm->position, frame->features->undistorted[m.second].cast<double>(),
-                            scales_[frame->features->keypoints[m.second].octave]});
-    pairs.emplace_back(m.second, lm->id);
-  }
-  const auto pose = resect(camera_, observations, {options_.tracking.min_first_inliers, 4.0, 300});
+  const LandmarkMatches matches = match_by_brute_force(active().map, scales_, *last_.features, last_.landmark_ids,
+                                                       *frame, options_.tracking.max_distance);
+  const auto pose = resect(camera_, matches.observations, {options_.tracking.min_first_inliers, 4.0, 300});
   if (!pose) return false;
   frame->cam_from_submap = pose->cam_from_submap;
-  for (size_t i = 0; i < pairs.size(); ++i)
-    if (pose->inlier[i]) frame->landmark_ids[pairs[i].first] = pairs[i].second;
+  take_inliers(matches, pose->inlier, frame);
   return true;
 }
 

@@ -75,7 +75,7 @@ class Tracker {
   void predict_pose(Frame* frame);
   void note_motion(const Frame& frame);
   bool match_last_frame(Frame* frame);
-  bool match_by_brute_force(Frame* frame);
+  bool match_regardless_of_place(Frame* frame);
   bool patches_may_help(const Frame& frame, int inliers) const;
   bool match_local_map(Frame* frame);
   int support_by_epipolar_matches(Frame* frame);

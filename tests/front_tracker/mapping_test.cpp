@@ -118,6 +118,29 @@ TEST(Mapper, PointBehindACameraIsPutRightAndStopsNothing) {
   EXPECT_FALSE(s->map.landmark(lost)) << "nothing sees it";
 }
 
+// The narrow adjustment leaves older keyframes where they are, the wide one after every eighth keyframe does not.
+TEST(Mapper, NowAndThenAdjustsAWideNeighbourhood) {
+  FeatureScene scene(8);
+  const std::vector<SE3> poses = walk(10);
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  options.bundle_keyframes = 3;
+  options.bundle_fixed_keyframes = 7;
+  options.bundle_wide_every = 8;
+  const auto error_after_keyframe = [&](int newest) {
+    auto s = scene.submap(poses);
+    Keyframe& old = *s->map.keyframe(3);
+    old.cam_from_submap = SE3::exp((Vector6d() << .01, -.02, .01, .003, .004, -.003).finished()) * old.cam_from_submap;
+    std::mutex mutex;
+    Mapper(test_camera(), options).process(*s, newest, mutex);
+    return (s->map.keyframe(3)->cam_from_submap.center() - poses[3].center()).norm();
+  };
+  EXPECT_GT(error_after_keyframe(8), .02);
+  EXPECT_LT(error_after_keyframe(7), .005);
+  options.bundle_wide_every = 0;
+  EXPECT_GT(error_after_keyframe(7), .02);
+}
+
 TEST(Mapper, DropsRedundantKeyframesAndKeepsTheirFrames) {
   FeatureScene scene(5);
   std::vector<SE3> poses;
