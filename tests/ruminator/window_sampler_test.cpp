@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include <numeric>
+#include "tests/ruminator/window_feed.h"
 
 namespace rumi {
 namespace {
@@ -12,68 +12,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
-  std::vector<int64_t> list;
-  list.reserve(samples.size());
-  for (const Sample& s : samples) list.push_back(s.utime_us);
-  return list;
-}
-
-std::vector<int64_t> keyframes(const std::vector<Sample>& samples) {
-  std::vector<int64_t> list;
-  for (const Sample& s : samples)
-    if (s.is_keyframe) list.push_back(s.utime_us);
-  return list;
-}
-
-// Poses that tell the frames apart.
-SE3 pose_of(int64_t utime_us) {
-  return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(static_cast<double>(utime_us), 0, 1)};
-}
-
-// Frames 1, 2, 3, ... (also their utime); 'span' frames in one state, every n-th a keyframe.
-class Feed {
- public:
-  explicit Feed(const WindowOptions& options = {}) : sampler(options) {}
-  void span(int frames, int32_t submap, int keyframe_every = 0, bool has_image = true) {
-    for (int i = 0; i < frames; ++i) {
-      ++now;
-      const bool is_keyframe = submap != kNoSubmap && keyframe_every > 0 && i % keyframe_every == 0;
-      auto ended = sampler.process({.utime_us = now,
-                                    .session = session,
-                                    .submap_id = submap,
-                                    .cam_from_submap = submap == kNoSubmap ? SE3() : pose_of(now),
-                                    .is_keyframe = is_keyframe,
-                                    .has_image = has_image,
-                                    .image = {.motion_px = motion_px, .sharpness = 1}});
-      if (ended) windows.push_back(*ended);
-    }
-  }
-  // front_tracker tells of a frame once more, which got its pose afterwards.
-  void late_pose(int64_t utime, int32_t submap, bool is_keyframe = false) {
-    auto ended = sampler.process({.utime_us = utime,
-                                  .session = session,
-                                  .submap_id = submap,
-                                  .cam_from_submap = pose_of(utime),
-                                  .is_keyframe = is_keyframe});
-    EXPECT_FALSE(ended);
-  }
-  // front_tracker tells of frames once more, whose poses it takes back.
-  void withdraw(int64_t first, int64_t last) {
-    for (int64_t utime = first; utime <= last; ++utime)
-      EXPECT_FALSE(sampler.process({.utime_us = utime, .session = session}));
-  }
-  void finish() {
-    if (auto ended = sampler.finish("the input ended")) windows.push_back(*ended);
-  }
-  WindowSampler sampler;
-  std::vector<RuminationWindow> windows;
-  int64_t now = 0, session = 7;
-  double motion_px = 5;
-};
-
 TEST(WindowSampler, NothingHappensWithoutALoss) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(500, 1, 10);
   feed.span(100, 2, 10);  // from one submap to another without an untracked frame
   feed.finish();
@@ -83,7 +23,7 @@ TEST(WindowSampler, NothingHappensWithoutALoss) {
 }
 
 TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
-  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
+  WindowFeed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
   feed.span(103, 1);  // 1..103: samples at 1, 6, ..., 101
   feed.span(7, kNoSubmap);
   ASSERT_TRUE(feed.sampler.open());
@@ -106,7 +46,7 @@ TEST(WindowSampler, OneLossIsOneWindowOfThreeParts) {
 }
 
 TEST(WindowSampler, ALossBeforeTheFirstSubmapHasNoApproach) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(12, kNoSubmap);
   feed.span(200, 1, 4);
   ASSERT_EQ(feed.windows.size(), 1);
@@ -118,7 +58,7 @@ TEST(WindowSampler, ALossBeforeTheFirstSubmapHasNoApproach) {
 }
 
 TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(20, kNoSubmap);
   EXPECT_THAT(feed.windows, IsEmpty());
@@ -133,7 +73,7 @@ TEST(WindowSampler, ALossThatNeverResumesEndsWithTheInput) {
 }
 
 TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);  // 51..55
   feed.span(12, 2, 5);      // 56..67: three keyframes
@@ -151,7 +91,7 @@ TEST(WindowSampler, ASubmapThatDiedYoungIsPartOfTheGap) {
 }
 
 TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);  // 51..55
   feed.span(12, 2, 5);      // 56..67, dies young
@@ -174,7 +114,7 @@ TEST(WindowSampler, TrackedSamplesSayWhereTheyWereTracked) {
 }
 
 TEST(WindowSampler, LosingAKnownSubmapAgainSoonIsOneWindow) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);  // 51..55
   feed.span(20, 1, 0);      // relocalized: 56..75, no new keyframes, four samples
@@ -192,7 +132,7 @@ TEST(WindowSampler, LosingAKnownSubmapAgainSoonIsOneWindow) {
 }
 
 TEST(WindowSampler, LosingAKnownSubmapLaterMakesTwoWindows) {
-  Feed feed({.window_length = 10});
+  WindowFeed feed({.window_length = 10});
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.span(60, 2, 4);
@@ -212,7 +152,7 @@ TEST(WindowSampler, LosingAKnownSubmapLaterMakesTwoWindows) {
 }
 
 TEST(WindowSampler, ACameraThatStandsStillCompletesTheWindowToo) {
-  Feed feed({.departure_max_samples = 6});
+  WindowFeed feed({.departure_max_samples = 6});
   feed.span(5, kNoSubmap);
   feed.span(1000, 1, 0);
   ASSERT_EQ(feed.windows.size(), 1);
@@ -220,7 +160,7 @@ TEST(WindowSampler, ACameraThatStandsStillCompletesTheWindowToo) {
 }
 
 TEST(WindowSampler, ChangingSubmapDuringDepartureEndsTheWindow) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.span(12, 2, 5);
@@ -231,7 +171,7 @@ TEST(WindowSampler, ChangingSubmapDuringDepartureEndsTheWindow) {
 }
 
 TEST(WindowSampler, ALongGapIsThinnedButCountedInFull) {
-  Feed feed({.gap_max_frames = 16});
+  WindowFeed feed({.gap_max_frames = 16});
   feed.span(1000, kNoSubmap);
   feed.finish();
   const RuminationWindow& w = feed.windows.at(0);
@@ -242,7 +182,7 @@ TEST(WindowSampler, ALongGapIsThinnedButCountedInFull) {
 }
 
 TEST(WindowSampler, ThinningOnDemandLastsForTheWindow) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(11, kNoSubmap);
   EXPECT_TRUE(feed.sampler.thin_gap());
   EXPECT_EQ(feed.sampler.open()->gap.size(), 6);
@@ -258,7 +198,7 @@ TEST(WindowSampler, ThinningOnDemandLastsForTheWindow) {
 }
 
 TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
-  Feed feed({.gap_max_frames = 20});
+  WindowFeed feed({.gap_max_frames = 20});
   feed.span(50, 1, 10);
   feed.span(15, kNoSubmap);  // 51..65
   feed.span(15, 2, 5);       // 66..80
@@ -270,7 +210,7 @@ TEST(WindowSampler, ADyingSubmapDoesNotExceedTheCap) {
 }
 
 TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
-  Feed feed({.gap_dense_frames = 0, .gap_min_motion_px = 2});
+  WindowFeed feed({.gap_dense_frames = 0, .gap_min_motion_px = 2});
   feed.motion_px = 0.5;
   feed.span(41, kNoSubmap);
   feed.finish();
@@ -278,7 +218,7 @@ TEST(WindowSampler, ACameraThatHardlyMovesLeavesFewSamples) {
 }
 
 TEST(WindowSampler, FramesWithoutImageCountForTheStateOnly) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(3, kNoSubmap, 0, false);  // 51..53
   feed.span(3, kNoSubmap);
@@ -292,7 +232,7 @@ TEST(WindowSampler, FramesWithoutImageCountForTheStateOnly) {
 }
 
 TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.now = 20;
   feed.span(30, 1);  // 21..50 once more, and not in order
@@ -305,7 +245,7 @@ TEST(WindowSampler, RepeatedAndLateFramesAreIgnored) {
 }
 
 TEST(WindowSampler, ANewSessionStartsAfresh) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.session = 8;
@@ -321,7 +261,7 @@ TEST(WindowSampler, ANewSessionStartsAfresh) {
 }
 
 TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(73, 1, 7);
   feed.span(20, kNoSubmap);
   feed.span(25, 2, 6);
@@ -332,7 +272,7 @@ TEST(WindowSampler, WhatAWindowNeedsIsRetained) {
 }
 
 TEST(WindowSampler, TenKeyframesAreSharedOnEachSideWhereThereAreSoMany) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(400, 1, 12);  // keyframes at 1, 13, ..., 397
   feed.span(10, kNoSubmap);
   feed.span(400, 2, 12);
@@ -346,7 +286,7 @@ TEST(WindowSampler, TenKeyframesAreSharedOnEachSideWhereThereAreSoMany) {
 }
 
 TEST(WindowSampler, AShortSubmapSharesWhatItHas) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(5, kNoSubmap);
   feed.span(90, 1, 10);  // nine keyframes
   feed.span(5, kNoSubmap);
@@ -355,7 +295,7 @@ TEST(WindowSampler, AShortSubmapSharesWhatItHas) {
 }
 
 TEST(WindowSampler, LostBetweenEnoughAndManyKeyframesTheWindowIsComplete) {
-  Feed feed({.shared_keyframes = 10, .departure_min_keyframes = 8});
+  WindowFeed feed({.shared_keyframes = 10, .departure_min_keyframes = 8});
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.span(36, 2, 4);  // nine keyframes
@@ -374,7 +314,7 @@ TEST(WindowSampler, LostBetweenEnoughAndManyKeyframesTheWindowIsComplete) {
 }
 
 TEST(WindowSampler, RelocalizationInAnotherKnownSubmapWaitsForKeyframesToShare) {
-  Feed feed;
+  WindowFeed feed;
   feed.span(50, 1, 10);
   feed.span(5, kNoSubmap);
   feed.span(200, 2, 10);
@@ -384,239 +324,6 @@ TEST(WindowSampler, RelocalizationInAnotherKnownSubmapWaitsForKeyframesToShare) 
   EXPECT_EQ(feed.windows[1].submap_before, 2);
   EXPECT_EQ(feed.windows[1].submap_after, 1);
   EXPECT_EQ(keyframes(feed.windows[1].departure).size(), 10);
-}
-
-TEST(WindowSampler, FramesPosedAfterwardsAreDepartureNotGap) {
-  Feed feed;
-  feed.span(100, 1, 10);
-  feed.span(20, kNoSubmap);  // 101..120
-  for (int64_t utime = 110; utime <= 120; ++utime)
-    if (utime != 115) feed.late_pose(utime, 2, utime % 5 == 0);
-  feed.span(100, 2, 10);  // 121
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_EQ(w.lost_utime_us, 101);
-  EXPECT_EQ(w.resumed_utime_us, 116);
-  EXPECT_THAT(utimes(w.gap), ElementsAre(101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 111, 112, 113, 114, 115))
-      << "the departure begins after the last frame without a pose: a job's images are in order of time";
-  EXPECT_EQ(w.gap_frames, 15);
-  EXPECT_THAT(keyframes(w.departure), ElementsAre(120, 121, 131, 141, 151, 161, 171, 181, 191, 201));
-  for (const Sample& s : w.departure) {
-    EXPECT_EQ(s.submap_id, 2);
-    EXPECT_EQ(s.cam_from_submap.translation.x(), static_cast<double>(s.utime_us));
-  }
-  EXPECT_EQ(feed.sampler.ignored(), 0);
-}
-
-TEST(WindowSampler, AStartOfWhichAllFramesGetPosesIsNoWindow) {
-  Feed feed;
-  feed.span(20, kNoSubmap);
-  ASSERT_TRUE(feed.sampler.open());
-  EXPECT_FALSE(feed.sampler.is_settled()) << "not to be announced yet";
-  for (int64_t utime = 1; utime <= 20; ++utime) feed.late_pose(utime, 1, utime == 1);
-  EXPECT_TRUE(feed.sampler.open());
-  feed.span(1, 1, 1);
-  EXPECT_FALSE(feed.sampler.open());
-  feed.span(100, 1, 10);
-  feed.span(5, kNoSubmap);
-  ASSERT_TRUE(feed.sampler.open());
-  EXPECT_TRUE(feed.sampler.is_settled());
-  EXPECT_EQ(feed.sampler.open()->id, 1) << "nobody has heard of the other";
-  EXPECT_THAT(feed.windows, IsEmpty());
-}
-
-TEST(WindowSampler, AStartOfWhichAFrameRemainsIsAWindow) {
-  Feed feed;
-  feed.span(20, kNoSubmap);
-  for (int64_t utime = 2; utime <= 20; ++utime) feed.late_pose(utime, 1);
-  feed.span(1, 1, 1);
-  ASSERT_TRUE(feed.sampler.open());
-  EXPECT_TRUE(feed.sampler.is_settled());
-  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(1));
-}
-
-TEST(WindowSampler, WithoutAnyGapTwoSubmapsStillNeedToBeConnected) {
-  Feed feed;
-  feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);
-  for (int64_t utime = 101; utime <= 110; ++utime) feed.late_pose(utime, 2, utime == 101);
-  feed.span(200, 2, 10);
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_THAT(w.gap, IsEmpty());
-  EXPECT_EQ(w.gap_frames, 0);
-  EXPECT_EQ(w.departure.front().utime_us, 101);
-  EXPECT_EQ(w.submap_before, 1);
-  EXPECT_EQ(w.submap_after, 2);
-}
-
-TEST(WindowSampler, PosedAfterwardsInASubmapThatDiesYoungIsGapAgain) {
-  Feed feed;
-  feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);  // 101..110
-  for (int64_t utime = 104; utime <= 110; ++utime)
-    if (utime != 107) feed.late_pose(utime, 2, utime == 104);
-  feed.span(3, 2, 3);  // 111..113
-  feed.span(2, kNoSubmap);
-  ASSERT_TRUE(feed.sampler.open());
-  const RuminationWindow& w = *feed.sampler.open();
-  EXPECT_EQ(w.gap_frames, 15);
-  EXPECT_EQ(utimes(w.gap),
-            (std::vector<int64_t>{101, 102, 103, 104, 105, 106, 107, 108, 109, 110, 111, 112, 113, 114, 115}));
-  EXPECT_EQ(w.gap[3].submap_id, 2);
-  EXPECT_EQ(w.gap[6].submap_id, kNoSubmap);
-  EXPECT_TRUE(w.is_lost());
-}
-
-TEST(WindowSampler, APoseAfterwardsBeforeAFrameThatHasNoneIsGap) {
-  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 3, .departure_min_keyframes = 3});
-  feed.span(50, 1, 10);
-  feed.span(10, kNoSubmap);  // 51..60
-  for (int64_t utime : {55, 56, 58, 59, 60}) feed.late_pose(utime, 2, utime == 55);
-  feed.span(30, 2, 10);
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_THAT(utimes(w.gap), ElementsAre(51, 52, 53, 54, 55, 56, 57));
-  EXPECT_TRUE(w.gap[4].is_keyframe);
-  EXPECT_EQ(w.gap[4].submap_id, 2);
-  EXPECT_EQ(w.gap_frames, 7);
-  EXPECT_EQ(w.resumed_utime_us, 58);
-  EXPECT_GE(w.departure.front().utime_us, 58);
-}
-
-TEST(WindowSampler, LatePosesOfASubmapNeverHeardOfAgainChangeNothing) {
-  Feed feed;
-  feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);
-  feed.late_pose(105, 9);
-  feed.late_pose(104, 9);
-  EXPECT_TRUE(feed.sampler.retained().contains(105));
-  feed.span(200, 2, 10);
-  ASSERT_EQ(feed.windows.size(), 1);
-  EXPECT_EQ(feed.windows[0].gap.size(), 10);
-  EXPECT_EQ(feed.windows[0].gap_frames, 10);
-  EXPECT_EQ(feed.windows[0].resumed_utime_us, 111);
-}
-
-TEST(WindowSampler, LatePosesMayComeTooLateTwiceOrForOtherFrames) {
-  Feed feed;
-  feed.span(100, 1, 10);
-  feed.span(10, kNoSubmap);  // 101..110
-  feed.late_pose(50, 2);     // was tracked
-  feed.late_pose(105, 2);
-  feed.late_pose(105, 2);
-  feed.late_pose(106, kNoSubmap);
-  EXPECT_EQ(feed.sampler.ignored(), 3);
-  feed.span(5, 2, 10);
-  feed.late_pose(103, 2);  // behind the frame that it was to precede
-  EXPECT_THAT(utimes(feed.sampler.open()->gap), ElementsAre(101, 102, 104, 105, 106, 107, 108, 109, 110));
-  EXPECT_EQ(feed.sampler.open()->gap_frames, 9);
-  EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 103);
-  EXPECT_EQ(feed.sampler.ignored(), 3);
-}
-
-std::vector<int64_t> from_to(int64_t first, int64_t last) {
-  std::vector<int64_t> list(static_cast<size_t>(last - first + 1));
-  std::iota(list.begin(), list.end(), first);
-  return list;
-}
-
-void expect_no_poses(const std::vector<Sample>& samples) {
-  for (const Sample& s : samples) EXPECT_TRUE(s.submap_id == kNoSubmap && !s.is_keyframe) << s.utime_us;
-}
-
-TEST(WindowSampler, PosesWithdrawnAfterALossAreItsGap) {
-  Feed feed({.window_length = 4, .shared_keyframes = 4});
-  feed.span(60, 1, 1);
-  feed.span(2, kNoSubmap);
-  feed.withdraw(50, 60);
-  EXPECT_EQ(feed.sampler.open()->lost_utime_us, 50);
-  feed.span(30, 1, 1);
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_EQ(w.lost_utime_us, 50);
-  EXPECT_EQ(w.resumed_utime_us, 63);
-  EXPECT_EQ(utimes(w.approach), from_to(46, 49));
-  EXPECT_EQ(utimes(w.gap), from_to(50, 62));
-  EXPECT_EQ(w.gap_frames, 13);
-  expect_no_poses(w.gap);
-  EXPECT_EQ(feed.sampler.ignored(), 0);
-}
-
-TEST(WindowSampler, PosesWithdrawnWithoutALossOpenAWindow) {
-  Feed feed({.window_length = 4, .shared_keyframes = 4});
-  feed.span(60, 1, 1);
-  feed.withdraw(55, 60);
-  ASSERT_TRUE(feed.sampler.open());
-  EXPECT_TRUE(feed.sampler.open()->is_lost());
-  feed.span(30, 1, 1);
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_EQ(w.submap_before, 1);
-  EXPECT_EQ(w.submap_after, 1);
-  EXPECT_EQ(utimes(w.approach), from_to(51, 54));
-  EXPECT_EQ(utimes(w.gap), from_to(55, 60));
-  EXPECT_EQ(w.gap_frames, 6);
-  EXPECT_EQ(feed.sampler.ignored(), 0);
-}
-
-TEST(WindowSampler, PosesWithdrawnFromADepartureProlongTheGap) {
-  Feed feed({.window_length = 12, .shared_keyframes = 12});
-  feed.span(60, 1, 1);
-  feed.span(3, kNoSubmap);
-  feed.span(9, 1, 1);
-  feed.withdraw(66, 72);
-  feed.span(30, 1, 1);
-  ASSERT_EQ(feed.windows.size(), 1);
-  const RuminationWindow& w = feed.windows[0];
-  EXPECT_EQ(w.lost_utime_us, 61);
-  EXPECT_EQ(w.resumed_utime_us, 73);
-  EXPECT_EQ(utimes(w.gap), from_to(61, 72));
-  EXPECT_EQ(w.gap_frames, 12);
-  EXPECT_EQ(w.gap[4].submap_id, 1) << "of the departure, and not withdrawn";
-  expect_no_poses({w.gap.begin() + 5, w.gap.end()});
-}
-
-TEST(WindowSampler, WithdrawnFramesThatAreNoSamplesCount) {
-  Feed feed({.stride = 5, .window_length = 4, .shared_keyframes = 4});
-  feed.span(60, 1);  // samples at 1, 6, ..., 56
-  feed.span(2, kNoSubmap);
-  feed.withdraw(48, 60);
-  const RuminationWindow& w = *feed.sampler.open();
-  EXPECT_THAT(utimes(w.approach), ElementsAre(31, 36, 41, 46));
-  EXPECT_THAT(utimes(w.gap), ElementsAre(51, 56, 60, 61, 62));
-  EXPECT_EQ(w.gap_frames, 15);
-  const std::set<int64_t> retained = feed.sampler.retained();
-  for (const Sample& s : w.samples()) EXPECT_TRUE(retained.contains(s.utime_us)) << s.utime_us;
-}
-
-TEST(WindowSampler, WithdrawnLongAgoTwiceOrOfNobodyChangesNothing) {
-  Feed feed({.window_length = 4, .shared_keyframes = 4});
-  feed.span(30, 1, 1);
-  feed.span(2, kNoSubmap);
-  feed.span(40, 2, 1);  // completes the window
-  ASSERT_EQ(feed.windows.size(), 1);
-  feed.withdraw(20, 30);
-  EXPECT_FALSE(feed.sampler.open());
-  EXPECT_EQ(feed.sampler.ignored(), 11);
-  feed.withdraw(70, 72);
-  feed.withdraw(70, 72);
-  feed.withdraw(-5, -1);
-  EXPECT_EQ(feed.sampler.ignored(), 19);
-  EXPECT_EQ(feed.sampler.open()->gap_frames, 3);
-}
-
-TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
-  Feed feed({.gap_dense_frames = 0});
-  feed.span(100, 1, 10);
-  feed.motion_px = 0;
-  feed.span(10, kNoSubmap);  // one sample
-  EXPECT_EQ(feed.sampler.open()->gap.size(), 1);
-  for (int64_t utime = 101; utime <= 110; ++utime) feed.late_pose(utime, 2);
-  feed.span(1, 2);
-  EXPECT_EQ(feed.sampler.open()->gap_frames, 0);
-  EXPECT_EQ(feed.sampler.open()->resumed_utime_us, 101);
-  EXPECT_THAT(utimes(feed.sampler.open()->departure), ElementsAre(101, 111));
 }
 
 }  // namespace

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A WindowSampler that is told of frames, and what came of it.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "ruminator/window_sampler.h"
+
+namespace rumi {
+
+inline std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
+  std::vector<int64_t> list;
+  list.reserve(samples.size());
+  for (const Sample& s : samples) list.push_back(s.utime_us);
+  return list;
+}
+
+inline std::vector<int64_t> keyframes(const std::vector<Sample>& samples) {
+  std::vector<int64_t> list;
+  for (const Sample& s : samples)
+    if (s.is_keyframe) list.push_back(s.utime_us);
+  return list;
+}
+
+// Poses that tell the frames apart.
+inline SE3 pose_of(int64_t utime_us) {
+  return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(static_cast<double>(utime_us), 0, 1)};
+}
+
+// Frames 1, 2, 3, ... (also their utime); 'span' frames in one state, every n-th a keyframe.
+class WindowFeed {
+ public:
+  explicit WindowFeed(const WindowOptions& options = {}) : sampler(options) {}
+  void span(int frames, int32_t submap, int keyframe_every = 0, bool has_image = true) {
+    for (int i = 0; i < frames; ++i) {
+      ++now;
+      const bool is_keyframe = submap != kNoSubmap && keyframe_every > 0 && i % keyframe_every == 0;
+      auto ended = sampler.process({.utime_us = now,
+                                    .session = session,
+                                    .submap_id = submap,
+                                    .cam_from_submap = submap == kNoSubmap ? SE3() : pose_of(now),
+                                    .is_keyframe = is_keyframe,
+                                    .has_image = has_image,
+                                    .image = {.motion_px = motion_px, .sharpness = 1}});
+      if (ended) windows.push_back(*ended);
+    }
+  }
+  // front_tracker tells of a frame once more, which got its pose afterwards.
+  void late_pose(int64_t utime, int32_t submap, bool is_keyframe = false) {
+    auto ended = sampler.process({.utime_us = utime,
+                                  .session = session,
+                                  .submap_id = submap,
+                                  .cam_from_submap = pose_of(utime),
+                                  .is_keyframe = is_keyframe});
+    EXPECT_FALSE(ended);
+  }
+  // front_tracker tells of frames once more, whose poses it takes back.
+  void withdraw(int64_t first, int64_t last) {
+    for (int64_t utime = first; utime <= last; ++utime)
+      EXPECT_FALSE(sampler.process({.utime_us = utime, .session = session}));
+  }
+  void finish() {
+    if (auto ended = sampler.finish("the input ended")) windows.push_back(*ended);
+  }
+  WindowSampler sampler;
+  std::vector<RuminationWindow> windows;
+  int64_t now = 0, session = 7;
+  double motion_px = 5;
+};
+
+}  // namespace rumi
