@@ -10,14 +10,11 @@
 
 namespace rumi {
 
-bool LocalBundle::is_wide(int keyframe_id) const {
-  return options_.bundle_wide_every > 0 && (keyframe_id + 1) % options_.bundle_wide_every == 0;
-}
-
 void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
   const Submap& map = submap.map;
-  const int most_free = is_wide(keyframe_id) ? options_.bundle_wide_keyframes : options_.bundle_keyframes;
-  const int most_fixed = is_wide(keyframe_id) ? options_.bundle_wide_keyframes : options_.bundle_fixed_keyframes;
+  const bool wide = options_.bundle_wide_every > 0 && (keyframe_id + 1) % options_.bundle_wide_every == 0;
+  const int most_free = wide ? options_.bundle_wide_keyframes : options_.bundle_keyframes;
+  const int most_fixed = wide ? options_.bundle_wide_keyframes : options_.bundle_fixed_keyframes;
   std::set<int> free{keyframe_id};
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     if (static_cast<int>(free.size()) >= most_free) break;

@@ -22,8 +22,6 @@ class LocalBundle {
   void apply(FrontSubmap& submap) const;
 
  private:
-  bool is_wide(int keyframe_id) const;
-
   Camera camera_;
   MappingOptions options_;
   BundleProblem problem_;

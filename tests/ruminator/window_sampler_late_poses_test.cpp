@@ -149,6 +149,11 @@ std::vector<int64_t> from_to(int64_t first, int64_t last) {
   return list;
 }
 
+void expect_gap(const RuminationWindow& window, int64_t first, int64_t last) {
+  EXPECT_EQ(utimes(window.gap), from_to(first, last));
+  EXPECT_EQ(window.gap_frames, last - first + 1);
+}
+
 void expect_no_poses(const std::vector<Sample>& samples) {
   for (const Sample& s : samples) EXPECT_TRUE(s.submap_id == kNoSubmap && !s.is_keyframe) << s.utime_us;
 }
@@ -165,8 +170,7 @@ TEST(WindowSampler, PosesWithdrawnAfterALossAreItsGap) {
   EXPECT_EQ(w.lost_utime_us, 50);
   EXPECT_EQ(w.resumed_utime_us, 63);
   EXPECT_EQ(utimes(w.approach), from_to(46, 49));
-  EXPECT_EQ(utimes(w.gap), from_to(50, 62));
-  EXPECT_EQ(w.gap_frames, 13);
+  expect_gap(w, 50, 62);
   expect_no_poses(w.gap);
   EXPECT_EQ(feed.sampler.ignored(), 0);
 }
@@ -183,8 +187,7 @@ TEST(WindowSampler, PosesWithdrawnWithoutALossOpenAWindow) {
   EXPECT_EQ(w.submap_before, 1);
   EXPECT_EQ(w.submap_after, 1);
   EXPECT_EQ(utimes(w.approach), from_to(51, 54));
-  EXPECT_EQ(utimes(w.gap), from_to(55, 60));
-  EXPECT_EQ(w.gap_frames, 6);
+  expect_gap(w, 55, 60);
   EXPECT_EQ(feed.sampler.ignored(), 0);
 }
 
@@ -199,8 +202,7 @@ TEST(WindowSampler, PosesWithdrawnFromADepartureProlongTheGap) {
   const RuminationWindow& w = feed.windows[0];
   EXPECT_EQ(w.lost_utime_us, 61);
   EXPECT_EQ(w.resumed_utime_us, 73);
-  EXPECT_EQ(utimes(w.gap), from_to(61, 72));
-  EXPECT_EQ(w.gap_frames, 12);
+  expect_gap(w, 61, 72);
   EXPECT_EQ(w.gap[4].submap_id, 1) << "of the departure, and not withdrawn";
   expect_no_poses({w.gap.begin() + 5, w.gap.end()});
 }
