@@ -38,9 +38,9 @@ struct TrackingOptions {
   int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
   double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast
   int epipolar_inliers = 70;   // fewer: matches with earlier frames that are no landmarks help too; 0: never
-  // Images sooner than that after the last one with corners are tracked by patches alone where they move little; 0:
-  // none. See docs/tracking.md, "Without corners".
-  double corner_interval_s = 0.09;
+  // Images sooner than that after the last one with corners are tracked by patches alone where they move little (by
+  // KeyframeOptions::max_motion in all); 0: none. See docs/tracking.md, "Without corners".
+  double corner_interval_s = 0.14;
   int local_keyframes = 25;  // whose landmarks are looked for
   // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
   // poses' own noise explain becomes no keyframe.

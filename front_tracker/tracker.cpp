@@ -46,6 +46,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
       camera_);
   if (static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2) frame.corners = Corners::kFew;
   last_corners_us_ = utime_us;
+  motion_since_corners_ = 0;
   if (keep) frame.images = images;
   result.keypoints = static_cast<int>(frame.features->size());
   {
@@ -61,9 +62,10 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
-// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe. Of
-// images that blur or darken the first must become one, for its corners are what the next are matched with, though most
-// patches are found in it: hence kLeastFound.
+// In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe; so
+// corners are due, too, once the images without have moved by as much as makes one due. Of images that blur or darken
+// the first must become one, for its corners are what the next are matched with, though most patches are found in it:
+// hence kLeastFound.
 bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result) {
   constexpr double kLeastFound = 0.8;  // of the landmarks that should be in view
   const TrackingOptions& o = options_.tracking;
@@ -77,11 +79,13 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   frame.images = images;
   frame.corners = Corners::kNone;
   predict_pose(&frame);
-  if (!find_pose_by_patches(active(), last_, &frame, &templates_) || motion_since_last_frame(frame) > o.patch_motion)
-    return false;
+  if (!find_pose_by_patches(active(), last_, &frame, &templates_)) return false;
+  const double motion = motion_since_last_frame(frame);
+  if (motion > o.patch_motion || motion_since_corners_ + motion > options_.keyframes.max_motion) return false;
   const PatchTracking tracked = track_by_patches(active(), last_, &frame, &templates_);
   if (tracked.inliers < std::max<double>(o.sure_inliers, kLeastFound * tracked.in_view) || !carries_scale(frame))
     return false;
+  motion_since_corners_ += motion;
   note_motion(frame);
   ++active().map.revision;
   result->state = state_;

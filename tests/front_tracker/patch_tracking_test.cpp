@@ -104,33 +104,37 @@ TEST(PatchTracking, ImagesThatBlurAreTracked) {
   const testing::RenderedWalk sharp = testing::render_walk(3, 30);
   constexpr size_t kFirst = 60;
   int tracked[2] = {};
-  for (const bool patches : {false, true}) {
-    FrontTrackerOptions options = testing::replay_options();
-    if (!patches) options.tracking.patch_inliers = 0;
-    Tracker tracker(sharp.camera, options, 1);
-    for (size_t i = 0; i < sharp.images.size(); ++i) {
-      cv::Mat image = sharp.images[i].clone();
-      if (i >= kFirst) cv::GaussianBlur(sharp.images[i], image, {}, 3);
-      const auto r = tracker.process(sharp.utime_us[i], image);
-      if (i == kFirst) EXPECT_TRUE(r->is_keyframe) << "its corners are what the next are tracked by";
-      tracked[patches] += i >= kFirst && r->state == TrackingState::kTracking;
+  for (const double blur_px : {3.0, 3.5, 4.0})
+    for (const bool patches : {false, true}) {
+      FrontTrackerOptions options = testing::replay_options();
+      if (!patches) options.tracking.patch_inliers = 0;
+      Tracker tracker(sharp.camera, options, 1);
+      for (size_t i = 0; i < sharp.images.size(); ++i) {
+        cv::Mat image = sharp.images[i].clone();
+        if (i >= kFirst) cv::GaussianBlur(sharp.images[i], image, {}, blur_px);
+        const auto r = tracker.process(sharp.utime_us[i], image);
+        if (i == kFirst && patches)
+          EXPECT_TRUE(r->is_keyframe) << blur_px << " px: "
+                                      << "its corners are what the next are tracked by";
+        tracked[patches] += i >= kFirst && r->state == TrackingState::kTracking;
+      }
+      ASSERT_EQ(tracker.submaps().size(), 1u);
+      const testing::Error error = testing::error_of(tracker.submaps()[0]->map, sharp.center);
+      EXPECT_LT(error.rmse_m, (patches ? 0.015 : 0.025) * error.path_m) << "blurred by " << blur_px << " px";
+      if (patches) EXPECT_LT(error.worst_m, 0.05 * error.path_m) << "blurred by " << blur_px << " px";
     }
-    ASSERT_EQ(tracker.submaps().size(), 1u);
-    const testing::Error error = testing::error_of(tracker.submaps()[0]->map, sharp.center);
-    EXPECT_LT(error.rmse_m, 0.015 * error.path_m);
-    if (patches) EXPECT_LT(error.worst_m, 0.03 * error.path_m);
-  }
-  EXPECT_EQ(tracked[true], 30);
-  EXPECT_LT(tracked[false], 15) << "few corners agree with landmarks";
+  EXPECT_GT(tracked[true], 70) << "of 90";
+  EXPECT_LT(tracked[false], 60) << "few corners agree with landmarks";
 }
 
-// Ninety images a second, corners in one of nine.
+// Ninety images a second, corners in one of thirteen.
 TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
   const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
   double rmse_m[2] = {};
   for (const bool follows : {false, true}) {
     FrontTrackerOptions options = testing::replay_options();
     if (!follows) options.tracking.corner_interval_s = 0;
+    options.keyframes.max_motion = 1;  // the interval alone decides
     Tracker tracker(fast.camera, options, 1);
     int tracked = 0, without_corners = 0;
     for (size_t i = 0; i < fast.images.size(); ++i) {
@@ -152,6 +156,26 @@ TEST(PatchTracking, CornersAreSoughtAsOftenAsAskedFor) {
     rmse_m[follows] = testing::error_of(tracker.submaps()[0]->map, fast.center).rmse_m;
   }
   EXPECT_LT(rmse_m[1], 1.2 * rmse_m[0]) << rmse_m[0] << " m with corners in every image, " << rmse_m[1] << " m without";
+}
+
+// An image without corners becomes no keyframe: where the images since the last one with corners have moved by as much
+// as makes one due, it must have some.
+TEST(PatchTracking, CornersAreSoughtOnceTheImagesHaveMovedFar) {
+  const testing::RenderedWalk fast = testing::render_walk(1.5, 90);
+  int without_corners[2] = {};
+  for (const bool far : {false, true}) {
+    FrontTrackerOptions options = testing::replay_options();
+    options.tracking.corner_interval_s = 10;
+    options.keyframes.max_motion = far ? 0.2 : 0.01;
+    Tracker tracker(fast.camera, options, 1);
+    for (size_t i = 0; i < fast.images.size(); ++i) {
+      const auto r = tracker.process(fast.utime_us[i], fast.images[i]);
+      without_corners[far] += r->state == TrackingState::kTracking && r->keypoints <= 1.2 * r->inliers;
+    }
+    ASSERT_EQ(tracker.submaps().size(), 1u);
+  }
+  EXPECT_GT(without_corners[true], 1.5 * without_corners[false]);
+  EXPECT_GT(without_corners[false], 20);
 }
 
 }  // namespace

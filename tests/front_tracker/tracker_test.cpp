@@ -132,7 +132,7 @@ TEST(Tracker, FrozenImagesKeepThePose) {
 TEST(Tracker, WhatContradictsThePlaceWhereItIsFoundAgainIsWithdrawn) {
   for (const bool slipped : {true, false}) {
     Tracker tracker(sequence().camera, replay_options(), 1);
-    const size_t weak = 77, lost = 100, back = 72;
+    const size_t weak = 77, lost = 100, back = 69;
     const cv::Mat black(sequence().images[0].size(), CV_8U, cv::Scalar(0));
     int64_t utime_us = 0;
     const auto give = [&](size_t i, const cv::Mat& image) {
