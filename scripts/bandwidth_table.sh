@@ -7,18 +7,11 @@
 # Each cell is images received of those published at 30 Hz in 3 s.
 set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
-[ "${RUMI_IN_NETNS:-}" = 1 ] || exec "$here/tests/run_in_netns.sh" "$0" "$@"
+# shellcheck source=scripts/in_netns.sh
+. "$here/scripts/in_netns.sh"
 build=$(cd "$1" && pwd)
 hold_s=${2:-0}
 images=90
-work=$(mktemp -d)
-pids=""
-cleanup() {
-  for pid in $pids; do kill "$pid" 2>/dev/null || true; done
-  wait
-  rm -rf "$work"
-}
-trap cleanup EXIT
 
 # A second of a room as JPEG files, again and again: folder $work/SIZE, calibration $work/SIZE.yaml.
 make_images() {

@@ -5,21 +5,12 @@
 # Prints the times, ms, in order. Needs lcm-logger (liblcm-bin) and python3.
 set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
-if [ "${RUMI_IN_NETNS:-}" != 1 ]; then
-  exec "$here/tests/run_in_netns.sh" "$0" "$@"
-fi
+# shellcheck source=scripts/in_netns.sh
+. "$here/scripts/in_netns.sh"
 build=$1
 recording=$2
 starts=${3:-10}
 url='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152'
-work=$(mktemp -d)
-pids=""
-cleanup() {
-  for pid in $pids; do kill "$pid" 2>/dev/null || true; done
-  wait
-  rm -rf "$work"
-}
-trap cleanup EXIT
 
 "$build/bin/camera_driver" -q -l "$url" --loop "$recording" &
 pids=$!
