@@ -121,28 +121,9 @@ bool Initializer::refuse(const TwoViewResult& pair, int matches, Reference* refe
   return true;
 }
 
-std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
-  const ReferenceTracks& tracks = reference->tracks;
-  const std::vector<int>& found = tracks.found().back();
-  std::vector<Eigen::Vector2f> first, last;
-  std::vector<int> keypoints;
-  for (size_t i = 0; i < found.size(); ++i) {
-    if (found[i] == kNone) continue;
-    keypoints.push_back(static_cast<int>(i));
-    first.push_back(tracks.reference().undistorted[i]);
-    last.push_back(frames_.back().features->undistorted[found[i]]);
-  }
-  const TwoViewResult pair = reconstruct_two_views(camera_, first, last, options_.two_view);
-  if (refuse(pair, tracks.count(), reference)) return std::nullopt;
-
-  const double motion_px = tracks.motion_px();
-  reference->next_motion_px = 1.1 * motion_px;
-  const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
-  struct Rival {
-    InitialStructure structure;
-    double error_px = 0;
-    bool holds = false;
-  };
+// The structures that the pair allows and the frames between agree with, adjusted; the one that fits best first.
+std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
+                                                         const std::vector<int>& keypoints) {
   std::vector<Rival> rivals;
   double best_px = 1e9;
   for (const TwoViewHypothesis& hypothesis : pair.hypotheses) {
@@ -162,36 +143,56 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
     rival.holds = rival.structure.adjust();
     rival.error_px = rival.structure.error_px();
   }
-  if (rivals.empty()) return std::nullopt;
   std::stable_sort(rivals.begin(), rivals.end(),
                    [](const Rival& a, const Rival& b) { return a.error_px < b.error_px; });
-  const auto holding = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
-  if (holding == rivals.end()) {
-    refusal_ = rivals.front().structure.refusal();
-    return std::nullopt;
-  }
-  const Rival& best = *holding;
+  return rivals;
+}
+
+// What speaks against beginning with it; empty: nothing.
+std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double motion_px) const {
   // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend). In narrow
   // images it stands out less, and the starts are right all the same.
   const double min_ratio = options_.min_motion_to_rmse * std::pow(std::min(1.0, camera_.width / 640.0), 2);
-  if (motion_px < min_ratio * best.error_px) {
-    refusal_ = fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
-                           best.error_px);
-    return std::nullopt;
-  }
+  if (motion_px < min_ratio * best.error_px)
+    return fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
+                       best.error_px);
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
     // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
     const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
-    if (best.error_px <= ratio * rival.error_px) continue;
-    refusal_ =
-        fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px, rival.error_px);
-    return std::nullopt;
+    if (best.error_px > ratio * rival.error_px)
+      return fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px,
+                         rival.error_px);
   }
+  return {};
+}
+
+std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
+  const ReferenceTracks& tracks = reference->tracks;
+  const std::vector<int>& found = tracks.found().back();
+  std::vector<Eigen::Vector2f> first, last;
+  std::vector<int> keypoints;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i] == kNone) continue;
+    keypoints.push_back(static_cast<int>(i));
+    first.push_back(tracks.reference().undistorted[i]);
+    last.push_back(frames_.back().features->undistorted[found[i]]);
+  }
+  const TwoViewResult pair = reconstruct_two_views(camera_, first, last, options_.two_view);
+  if (refuse(pair, tracks.count(), reference)) return std::nullopt;
+
+  const double motion_px = tracks.motion_px();
+  reference->next_motion_px = 1.1 * motion_px;
+  const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
+  const std::vector<Rival> rivals = find_rivals(input, pair, keypoints);
+  if (rivals.empty()) return std::nullopt;
+  const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
+  refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals, motion_px);
+  if (!refusal_.empty()) return std::nullopt;
   spdlog::debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
                 pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame,
-                frames_.size(), best.error_px);
-  return best.structure.finish();
+                frames_.size(), best->error_px);
+  return best->structure.finish();
 }
 
 }  // namespace rumi

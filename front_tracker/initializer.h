@@ -38,12 +38,20 @@ class Initializer {
     int misses = 0;             // frames in a row in which too little of it was found
     double next_motion_px = 0;  // from which another try is worth its while
   };
+  struct Rival {
+    InitialStructure structure;
+    double error_px = 0;
+    bool holds = false;
+  };
   void follow();
   void trim();
   void drop_images();
   Reference* most_promising();
   std::optional<InitialMap> begin_with(Reference* reference);
   bool refuse(const TwoViewResult& pair, int matches, Reference* reference);
+  std::vector<Rival> find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
+                                 const std::vector<int>& keypoints);
+  std::string objection(const Rival& best, const std::vector<Rival>& rivals, double motion_px) const;
 
   Camera camera_;
   InitializerOptions options_;

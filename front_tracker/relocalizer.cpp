@@ -56,15 +56,33 @@ bool Relocalizer::contradicts(const Submap& submap, int keyframe_id, const Frame
   return static_cast<double>(agree) < kMaxShare * static_cast<double>(inliers);
 }
 
+// A few landmarks tell most hopeless keyframes at a fraction of the work. In the kidnap tests at least 14 of a hundred
+// matched where the camera was found again, mostly 20 to 60; elsewhere 2, and up to 9.
+bool Relocalizer::is_worth_comparing(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const {
+  constexpr size_t kSample = 150, kLeast = 5;
+  std::vector<size_t> known;
+  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i)
+    if (keyframe.landmark_ids[i] != kNone) known.push_back(i);
+  if (known.size() <= kSample) return true;
+  std::vector<int> sample(keyframe.landmark_ids.size(), kNone);
+  for (size_t i = 0; i < kSample; ++i) {
+    const size_t keypoint = known[i * known.size() / kSample];
+    sample[keypoint] = keyframe.landmark_ids[keypoint];
+  }
+  return match_by_brute_force(submap, scales_, *keyframe.features, sample, frame, options_.max_distance).pairs.size() >=
+         kLeast;
+}
+
 bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame) const {
   const Keyframe* kf = submap.keyframe(keyframe_id);
   if (!kf) return false;  // culled since
-  Frame found = *frame;
-  found.clear_matches();
+  if (!is_worth_comparing(submap, *kf, *frame)) return false;
   const LandmarkMatches matches =
       match_by_brute_force(submap, scales_, *kf->features, kf->landmark_ids, *frame, options_.max_distance);
   const auto pose = resect(camera_, matches.observations);
   if (!pose) return false;
+  Frame found = *frame;
+  found.clear_matches();
   found.cam_from_submap = pose->cam_from_submap;
   take_inliers(matches, pose->inlier, &found);
 

@@ -39,6 +39,8 @@ class Relocalizer {
   bool contradicts(const Submap& submap, int keyframe_id, const Frame& frame) const;
 
  private:
+  bool is_worth_comparing(const Submap& submap, const Keyframe& keyframe, const Frame& frame) const;
+
   Camera camera_;
   TrackingOptions options_;
   std::vector<double> scales_;
