@@ -54,6 +54,12 @@ void Initializer::drop_images() {
   if (newest) newest = std::make_shared<const ImagePyramid>(newest->full_image_alone());
 }
 
+std::deque<Frame> Initializer::take_frames() {
+  std::deque<Frame> frames = std::move(frames_);
+  clear();
+  return frames;
+}
+
 void Initializer::follow() {
   const Frame& now = frames_.back();
   if (!references_.empty()) {

@@ -26,6 +26,8 @@ class Initializer {
   // Keeps the frame, and follows the references into it, without trying to begin. Of its images only the full one is
   // kept, and that as long as it may become a keyframe.
   void buffer(Frame frame);
+  // All that is buffered, in order of time; nothing is left.
+  std::deque<Frame> take_frames();
   // Buffers the frame and tries to begin with it.
   std::optional<InitialMap> add(Frame frame);
   // Why the last try failed, for the log.

@@ -70,6 +70,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
         10, 1000);
   t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
+  t.add(s + "reloc_sure_inliers", &r.relocalization_sure_inliers, "", "with as many a third of reloc_min_ratio does",
+        10, 100000);
   t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
   t.add(
       s + "back_keyframes", &r.back_keyframes, "keyframes",

@@ -50,6 +50,7 @@ struct TrackingOptions {
   double recently_lost_s = 1.0;           // only relocalization is tried; after it a new submap is begun
   int relocalization_min_inliers = 40;
   double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view
+  int relocalization_sure_inliers = 60;   // with as many a third of that ratio does
   int relocalization_candidates = 5;      // keyframes that are compared in full, per frame
   int back_keyframes = 200;               // of back submaps, kept to relocalize in: the oldest submaps go; 0: none
 };

@@ -6,6 +6,7 @@
 
 #include "front_tracker/brute_force_matching.h"
 #include "front_tracker/projection_search.h"
+#include "front_tracker/scale_support.h"
 #include "slam/geometry/resection.h"
 
 namespace rumi {
@@ -113,9 +114,11 @@ bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame
   }
   const int inliers = found.matches();
   if (inliers < options_.relocalization_min_inliers) return false;
-  // Most of what should be in view must be there: a few dozen agreeing by chance or at the rim of the image are no
-  // proof.
-  if (inliers < options_.relocalization_min_ratio * static_cast<double>(in_view)) return false;
+  // A few dozen agreeing by chance or at the rim of the image are no proof: of what should be in view much must be
+  // there. Seen from elsewhere most of it is not recognized.
+  const bool sure = inliers >= options_.relocalization_sure_inliers && carries_scale(submap, found, options_);
+  const double min_ratio = sure ? options_.relocalization_min_ratio / 3 : options_.relocalization_min_ratio;
+  if (inliers < min_ratio * static_cast<double>(in_view)) return false;
   found.reference_keyframe = keyframe_id;
   *frame = std::move(found);
   return true;

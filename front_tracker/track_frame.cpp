@@ -11,6 +11,7 @@
 #include "front_tracker/epipolar_matches.h"
 #include "front_tracker/patch_search.h"
 #include "front_tracker/projection_search.h"
+#include "front_tracker/scale_support.h"
 #include "front_tracker/tracker.h"
 #include "slam/geometry/resection.h"
 #include "slam/map/landmark_view.h"
@@ -177,25 +178,7 @@ bool Tracker::match_local_map(Frame* frame) {
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)
     if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
-  return inliers >= options_.tracking.min_inliers && carries_scale(*frame);
-}
-
-// A landmark of two keyframes lies where their motion put it. Where a frame sees nothing else (nearly all is lost in a
-// turn, what mapping has just made is left), a wrong length of that motion is all there is from then on.
-// So it is with one of little parallax, unless many sights make up for it: it counts by how well its distance is known,
-// the information of the mean of its sights.
-bool Tracker::carries_scale(const Frame& frame) const {
-  const Submap& map = submaps_[active_]->map;
-  constexpr size_t kYoung = 5;  // keyframes: of a submap that has nothing established
-  if (map.keyframes.size() < kYoung) return true;
-  const double min_parallax_rad = options_.tracking.min_established_parallax_deg * M_PI / 180;
-  double established = 0;
-  for (int id : frame.landmark_ids) {
-    const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
-    const double sights = lm ? static_cast<double>(lm->observations.size()) : 0;
-    if (sights >= 3) established += std::min(1.0, sights / 3 * std::pow(lm->parallax_rad / min_parallax_rad, 2));
-  }
-  return established >= options_.tracking.min_established;
+  return inliers >= options_.tracking.min_inliers && carries_scale(active().map, *frame, options_.tracking);
 }
 
 // A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
@@ -213,29 +196,52 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
   return refine_pose(camera_, map, scales_, frame, views);
 }
 
-// Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
-void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap) {
-  std::vector<const Landmark*> landmarks;
-  for (const auto& [id, lm] : submap->map.landmarks) landmarks.push_back(&lm);
+// The same of a frame of the past, whose neighbour in time has a pose.
+bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame) {
   const ProjectionSearch search{.radius_px = options_.tracking.search_radius_px * camera_.width / 640.0,
                                 .max_distance = options_.tracking.max_distance};
+  frame->clear_matches();
+  frame->cam_from_submap = neighbour.cam_from_submap;
+  search_by_projection(camera_, landmarks, search, scales_, frame);
+  const Submap& map = active().map;
+  if (refine_pose(camera_, map, scales_, frame) < options_.tracking.min_inliers) return false;
+  frame->reference_keyframe = neighbour.reference_keyframe;
+  frame->cam_from_keyframe =
+      frame->cam_from_submap * map.keyframe(frame->reference_keyframe)->cam_from_submap.inverse();
+  return true;
+}
+
+// Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
+void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
   const auto try_frame = [&](size_t from, size_t to) {
-    Frame& frame = (*frames)[to];
-    const Frame& neighbour = (*frames)[from];
-    frame.clear_matches();
-    frame.cam_from_submap = neighbour.cam_from_submap;
-    search_by_projection(camera_, landmarks, search, scales_, &frame);
-    if (refine_pose(camera_, submap->map, scales_, &frame) < options_.tracking.min_inliers) return;
-    frame.reference_keyframe = neighbour.reference_keyframe;
-    frame.cam_from_keyframe =
-        frame.cam_from_submap * submap->map.keyframe(frame.reference_keyframe)->cam_from_submap.inverse();
+    if (!pose_from_neighbour((*frames)[from], landmarks, &(*frames)[to])) return;
     (*posed)[to] = true;
-    record_pose(submap, frame);
+    record_pose(&active(), (*frames)[to]);
   };
   for (size_t i = frames->size(); i-- > 1;)
     if ((*posed)[i] && !(*posed)[i - 1]) try_frame(i, i - 1);
   for (size_t i = 1; i < frames->size(); ++i)
     if ((*posed)[i - 1] && !(*posed)[i]) try_frame(i - 1, i);
+}
+
+// Frames before one that was found again, the latest first, as far back as each can be tracked from the one after it.
+void Tracker::track_back(const Frame& found, std::deque<Frame> frames) {
+  constexpr size_t kMost = 60;  // the camera does not wait
+  Frame next = found;
+  for (size_t i = 0; i < kMost && !frames.empty(); ++i) {
+    std::vector<const Landmark*> landmarks = local_landmarks(&next);
+    for (int id : next.landmark_ids)
+      if (id != kNone) landmarks.push_back(active().map.landmark(id));
+    Frame frame = std::move(frames.back());
+    frames.pop_back();
+    if (!pose_from_neighbour(next, landmarks, &frame) || !carries_scale(active().map, frame, options_.tracking)) break;
+    record_pose(&active(), frame);
+    note_pose_afterwards(frame);
+    next = std::move(frame);
+  }
+  std::reverse(posed_afterwards_.begin(), posed_afterwards_.end());
 }
 
 }  // namespace rumi

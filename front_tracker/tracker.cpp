@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "front_tracker/patch_tracking.h"
+#include "front_tracker/scale_support.h"
 #include "slam/geometry/median.h"
 #include "slam/map/landmark_view.h"
 
@@ -83,7 +84,8 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   const double motion = motion_since_last_frame(frame);
   if (motion > o.patch_motion || motion_since_corners_ + motion > options_.keyframes.max_motion) return false;
   const PatchTracking tracked = track_by_patches(active(), last_, &frame, &templates_);
-  if (tracked.inliers < std::max<double>(o.sure_inliers, kLeastFound * tracked.in_view) || !carries_scale(frame))
+  if (tracked.inliers < std::max<double>(o.sure_inliers, kLeastFound * tracked.in_view) ||
+      !carries_scale(active().map, frame, o))
     return false;
   motion_since_corners_ += motion;
   note_motion(frame);
@@ -106,19 +108,19 @@ void Tracker::lose(const Frame& frame) {
 bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {
-    if (relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) {
-      go_on_in(active_, frame);
-      return true;
-    }
+    if (relocalize(active_, last_.reference_keyframe, frame)) return true;
     const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - lost_since_us_);
     if (lost_s > options_.tracking.recently_lost_s) state_ = TrackingState::kLost;
   }
-  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame)) {
-    if (!relocalizer_.relocalize(submaps_[c.submap_index]->map, c.keyframe_id, frame)) continue;
-    go_on_in(c.submap_index, frame);
-    return true;
-  }
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame))
+    if (relocalize(c.submap_index, c.keyframe_id, frame)) return true;
   return false;
+}
+
+bool Tracker::relocalize(size_t submap_index, int keyframe_id, Frame* frame) {
+  if (!relocalizer_.relocalize(submaps_[submap_index]->map, keyframe_id, frame)) return false;
+  go_on_in(submap_index, frame);
+  return true;
 }
 
 // A beginning, too: of a submap that knows already what rumination found out.
@@ -145,12 +147,10 @@ void Tracker::activate(size_t submap_index) {
 }
 
 void Tracker::go_on_in(size_t submap_index, Frame* frame) {
-  if (submap_index != active_) {
-    initializer_.clear();
-    activate(submap_index);
-  }
+  if (submap_index != active_) activate(submap_index);
   ++active().map.revision;
   withdraw_torn_end(frame);
+  track_back(*frame, initializer_.take_frames());
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
@@ -262,18 +262,9 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
     frame.cam_from_keyframe = frame.cam_from_submap * submap->map.keyframe(keyframe)->cam_from_submap.inverse();
     record_pose(submap, frame);
   }
-  give_poses_afterwards(&initial.frames, &posed, submap);
-  for (size_t i = 0; i + 1 < initial.frames.size(); ++i) {  // the newest is the one that begins the submap
-    if (!posed[i]) continue;
-    const Frame& frame = initial.frames[i];
-    TrackResult result;
-    result.utime_us = frame.utime_us;
-    result.keypoints = static_cast<int>(frame.features->size());
-    const Keyframe* reference = submap->map.keyframe(frame.reference_keyframe);
-    result.is_keyframe = reference->utime_us == frame.utime_us;
-    note_pose(*submap, frame, &result);
-    posed_afterwards_.push_back(result);
-  }
+  give_poses_afterwards(&initial.frames, &posed);
+  for (size_t i = 0; i + 1 < initial.frames.size(); ++i)  // the newest is the one that begins the submap
+    if (posed[i]) note_pose_afterwards(initial.frames[i]);
   last_ = initial.frames.back();
   last_keyframe_us_ = last_.utime_us;
   for (const auto& [id, kf] : submap->map.keyframes) {
@@ -354,6 +345,15 @@ void Tracker::note_pose(const FrontSubmap& submap, const Frame& frame, TrackResu
   result->cam_from_keyframe = frame.cam_from_keyframe;
   result->cam_from_submap = frame.cam_from_submap;
   result->inliers = frame.matches();
+}
+
+void Tracker::note_pose_afterwards(const Frame& frame) {
+  TrackResult result;
+  result.utime_us = frame.utime_us;
+  result.keypoints = static_cast<int>(frame.features->size());
+  result.is_keyframe = active().map.keyframe(frame.reference_keyframe)->utime_us == frame.utime_us;
+  note_pose(active(), frame, &result);
+  posed_afterwards_.push_back(result);
 }
 
 }  // namespace rumi

@@ -42,7 +42,8 @@ class Tracker {
   // size.
   std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey);
 
-  // Earlier frames that got their poses because the last image began a submap, in order of time; else empty.
+  // Earlier frames that got their poses because the last image began a submap or was found again, in order of time;
+  // else empty.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
 
   // Earlier frames whose poses turned out to be wrong when the last image was found again, in order of time; else
@@ -79,7 +80,7 @@ class Tracker {
   bool patches_may_help(const Frame& frame, int inliers) const;
   bool match_local_map(Frame* frame);
   int support_by_epipolar_matches(Frame* frame);
-  bool carries_scale(const Frame& frame) const;
+  bool relocalize(size_t submap_index, int keyframe_id, Frame* frame);
   bool is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us);
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
@@ -94,11 +95,14 @@ class Tracker {
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
   void add_initial_map(InitialMap map, FrontSubmap* submap);
-  void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed, FrontSubmap* submap);
+  bool pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame);
+  void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed);
+  void track_back(const Frame& found, std::deque<Frame> frames);
   void lose(const Frame& frame);
   void accept(Frame frame, TrackResult* result);
   void record_pose(FrontSubmap* submap, const Frame& frame);
   void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result) const;
+  void note_pose_afterwards(const Frame& frame);
   FrontSubmap& active() { return *submaps_[active_]; }
 
   Camera camera_;
