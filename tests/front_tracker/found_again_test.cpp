@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A camera that is carried off in the dark, and comes back to what it knows from where it has not been.
+#include <gtest/gtest.h>
+
+#include "front_tracker/tracker.h"
+#include "tests/front_tracker/rendered_walk.h"
+
+namespace rumi {
+namespace {
+
+const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
+
+struct Return {
+  std::vector<int64_t> back_us;         // images on the way back, the last of which was found
+  std::vector<TrackResult> afterwards;  // what the last of them told of the others
+  testing::Error error;                 // of the submap, the way back included
+};
+
+// The walk up to `known`, darkness, and from image `from` back until the camera is found.
+Return come_back(const FrontTrackerOptions& options, size_t known, size_t from) {
+  constexpr int64_t kPeriod_us = 50'000;
+  Tracker tracker(walk().camera, options, 1);
+  std::map<int64_t, Eigen::Vector3d> center = walk().center;
+  for (size_t i = 0; i < known; ++i) tracker.process(walk().utime_us[i], walk().images[i]);
+  int64_t utime_us = walk().utime_us.back();
+  const cv::Mat black(walk().images[0].size(), CV_8U, cv::Scalar(0));
+  for (int i = 0; i < 25; ++i) tracker.process(utime_us += kPeriod_us, black);
+  Return result;
+  for (size_t i = from; i-- > 0;) {
+    const auto r = tracker.process(utime_us += kPeriod_us, walk().images[i]);
+    result.back_us.push_back(utime_us);
+    center[utime_us] = walk().center.at(walk().utime_us[i]);
+    if (r->submap_id == kNoSubmap) continue;
+    EXPECT_EQ(r->submap_id, 1);
+    break;
+  }
+  result.afterwards = tracker.posed_afterwards();
+  EXPECT_EQ(tracker.submaps().size(), 1u);
+  result.error = testing::error_of(tracker.submaps()[0]->map, center);
+  return result;
+}
+
+FrontTrackerOptions only_found_again() {
+  FrontTrackerOptions options = testing::replay_options();
+  options.tracking.recently_lost_s = 60;  // no new submap
+  return options;
+}
+
+TEST(FoundAgain, FromElsewhereAsSoonAsEnoughAgrees) {
+  FrontTrackerOptions options = only_found_again();
+  const Return soon = come_back(options, 70, 90);
+  EXPECT_LT(soon.error.worst_m, 0.02 * soon.error.path_m);
+  options.tracking.relocalization_sure_inliers = 100000;
+  EXPECT_LT(soon.back_us.size(), come_back(options, 70, 90).back_us.size())
+      << "it takes no sixty landmarks, or a third of what should be in view";
+}
+
+// Who asks for much is found late, and nothing is lost by it.
+TEST(FoundAgain, ImagesBeforeAreTrackedBack) {
+  FrontTrackerOptions options = only_found_again();
+  const size_t soon = come_back(options, 70, 90).back_us.size();
+  options.tracking.relocalization_min_inliers = 200;
+  const Return late = come_back(options, 70, 90);
+  ASSERT_GT(late.back_us.size(), soon + 5);
+  const size_t count = late.afterwards.size();
+  EXPECT_GE(count, late.back_us.size() - soon - 1);
+  EXPECT_EQ(late.error.frames, 70 + count + 1);
+  EXPECT_LT(late.error.worst_m, 0.02 * late.error.path_m);
+  for (size_t i = 0; i < count; ++i) {
+    const TrackResult& r = late.afterwards[i];
+    EXPECT_EQ(r.utime_us, late.back_us[late.back_us.size() - 1 - count + i]) << "in order of time, without a gap";
+    EXPECT_EQ(r.submap_id, 1);
+    EXPECT_GE(r.inliers, options.tracking.min_inliers);
+  }
+}
+
+}  // namespace
+}  // namespace rumi
