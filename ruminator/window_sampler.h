@@ -10,9 +10,9 @@
 //
 // Choices that the paper leaves open:
 // - A window opens with the first untracked frame, also before the first submap (then there is no approach).
-// - front_tracker gives poses to earlier frames when it begins a submap, and tells of them again. These are not gap but
-//   departure, if all frames after them have poses too. A window of which no gap is left goes on if it connects two
-//   submaps; else there is nothing to rebuild, and it is as if it had never opened.
+// - front_tracker gives poses to earlier frames when it begins a submap or finds the camera again, and tells of them
+//   again. These are not gap but departure, if all frames after them have poses too. A window of which no gap is left
+//   goes on if it connects two submaps; else there is nothing to rebuild, and it is as if it had never opened.
 // - front_tracker withdraws poses where it is found again at a place that contradicts the frames before the loss, and
 //   tells of these again, without a pose. They are gap: the window's, or of one that opens with them.
 // - A new submap that is lost again with fewer than departure_min_keyframes died young: its frames count as gap (but
