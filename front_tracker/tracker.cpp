@@ -13,6 +13,8 @@
 namespace rumi {
 namespace {
 
+// So long after a camera was found it sees from elsewhere what the submap knows, and beside it what it does not know.
+constexpr int64_t kFoundAgain_us = 1'000'000;
 // How long before a loss a slip may have begun.
 constexpr int64_t kMayBeWrong_us = 4'000'000;
 
@@ -151,6 +153,7 @@ void Tracker::go_on_in(size_t submap_index, Frame* frame) {
   ++active().map.revision;
   withdraw_torn_end(frame);
   track_back(*frame, initializer_.take_frames());
+  if (state_ == TrackingState::kLost) found_us_ = frame->utime_us;
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
@@ -293,6 +296,7 @@ bool Tracker::needs_keyframe(const Frame& frame) const {
   if (inliers < o.urgent_tracked_ratio * established) return true;
   const double since_s = 1e-6 * static_cast<double>(frame.utime_us - last_keyframe_us_);
   if (since_s < o.min_interval_s) return false;
+  if (frame.utime_us - found_us_ < kFoundAgain_us) return true;
   if (inliers < o.min_tracked_ratio * established || motion_since_last_frame(frame) > o.max_motion) return true;
   if (inliers < o.min_inliers && since_s >= 3 * o.min_interval_s) return true;
   return since_s >= o.max_interval_s;

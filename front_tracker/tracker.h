@@ -129,6 +129,7 @@ class Tracker {
   int64_t velocity_dt_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;
   int64_t lost_since_us_ = 0;
+  int64_t found_us_ = INT64_MIN / 2;  // when it was last found again after it was LOST
   int64_t last_keyframe_us_ = 0;
   int64_t last_corners_us_ = 0;      // of the last image that corners were looked for in
   double motion_since_corners_ = 0;  // of the images since then, of their width
