@@ -193,7 +193,8 @@ void FrontTrackerNode::remember(const track_t& track, size_t most, std::map<int6
   while (told->size() > most) told->erase(told->begin());
 }
 
-// Before the frame that began the submap or was found again, so that who follows the states knows what that frame leaves without a pose.
+// Before the frame that began the submap or was found again, so that who follows the states knows what that frame
+// leaves without a pose.
 void FrontTrackerNode::publish_posed_afterwards() {
   for (const TrackResult& r : tracker_->posed_afterwards()) {
     const auto told = without_pose_.find(r.utime_us);

@@ -17,8 +17,9 @@ bool carries_scale(const Submap& map, const Frame& frame, const TrackingOptions&
   double established = 0;
   for (int id : frame.landmark_ids) {
     const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
-    const double sights = lm ? static_cast<double>(lm->observations.size()) : 0;
-    if (sights >= 3) established += std::min(1.0, sights / 3 * std::pow(lm->parallax_rad / min_parallax_rad, 2));
+    if (!lm || lm->observations.size() < 3) continue;
+    const double sights = static_cast<double>(lm->observations.size());
+    established += std::min(1.0, sights / 3 * std::pow(lm->parallax_rad / min_parallax_rad, 2));
   }
   return established >= options.min_established;
 }
