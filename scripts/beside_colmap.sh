@@ -8,6 +8,7 @@ images=$(cd "$1" && pwd)
 shift
 work=$(mktemp -d)
 busy=""
+# shellcheck disable=SC2317 # called by the trap
 cleanup() {
   [ -z "$busy" ] || kill -- "-$busy" 2>/dev/null || true
   wait
