@@ -196,7 +196,7 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
   return refine_pose(camera_, map, scales_, frame, views);
 }
 
-// The same of a frame of the past, whose neighbour in time has a pose.
+// Of a frame of the past, from where its neighbour in time was.
 bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame) {
   const ProjectionSearch search{.radius_px = options_.tracking.search_radius_px * camera_.width / 640.0,
                                 .max_distance = options_.tracking.max_distance};
