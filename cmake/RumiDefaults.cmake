@@ -14,8 +14,10 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  set(CMAKE_C_COMPILER_LAUNCHER ${CCACHE})
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE})
+  # Else it does not keep what was compiled with precompiled headers.
+  set(launcher ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
+  set(CMAKE_C_COMPILER_LAUNCHER ${launcher})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic -Wshadow=local)
@@ -32,9 +34,10 @@ if(RUMI_SANITIZE)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
 endif()
 
-add_custom_target(apps)        # every executable that is installed
-add_custom_target(unit_tests)  # every test that is fast enough to run under a sanitizer too
-add_custom_target(sanitized_tests)  # those that `make test` runs so: of the code that messages, files and images reach
+include(Precompiled)
+
+add_custom_target(apps)             # every executable that is installed
+add_custom_target(sanitized_tests)  # tests of the code that messages, files and images reach: `make test-all` sanitizes them
 
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
@@ -42,6 +45,7 @@ function(rumi_library name)
   add_library(rumi_${name} STATIC ${arg_SOURCES})
   target_include_directories(rumi_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(rumi_${name} PUBLIC ${arg_LINK})
+  rumi_use_precompiled(rumi_${name} rumi_precompiled)
 endfunction()
 
 # rumi_executable(NAME SOURCES... [LINK libs...]): lands in build/bin and is installed.
@@ -53,38 +57,51 @@ function(rumi_executable name)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
-# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LABELS ...] [TOO_LONG_SANITIZED filters]): a GoogleTest
-# binary, one CTest entry. Without the label "slow" it is a unit test; a SANITIZED one `make test` runs under sanitizers too, but
-# for the tests left out because they would take minutes there (run the binary itself for them).
-function(rumi_test name)
-  cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LABELS;TOO_LONG_SANITIZED" ${ARGN})
+# What tests is not what is tested: compiled quickly.
+add_library(rumi_test_options INTERFACE)
+target_link_libraries(rumi_test_options INTERFACE GTest::gtest GTest::gmock)
+target_compile_options(rumi_test_options INTERFACE $<$<CONFIG:RelWithDebInfo>:-O1>)
+if(RUMI_SANITIZE MATCHES undefined)
+  target_compile_options(rumi_test_options INTERFACE -fno-sanitize=undefined)
+endif()
+
+# rumi_test_program(NAME SOURCES... LINK libs...): an executable of the tests, in build/tests.
+function(rumi_test_program name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE ${arg_LINK} GTest::gtest_main GTest::gmock)
+  target_link_libraries(${name} PRIVATE ${arg_LINK} rumi_test_options)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
-  add_test(NAME ${name} COMMAND ${name})
+  rumi_use_precompiled(${name} rumi_test_precompiled)
+endfunction()
+
+function(rumi_add_test_entry name program filter timeout labels)
+  add_test(NAME ${name} COMMAND ${program} "--gtest_filter=${filter}")
+  if(RUMI_SANITIZE)
+    math(EXPR timeout "${timeout} * 4")  # it only ends what hangs
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "${labels}")
+  if(RUMI_SANITIZE MATCHES address)
+    set_property(TEST ${name} PROPERTY ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp)
+  endif()
+endfunction()
+
+# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LONG filters...]): a GoogleTest binary. One CTest entry,
+# NAME, of label quick; the tests named by LONG, which take more than some two seconds each, are another, NAME_long, of label
+# long. Sanitizers are for SANITIZED ones, without the long tests (run the binary itself for them).
+function(rumi_test name)
+  cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LONG" ${ARGN})
+  rumi_test_program(${name} SOURCES ${arg_SOURCES} LINK ${arg_LINK} GTest::gtest_main)
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
-  if(NOT slow IN_LIST arg_LABELS)
-    list(APPEND arg_LABELS unit)
-    add_dependencies(unit_tests ${name})
-  endif()
+  set(labels quick)
   if(arg_SANITIZED)
-    list(APPEND arg_LABELS sanitized)
+    list(APPEND labels sanitized)
     add_dependencies(sanitized_tests ${name})
   endif()
-  # What tests is not what is tested: compiled quickly.
-  target_compile_options(${name} PRIVATE $<$<CONFIG:RelWithDebInfo>:-O1>)
-  if(RUMI_SANITIZE MATCHES undefined)
-    target_compile_options(${name} PRIVATE -fno-sanitize=undefined)
+  list(JOIN arg_LONG ":" long)
+  rumi_add_test_entry(${name} ${name} "*-${long}" ${arg_TIMEOUT} "${labels}")
+  if(arg_LONG)
+    rumi_add_test_entry(${name}_long ${name} "${long}" ${arg_TIMEOUT} long)
   endif()
-  if(RUMI_SANITIZE)
-    math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 4")  # it only ends what hangs
-    list(JOIN arg_TOO_LONG_SANITIZED ":" too_long)
-    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT "GTEST_FILTER=-${too_long}")
-  endif()
-  if(RUMI_SANITIZE MATCHES address)
-    set_property(TEST ${name} APPEND PROPERTY ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp)
-  endif()
-  set_tests_properties(${name} PROPERTIES TIMEOUT ${arg_TIMEOUT} LABELS "${arg_LABELS}")
 endfunction()

@@ -116,7 +116,7 @@ class Baker {
 
   // Share of the sky (half sphere) that is not blocked nearby, 0..1.
   double openness(const Vector3d& at, const Vector3d& normal, const std::vector<const OccluderBox*>& near) const {
-    const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal);
+    const Eigen::Quaterniond tilt = shortest_turn(Vector3d::UnitZ(), normal);
     double open = 0;
     for (const Vector3d& ray : rays_) {
       const Vector3d direction = tilt * ray;

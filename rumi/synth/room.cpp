@@ -251,7 +251,7 @@ class Furnisher {
 
 RoomShape fit_room(const CameraPath& path, uint64_t seed) {
   RoomShape shape;
-  const Eigen::Quaterniond upright = Eigen::Quaterniond::FromTwoVectors(path.up(), Vector3d::UnitZ());
+  const Eigen::Quaterniond upright = shortest_turn(path.up(), Vector3d::UnitZ());
   // A point at least every 5 cm or so is enough to keep furniture away.
   const double begin = path.times_s().front(), end = path.times_s().back();
   const int samples = std::clamp(static_cast<int>(path.times_s().size()), 2, 1500);

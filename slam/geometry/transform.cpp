@@ -43,6 +43,10 @@ SE3 SE3::exp(const Vector6d& twist) {
   return {so3_exp(w), so3_left_jacobian(w) * twist.head<3>()};
 }
 
+Eigen::Quaterniond shortest_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
 Vector6d SE3::log() const {
   const Eigen::Vector3d w = so3_log(rotation);
   Vector6d twist;

@@ -79,6 +79,9 @@ inline Sim3 similarity_through(const SE3& cam_from_source, const SE3& cam_from_t
 // Rotation vector (angle * axis, radians) <-> quaternion.
 Eigen::Quaterniond so3_exp(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d so3_log(const Eigen::Quaterniond& q);
+// The least turn that takes the direction `from` to the direction `to`. (Eigen's own, compiled once: it brings in a
+// singular value decomposition for opposite directions, which takes the compiler eight seconds.)
+Eigen::Quaterniond shortest_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 Eigen::Matrix3d skew(const Eigen::Vector3d& v);
 // J with so3_exp(w + d) = so3_exp(J d) * so3_exp(w) for small d (Barfoot, State Estimation for Robotics, eq. 7.37).
 Eigen::Matrix3d so3_left_jacobian(const Eigen::Vector3d& w);

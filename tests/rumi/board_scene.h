@@ -10,6 +10,7 @@
 
 #include "rumi/calibration/board.h"
 #include "slam/geometry/camera.h"
+#include "slam/geometry/transform.h"
 
 namespace rumi::testing {
 
@@ -62,7 +63,7 @@ class BoardScene {
     const Eigen::Vector3d sight = camera_.unproject(pixel).normalized();
     BoardPose pose;
     // Towards the line of sight, and turned from there: as somebody would hold it who walks around.
-    pose.rotation = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sight).toRotationMatrix() *
+    pose.rotation = shortest_turn(Eigen::Vector3d::UnitZ(), sight).toRotationMatrix() *
                     (Eigen::AngleAxisd(tilt_x_rad, Eigen::Vector3d::UnitY()) *
                      Eigen::AngleAxisd(tilt_y_rad, Eigen::Vector3d::UnitX()) *
                      Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()))
