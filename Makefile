@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
 #   make demo      set up, build, then render a short sequence, run Rumi on it and measure the result
-#   make test      set up, build, run every test, and those of what reads messages, files and images again under sanitizers
+#   make test      set up, build, run every test that needs neither a virtual machine nor a sanitizer
+#   make test-all  after it, the rest: the tests in virtual machines, and those of what reads messages, files and images again
+#                  under sanitizers
+#   make quick     set up, build, run the quick tests: what to do after each change
 #   make build     set up and build everything
 #   make bench     benchmarks
 #   make install   into PREFIX (default /usr/local): programs, wire types, CMake package, pkg-config file
@@ -17,8 +20,11 @@ DEMO ?= out/demo
 
 SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
 
-.PHONY: all demo test build apps bench install format lint clean dependencies sanitized-test
+.PHONY: all demo test test-all quick build apps bench install format lint clean dependencies machine-test sanitized-test
 all: build
+
+# While it builds: per cent, files done of all, seconds so far.
+export NINJA_STATUS = [%p %f/%t %es] 
 
 dependencies:
 	@scripts/install_dependencies.sh
@@ -35,18 +41,23 @@ apps: dependencies $(BUILD)/build.ninja
 demo: apps
 	scripts/demo.sh $(BUILD)/bin/rumi $(DEMO)
 
-# With what the virtual machines need that camera_driver and systemd are tested in; without it those tests are skipped.
 test: build
-	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
-	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure
-	$(MAKE) sanitized-test
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE machine
 
-# SANITIZED=unit: every unit test, not only those with the label sanitized.
-SANITIZED ?= sanitized
+quick: build
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -L quick
+
+test-all: machine-test sanitized-test
+
+# camera_driver and systemd are tested in virtual machines; where their packages cannot be had the tests are skipped.
+machine-test: build
+	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
+	ctest --test-dir $(BUILD) --output-on-failure -L machine
+
 sanitized-test: dependencies
 	cmake -S . -B $(ASAN_BUILD) -G Ninja -DRUMI_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
-	cmake --build $(ASAN_BUILD) -j $(JOBS) --target $(SANITIZED)_tests
-	ctest --test-dir $(ASAN_BUILD) -j $(JOBS) --output-on-failure -L $(SANITIZED)
+	cmake --build $(ASAN_BUILD) -j $(JOBS) --target sanitized_tests
+	ctest --test-dir $(ASAN_BUILD) -j $(JOBS) --output-on-failure -L sanitized
 
 bench: dependencies
 	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF -DCMAKE_BUILD_TYPE=Release

@@ -67,8 +67,8 @@ std::string check_image(const image_t& image) {
   const int bytes = bytes_per_pixel(image.pixelformat);
   if (bytes < 0)
     return fmt::format("pixelformat is {}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
-                       image_t::PIXEL_FORMAT_GRAY, image_t::PIXEL_FORMAT_RGB, image_t::PIXEL_FORMAT_MJPEG,
-                       image_t::PIXEL_FORMAT_YUYV);
+                       int{image_t::PIXEL_FORMAT_GRAY}, int{image_t::PIXEL_FORMAT_RGB},
+                       int{image_t::PIXEL_FORMAT_MJPEG}, int{image_t::PIXEL_FORMAT_YUYV});
   if (image.width < 1 || image.width > kMaxSide)
     return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
   if (image.height < 1 || image.height > kMaxSide)

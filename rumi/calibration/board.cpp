@@ -5,8 +5,9 @@
 
 #include <algorithm>
 #include <charconv>
-#include <opencv2/aruco/dictionary.hpp>
 #include <optional>
+
+#include "rumi/calibration/opencv_aruco.h"
 
 namespace rumi {
 namespace {
@@ -53,11 +54,10 @@ std::string dictionary_names() {
 }
 
 // The black bits of marker `id`, in its upper left corner's frame; neighbours in a row are one rectangle.
-void add_marker(const cv::aruco::Dictionary& dictionary, int id, cv::Point2d origin, double marker_mm,
+void add_marker(const MarkerDictionary& dictionary, int id, cv::Point2d origin, double marker_mm,
                 std::vector<cv::Rect2d>* black) {
-  const int cells = dictionary.markerSize + 2;  // with the black border
-  cv::Mat picture;
-  dictionary.drawMarker(id, cells, picture);
+  const int cells = dictionary->markerSize + 2;  // with the black border
+  const cv::Mat picture = marker_picture(dictionary, id, cells);
   const double cell_mm = marker_mm / cells;
   for (int y = 0; y < cells; ++y) {
     for (int x = 0; x < cells;) {
@@ -94,7 +94,7 @@ std::string Board::check() const {
   const BoardDictionary* known = find_dictionary(dictionary);
   if (!known) return fmt::format("the dictionary is '{}': must be one of {}", dictionary, dictionary_names());
   const int markers = columns * rows / 2;
-  const int available = cv::aruco::getPredefinedDictionary(known->number)->bytesList.rows;
+  const int available = marker_dictionary(known->number)->bytesList.rows;
   if (markers > available)
     return fmt::format("the board needs {} markers: dictionary {} has {}", markers, dictionary, available);
   return {};
@@ -107,8 +107,8 @@ cv::Point2d Board::corner_mm(int corner) const {
 
 std::vector<cv::Rect2d> Board::black_mm() const {
   std::vector<cv::Rect2d> black;
-  cv::Ptr<cv::aruco::Dictionary> markers;
-  if (kind == Kind::kCharuco) markers = cv::aruco::getPredefinedDictionary(dictionary_number(dictionary));
+  MarkerDictionary markers;
+  if (kind == Kind::kCharuco) markers = marker_dictionary(dictionary_number(dictionary));
   const double rim_mm = (square_mm - marker_mm) / 2;
   int id = 0;  // markers are numbered row by row
   for (int row = 0; row < rows; ++row) {
@@ -117,7 +117,7 @@ std::vector<cv::Rect2d> Board::black_mm() const {
       if (is_black(column, row))
         black.emplace_back(corner.x, corner.y, square_mm, square_mm);
       else if (markers)
-        add_marker(*markers, id++, corner + cv::Point2d(rim_mm, rim_mm), marker_mm, &black);
+        add_marker(markers, id++, corner + cv::Point2d(rim_mm, rim_mm), marker_mm, &black);
     }
   }
   return black;

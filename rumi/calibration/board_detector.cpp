@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "rumi/calibration/opencv_aruco.h"
 #include "slam/geometry/median.h"
 
 namespace rumi {
@@ -132,34 +132,36 @@ bool spread_out(const Board& board, const std::vector<int>& corners) {
 
 struct BoardDetector::Markers {
   explicit Markers(const Board& board)
-      : dictionary(cv::aruco::getPredefinedDictionary(dictionary_number(board.dictionary))),
+      : dictionary(marker_dictionary(dictionary_number(board.dictionary))),
         // In squares: only ratios matter.
-        charuco(cv::aruco::CharucoBoard::create(board.columns, board.rows, 1,
-                                                static_cast<float>(board.marker_mm / board.square_mm), dictionary)) {}
+        charuco(charuco_board({board.columns, board.rows}, 1, static_cast<float>(board.marker_mm / board.square_mm),
+                              dictionary)) {}
+
+  size_t count() const { return marker_corners(charuco).size(); }
 
   cv::Point2f centre(int id) const {
-    const std::vector<cv::Point3f>& c = charuco->objPoints[id];
+    const std::vector<cv::Point3f>& c = marker_corners(charuco)[id];
     return {(c[0].x + c[2].x) / 2, (c[0].y + c[2].y) / 2};
   }
   bool fits(const std::vector<Corners>& corners, const std::vector<int>& ids) const;
 
-  cv::Ptr<cv::aruco::Dictionary> dictionary;
-  cv::Ptr<cv::aruco::CharucoBoard> charuco;
+  MarkerDictionary dictionary;
+  CharucoBoard charuco;
 };
 
 // Each marker says where its neighbours must be. A lens bends this little, another board contradicts most of it.
 bool BoardDetector::Markers::fits(const std::vector<Corners>& corners, const std::vector<int>& ids) const {
   int right = 0, wrong = 0;
   for (size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] >= static_cast<int>(charuco->ids.size())) {
+    if (ids[i] >= static_cast<int>(count())) {
       ++wrong;
       continue;
     }
     Corners on_board;
-    for (const cv::Point3f& p : charuco->objPoints[ids[i]]) on_board.emplace_back(p.x, p.y);
+    for (const cv::Point3f& p : marker_corners(charuco)[ids[i]]) on_board.emplace_back(p.x, p.y);
     const cv::Mat board_from_image = cv::getPerspectiveTransform(corners[i], on_board);
     for (size_t k = 0; k < ids.size(); ++k) {
-      if (k == i || ids[k] >= static_cast<int>(charuco->ids.size())) continue;
+      if (k == i || ids[k] >= static_cast<int>(count())) continue;
       const cv::Point2f expected = centre(ids[k]);
       const Corners image = {(corners[k][0] + corners[k][1] + corners[k][2] + corners[k][3]) / 4};
       Corners seen;

@@ -6,13 +6,13 @@
 
 #include <cstring>
 #include <filesystem>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <regex>
 
 #include "rumi/calibration/board_detector.h"
 #include "rumi/calibration/board_page.h"
+#include "rumi/calibration/opencv_aruco.h"
 #include "tests/temporary_folder.h"
 
 namespace rumi {
@@ -62,12 +62,11 @@ TEST(Board, WhatIsNoneIsRefusedWithItsPart) {
 TEST(Board, IsThatOfOpenCv) {
   for (const char* text : {"charuco:9x7:40:30:4X4_50", "charuco:6x5:40:28:5X5_50"}) {
     const Board board = parsed(text);
-    cv::Mat ours(static_cast<int>(board.height_mm()), static_cast<int>(board.width_mm()), CV_8U, cv::Scalar(255)),
-        theirs;
+    cv::Mat ours(static_cast<int>(board.height_mm()), static_cast<int>(board.width_mm()), CV_8U, cv::Scalar(255));
     for (const cv::Rect2d& r : board.black_mm()) ours(cv::Rect(r)) = 0;
-    const auto dictionary = cv::aruco::getPredefinedDictionary(dictionary_number(board.dictionary));
-    cv::aruco::CharucoBoard::create(board.columns, board.rows, 40, static_cast<float>(board.marker_mm), dictionary)
-        ->draw(ours.size(), theirs);
+    const MarkerDictionary dictionary = marker_dictionary(dictionary_number(board.dictionary));
+    const cv::Mat theirs = board_picture(
+        charuco_board({board.columns, board.rows}, 40, static_cast<float>(board.marker_mm), dictionary), ours.size());
     EXPECT_EQ(cv::countNonZero(ours != theirs), 0) << text;
   }
 }

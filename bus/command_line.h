@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A program's or a command's flags, read by CLI11, whose headers only command_line.cpp includes: they take the compiler
+// seconds in every file.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace rumi {
+
+// What is said of one flag or argument; each method returns the flag again.
+class Flag {
+ public:
+  explicit Flag(CLI::Option* option) : option_(option) {}
+  Flag* operator->() { return this; }
+
+  Flag& required();
+  // --help shows the value that the variable has now.
+  Flag& show_default();
+  // How --help names the value: "FILE".
+  Flag& type_name(const std::string& name);
+  // Where the flag is not given, this environment variable is.
+  Flag& envname(const std::string& name);
+  // Of a vector: the flag is given once for each value.
+  Flag& one_each();
+  // Other values are refused.
+  Flag& positive();
+  Flag& not_negative();
+  Flag& in_range(int low, int high);
+  Flag& in_range(double low, double high);
+  Flag& one_of(const std::vector<std::string>& values);
+  Flag& existing_file();
+
+ private:
+  CLI::Option* option_;
+};
+
+class CommandLine {
+ public:
+  CommandLine(const std::string& summary, const std::string& program);
+  ~CommandLine();
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  // names: "-o,--output", or "INPUT" for what has no flag. The value must outlive parse(). T: std::string, int, uint64_t,
+  // double, an optional of these but uint64_t, a vector of strings or doubles.
+  template <class T>
+  Flag add_option(const std::string& names, T& value, const std::string& help);
+  Flag add_option(const std::string& names, std::function<void(const std::string&)> take, const std::string& help);
+  Flag add_flag(const std::string& names, bool& value, const std::string& help);
+  // Does something and ends the program well, as --help does.
+  void add_action(const std::string& names, std::function<void()> act, const std::string& help);
+  void set_version(const std::string& version);
+  // Below the flags in --help.
+  void footer(const std::string& text);
+  // Flags that are not known are kept in remaining().
+  void allow_extras();
+  std::vector<std::string> remaining() const;
+
+  // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
+  CommandLine* add_command(const std::string& name, const std::string& summary);
+  void on_chosen(std::function<void()> chosen);
+
+  struct Result {
+    bool done = false;  // --help, --version or an action: there is nothing more to do
+    std::string error;  // what is wrong with the command line, or nothing
+  };
+  Result parse(int argc, char** argv);
+  std::string help() const;
+
+ private:
+  explicit CommandLine(CLI::App* command);
+  std::unique_ptr<CLI::App> own_;  // of a program
+  CLI::App* app_;
+  std::vector<std::unique_ptr<CommandLine>> commands_;
+};
+
+}  // namespace rumi
