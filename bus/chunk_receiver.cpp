@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <zlib.h>
 
 #include <algorithm>
 
 #include "bus/chunked_transfer.h"
+#include "bus/log.h"
 
 namespace rumi {
 namespace {
@@ -54,8 +54,8 @@ ChunkReceiver::ChunkReceiver(Bus& bus, std::string data_channel, std::string ack
 void ChunkReceiver::on_chunk(const chunk_t& chunk) {
   if (chunk.receiver.empty() ? !accept_unaddressed_ : chunk.receiver != name_) return;
   if (!is_plausible(chunk, options_.max_payload_bytes)) {
-    spdlog::debug("chunk {} of {} from {} ({} of {} bytes) makes no sense", chunk.index, chunk.count, chunk.sender,
-                  chunk.size, chunk.total_size);
+    log_debug("chunk {} of {} from {} ({} of {} bytes) makes no sense", chunk.index, chunk.count, chunk.sender,
+              chunk.size, chunk.total_size);
     return;
   }
   for (Finished& finished : recent_) {
@@ -106,7 +106,7 @@ void ChunkReceiver::complete(const Id& id) {
   const bool intact = static_cast<int64_t>(bytes.size()) == assembly.header.total_size &&
                       static_cast<int64_t>(crc32_z(0, bytes.data(), bytes.size())) == assembly.header.checksum;
   if (!intact && ++assembly.restarts <= kMaxRestarts) {
-    spdlog::warn("{} bytes from {} arrived damaged and are asked for again", bytes.size(), id.first);
+    log_warning("{} bytes from {} arrived damaged and are asked for again", bytes.size(), id.first);
     assembly.pieces.clear();
     assembly.next_index = 0;
     acknowledge(assembly, assembly.header.count);

@@ -49,8 +49,8 @@ class CommandLine {
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
-  // names: "-o,--output", or "INPUT" for what has no flag. The value must outlive parse(). T: std::string, int, uint64_t,
-  // double, an optional of these but uint64_t, a vector of strings or doubles.
+  // names: "-o,--output", or "INPUT" for what has no flag. The value must outlive parse(). T: std::string, int,
+  // uint64_t, double, an optional of these but uint64_t, a vector of strings or doubles.
   template <class T>
   Flag add_option(const std::string& names, T& value, const std::string& help);
   Flag add_option(const std::string& names, std::function<void(const std::string&)> take, const std::string& help);

@@ -2,11 +2,10 @@
 // What all implementations of Bus do with a message.
 #pragma once
 
-#include <spdlog/spdlog.h>
-
 #include <exception>
 
 #include "bus/bus.h"
+#include "bus/log.h"
 
 namespace rumi {
 
@@ -16,7 +15,7 @@ inline bool handle_safely(const Bus::RawHandler& handler, const std::string& cha
   try {
     return handler(data);
   } catch (const std::exception& e) {
-    spdlog::error("a message on {} could not be handled: {}", channel, e.what());
+    log_error("a message on {} could not be handled: {}", channel, e.what());
     return false;
   }
 }

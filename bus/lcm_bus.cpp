@@ -2,7 +2,6 @@
 #include "bus/lcm_bus.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cctype>
@@ -12,6 +11,7 @@
 #include <stdexcept>
 
 #include "bus/handler.h"
+#include "bus/log.h"
 
 namespace rumi {
 namespace {
@@ -39,7 +39,7 @@ void warn_once_about_receive_buffer(const std::string& url) {
     int64_t rmem_max = 0;
     std::ifstream("/proc/sys/net/core/rmem_max") >> rmem_max;
     const std::string advice = receive_buffer_advice(url, rmem_max);
-    if (!advice.empty()) spdlog::warn("{}", advice);
+    if (!advice.empty()) log_warning("{}", advice);
   });
 }
 
@@ -107,7 +107,7 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
 void LcmBus::receive() {
   while (!stop_) {
     if (lcm_->handleTimeout(kReceiveTimeoutMs) >= 0) continue;
-    spdlog::debug("LCM could not receive; trying again");
+    log_debug("LCM could not receive; trying again");
     std::this_thread::sleep_for(std::chrono::milliseconds(kReceiveTimeoutMs));
   }
 }

@@ -8,7 +8,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -16,7 +15,9 @@
 #include <fstream>
 #include <utility>
 
+#include "bus/command_line.h"
 #include "bus/lcm_bus.h"
+#include "bus/log.h"
 #include "bus/receive_losses.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
@@ -96,17 +97,17 @@ struct CommonFlags {
   bool verbose = false, quiet = false;
 };
 
-void add_common_flags(CLI::App& app, CommonFlags* flags) {
-  app.add_option("-l,--lcm-url", flags->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
+void add_common_flags(CommandLine& app, CommonFlags* flags) {
+  app.add_option("-l,--lcm-url", flags->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
   app.add_option("--channel-prefix", flags->names.prefix, "put before every channel name (several robots on one bus)");
-  app.add_option("-c,--channel", flags->names.camera, "channel of the camera images")->capture_default_str();
+  app.add_option("-c,--channel", flags->names.camera, "channel of the camera images")->show_default();
   app.add_option("--config", flags->config, "YAML file with options, see below")->type_name("FILE");
   app.add_option("--set", flags->settings, "set one option, may be repeated; wins over --config")
       ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+      ->one_each();
   app.add_flag("-v,--verbose", flags->verbose, "log more");
   app.add_flag("-q,--quiet", flags->quiet, "log warnings and errors only");
-  app.set_version_flag("--version", std::string(version()));
+  app.set_version(version());
 }
 
 // What is wrong with --config or --set, or an empty string.
@@ -128,7 +129,7 @@ void reload(const CommonFlags& flags, OptionTable* table, const std::function<st
   table->reset();
   std::string problem = load_options(flags, table);
   if (problem.empty()) problem = on_reload(node);
-  if (!problem.empty()) spdlog::error("options read again, but not used: {}", problem);
+  if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
 
 void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function<void()>& on_reload) {
@@ -147,7 +148,7 @@ void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function
   };
   run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
   bus.dispatch(0);  // what had arrived when we were asked to end, as the last images of a camera that was ended first
-  spdlog::debug("ending");
+  log_debug("ending");
   if (g_stop_signals == 0) node.finish();
   if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
   if (g_stop_signals > 0) node.stop();
@@ -158,7 +159,7 @@ void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function
     step();
     if (std::exchange(handed_on, node.handed_on()) != handed_on) deadline = Clock::now() + kFinishTimeout;
   }
-  if (!node.finished()) spdlog::warn("not everything could be handed on before the end");
+  if (!node.finished()) log_warning("not everything could be handed on before the end");
   status.stopping(node, bus.now_us());
 }
 
@@ -183,7 +184,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
 int run_process(int argc, char** argv, const ProcessDescription& description) {
   catch_finish_signal();
   if (description.on_reload) catch_reload_signal();
-  CLI::App app(description.summary, description.name);
+  CommandLine app(description.summary, description.name);
   CommonFlags flags;
   OptionTable table;
   add_common_flags(app, &flags);
@@ -193,13 +194,9 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   if (const std::string options = table.help(); !options.empty())
     app.footer("Options for --config and --set, with their defaults:\n" + options);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {  // -h, --version
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    return wrong_command_line(description.name, fmt::format("{}\n\n{}", e.what(), usage));
-  }
+  const CommandLine::Result parsed = app.parse(argc, argv);
+  if (parsed.done) return kOk;
+  if (!parsed.error.empty()) return wrong_command_line(description.name, fmt::format("{}\n\n{}", parsed.error, usage));
   if (const std::string problem = load_options(flags, &table); !problem.empty())
     return wrong_command_line(description.name, problem);
 
@@ -214,7 +211,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
     run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });
   } catch (const std::exception& e) {
-    spdlog::error("{}", e.what());
+    log_error("{}", e.what());
     return kFailure;
   }
   return kOk;
@@ -232,7 +229,7 @@ void StatusPublisher::note_losses(NodeStatus* status) {
   status->degraded = true;
   status->detail += fmt::format(", {} of them now: {}", now_lost, kLossAdvice);
   if (lost == now_lost)
-    spdlog::warn(
+    log_warning(
         "{} datagrams, and the messages that they are parts of, were lost before they were received: {}; from "
         "now on they are counted in the status",
         lost, kLossAdvice);

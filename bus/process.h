@@ -9,11 +9,9 @@
 #include "bus/bus.h"
 #include "bus/options.h"
 
-namespace CLI {
-class App;
-}
-
 namespace rumi {
+
+class CommandLine;
 
 struct NodeStatus {
   std::string detail;     // one line for a person
@@ -48,7 +46,7 @@ struct ProcessDescription {
   std::string name;     // "front_tracker"
   std::string summary;  // one or two lines for --help
   // Adds the process's own flags to the command line (may be empty).
-  std::function<void(CLI::App&)> add_flags;
+  std::function<void(CommandLine&)> add_flags;
   // Registers its options (may be empty).
   std::function<void(OptionTable&)> add_options;
   // Makes the node once everything is parsed; throws std::runtime_error with a message for the user if it cannot.

@@ -2,13 +2,13 @@
 #include "camera_driver/camera_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
 #include "bus/image_codec.h"
+#include "bus/log.h"
 
 namespace rumi {
 namespace {
@@ -52,9 +52,9 @@ bool CameraNode::done() const { return source_->live() ? source_->live()->ended 
 void CameraNode::start(int64_t now_us) {
   started_us_ = progress_us_ = now_us;
   if (source_->live()) return;
-  spdlog::info("{}: {} images of {} x {} pixels", source_->name(),
-               source_->total() < 0 ? "any number of" : std::to_string(source_->total()), source_->camera().width,
-               source_->camera().height);
+  log_info("{}: {} images of {} x {} pixels", source_->name(),
+           source_->total() < 0 ? "any number of" : std::to_string(source_->total()), source_->camera().width,
+           source_->camera().height);
 }
 
 void CameraNode::tick(int64_t now_us) {
@@ -89,7 +89,7 @@ void CameraNode::put_on_bus() {
   ++published_;
   if (!bus_.publish(channels::kCamera, *ahead_) && !publish_failed_) {
     publish_failed_ = true;
-    spdlog::error("an image could not be published ({} bytes)", ahead_->size);
+    log_error("an image could not be published ({} bytes)", ahead_->size);
   }
 }
 
@@ -104,8 +104,8 @@ void CameraNode::report_progress(int64_t now_us) {
   const int64_t elapsed_us = now_us - progress_us_;
   if (elapsed_us < kProgressUs && !done()) return;
   const double rate_hz = static_cast<double>(published_ - progress_count_) * 1e6 / static_cast<double>(elapsed_us + 1);
-  spdlog::info("{}{}{}", detail(), elapsed_us >= kProgressUs ? fmt::format(", {:.1f} Hz", rate_hz) : "",
-               done() ? ": the end" : "");
+  log_info("{}{}{}", detail(), elapsed_us >= kProgressUs ? fmt::format(", {:.1f} Hz", rate_hz) : "",
+           done() ? ": the end" : "");
   progress_us_ = now_us;
   progress_count_ = published_;
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "bus/bus.h"
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "bus/log_file.h"
 #include "camera_driver/frame_reader.h"
 
@@ -22,7 +22,7 @@ class LogFrameReader : public FrameReader {
       if (Bus::decode(event->data, &image_)) return FrameStamp{image_.utime, where};
       if (malformed_.count++ == 0) malformed_.first = where + ": is no image_t message, or broken";
     }
-    if (!log_->error().empty()) spdlog::warn("{}", log_->error());
+    if (!log_->error().empty()) log_warning("{}", log_->error());
     return std::nullopt;
   }
   std::optional<image_t> load(bool, std::string* error) override {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <optional>
 
+#include "bus/command_line.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/v4l2/video_device.h"
 
@@ -30,18 +30,14 @@ struct Flags {
   }
 };
 
-void add_flags(CLI::App& app, Flags* flags) {
+void add_flags(rumi::CommandLine& app, Flags* flags) {
   app.add_option(
          "INPUT", flags->input,
          "what to publish: a camera (/dev/video0, a name in /dev/v4l/by-id, or camera:NAME), a TUM-style folder (with "
          "rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, a video, or an lcm log")
       ->required();
-  app.add_flag_callback(
-      "--list",
-      [] {
-        fmt::print("{}", rumi::list_cameras(rumi::kernel_video_system()));
-        throw CLI::Success();
-      },
+  app.add_action(
+      "--list", [] { fmt::print("{}", rumi::list_cameras(rumi::kernel_video_system())); },
       "show the cameras with their formats, sizes, rates and controls, and end");
   app.add_option(
          "--camera", flags->camera_file,
@@ -74,7 +70,7 @@ int main(int argc, char** argv) {
   process.summary =
       "Publishes the images of a camera (V4L2), or of a recording at the pace at which they were recorded, on CAMERA. "
       "SIGUSR2: reads --config again and sets the camera's controls.";
-  process.add_flags = [&flags](CLI::App& app) { add_flags(app, &flags); };
+  process.add_flags = [&flags](rumi::CommandLine& app) { add_flags(app, &flags); };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&](rumi::Bus& bus) {
     flags.apply(&options);

@@ -2,12 +2,12 @@
 #include "camera_driver/recorded_source.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "camera_driver/encode_as.h"
 
 namespace rumi {
@@ -174,11 +174,11 @@ void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& mes
   if (pass_ > 0) return;
   const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start
   if (first_problem_.empty() || refused) first_problem_ = message;
-  if (++(skipped_.*reason) == 1 && !refused) spdlog::warn("{}", message);
+  if (++(skipped_.*reason) == 1 && !refused) log_warning("{}", message);
 }
 
 void RecordedSource::report_end() {
-  if (!reported_ && skipped_.total() > 0) spdlog::warn("{}: left out in all: {}", name_, skipped_.to_string());
+  if (!reported_ && skipped_.total() > 0) log_warning("{}: left out in all: {}", name_, skipped_.to_string());
   reported_ = true;
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <cmath>
 #include <opencv2/core/utils/logger.hpp>
@@ -8,6 +7,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "camera_driver/frame_reader.h"
 
 namespace rumi {
@@ -53,8 +53,8 @@ class VideoReader : public FrameReader {
     constexpr double kPartOfEstimate = 0.95;  // some containers only estimate the number
     const double promised = video_.get(cv::CAP_PROP_FRAME_COUNT);
     if (static_cast<double>(count_) < kPartOfEstimate * promised - 1)
-      spdlog::warn("{}: ends after {} images, its header promises {:.0f}: the file may be cut off", file_, count_,
-                   promised);
+      log_warning("{}: ends after {} images, its header promises {:.0f}: the file may be cut off", file_, count_,
+                  promised);
   }
   std::string file_;
   cv::VideoCapture video_;

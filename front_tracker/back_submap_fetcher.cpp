@@ -2,8 +2,8 @@
 #include "front_tracker/back_submap_fetcher.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "bus/log.h"
 #include "bus/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
@@ -105,7 +105,7 @@ ChunkReceiver::Verdict BackSubmapFetcher::on_payload(const ChunkReceiver::Payloa
 void BackSubmapFetcher::refuse(const std::string& why) {
   ++refused_;
   problem_ = why;
-  spdlog::warn("not used for relocalization: {}", why);
+  log_warning("not used for relocalization: {}", why);
 }
 
 }  // namespace rumi

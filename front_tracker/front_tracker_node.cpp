@@ -2,7 +2,6 @@
 #include "front_tracker/front_tracker_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <charconv>
 #include <opencv2/core/utility.hpp>
@@ -11,6 +10,7 @@
 #include "bus/camera_file.h"
 #include "bus/cpu_clock.h"
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "bus/submap_update.h"
 #include "bus/working_image.h"
 
@@ -69,7 +69,7 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
 
 void FrontTrackerNode::refuse(const std::string& kind, const std::string& problem) {
   problem_ = problem;
-  if (refused_[kind]++ == 0) spdlog::warn("image not used: {} (further images like it are only counted)", problem);
+  if (refused_[kind]++ == 0) log_warning("image not used: {} (further images like it are only counted)", problem);
 }
 
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
@@ -111,8 +111,8 @@ bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
     return true;
   }
   if (++backward_images_ >= kBackwardImagesOfNewSession && tracker_) {
-    spdlog::warn("the camera's time went back by {:.3f} s: a new session begins",
-                 1e-6 * static_cast<double>(last_utime_us_ - utime_us));
+    log_warning("the camera's time went back by {:.3f} s: a new session begins",
+                1e-6 * static_cast<double>(last_utime_us_ - utime_us));
     retire_session();
     backward_images_ = 0;
     return true;

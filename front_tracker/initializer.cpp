@@ -2,11 +2,11 @@
 #include "front_tracker/initializer.h"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bus/log.h"
 #include "slam/geometry/two_view.h"
 
 namespace rumi {
@@ -195,9 +195,9 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
   refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals, motion_px);
   if (!refusal_.empty()) return std::nullopt;
-  spdlog::debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
-                pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame,
-                frames_.size(), best->error_px);
+  log_debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
+            pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame, frames_.size(),
+            best->error_px);
   return best->structure.finish();
 }
 

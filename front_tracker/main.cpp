@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
-
+#include "bus/command_line.h"
 #include "bus/process.h"
 #include "front_tracker/front_tracker_node.h"
 
@@ -11,7 +10,7 @@ int main(int argc, char** argv) {
   process.summary =
       "Tracks the camera in real time: images come in on CAMERA, a state and a pose for each go out on RUMI_TRACK, the "
       "submaps on RUMI_SUBMAP.";
-  process.add_flags = [&options](CLI::App& app) {
+  process.add_flags = [&options](rumi::CommandLine& app) {
     app.add_option("--camera", options.camera_file, "calibration (default: the one that comes with the images)");
   };
   process.add_options = [&options](rumi::OptionTable& table) { rumi::describe(table, options); };

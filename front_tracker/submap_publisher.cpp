@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/submap_publisher.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 
+#include "bus/log.h"
 #include "bus/submap_update.h"
 
 namespace rumi {
@@ -51,7 +50,7 @@ void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
     // A rejected update tells what the server has: the next one begins there.
     if (result.ok || result.revision < progress->stored_revision) progress->stored_revision = result.revision;
     failure_ = result.ok ? "" : result.reason;
-    if (!result.ok) spdlog::warn("map_server did not take a submap update: {}", result.reason);
+    if (!result.ok) log_warning("map_server did not take a submap update: {}", result.reason);
   });
 }
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/tracker.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 
+#include "bus/log.h"
 #include "front_tracker/patch_tracking.h"
 #include "front_tracker/scale_support.h"
 #include "slam/geometry/median.h"
@@ -102,8 +101,8 @@ void Tracker::lose(const Frame& frame) {
   state_ = TrackingState::kRecentlyLost;
   lost_since_us_ = frame.utime_us;
   initializer_.clear();
-  spdlog::info("lost track of submap {} with {} keyframes at {}", active().map.key.id, active().map.keyframes.size(),
-               frame.utime_us);
+  log_info("lost track of submap {} with {} keyframes at {}", active().map.key.id, active().map.keyframes.size(),
+           frame.utime_us);
 }
 
 // Finds the camera again: first where it was last seen, then wherever it looks alike.
@@ -132,8 +131,8 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
   const int back_id = back->key.id;
   const FrontSubmap& submap = open_submap(std::move(*back));
   for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, submap.map, kf);
-  spdlog::info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
-               submap.map.keyframes.size(), submap.map.landmarks.size());
+  log_info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
+           submap.map.keyframes.size(), submap.map.landmarks.size());
   go_on_in(submaps_.size() - 1, frame);
   return true;
 }
@@ -157,8 +156,7 @@ void Tracker::go_on_in(size_t submap_index, Frame* frame) {
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  spdlog::info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
-               frame->matches());
+  log_info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us, frame->matches());
 }
 
 // Do the newest keyframes before the loss contradict the place where the frame was found?
@@ -198,8 +196,8 @@ void Tracker::withdraw_torn_end(Frame* found) {
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !submap.map.landmark(id)) id = kNone;
-  spdlog::info("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
-               first_us);
+  log_info("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
+           first_us);
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {
@@ -216,7 +214,7 @@ bool Tracker::begin_submap(Frame* frame) {
   if (go_on_in_back_submap(frame)) return true;
   auto initial = initializer_.add(*frame);
   if (!initial) {
-    spdlog::debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
+    log_debug("no new submap at {}: {}", frame->utime_us, initializer_.refusal());
     return false;
   }
   open_submap({});
@@ -226,9 +224,8 @@ bool Tracker::begin_submap(Frame* frame) {
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  spdlog::info("submap {} begins at {} with {} keyframes, {} landmarks, {} frames", active().map.key.id,
-               frame->utime_us, active().map.keyframes.size(), active().map.landmarks.size(),
-               active().map.frames.size());
+  log_info("submap {} begins at {} with {} keyframes, {} landmarks, {} frames", active().map.key.id, frame->utime_us,
+           active().map.keyframes.size(), active().map.landmarks.size(), active().map.frames.size());
   return true;
 }
 

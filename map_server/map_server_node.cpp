@@ -2,7 +2,6 @@
 #include "map_server/map_server_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "bus/cpu_clock.h"
+#include "bus/log.h"
 #include "bus/submap_update.h"
 #include "map_server/map_messages.h"
 
@@ -33,9 +33,9 @@ bool is_same_file(const std::string& a, const std::string& b) {
 void report(const std::string& trouble, const std::string& before, const std::string& file) {
   if (trouble == before) return;
   if (trouble.empty())
-    spdlog::info("{} can be written again, nothing is missing in it", file);
+    log_info("{} can be written again, nothing is missing in it", file);
   else
-    spdlog::error("{}", trouble);
+    log_error("{}", trouble);
 }
 
 }  // namespace
@@ -50,8 +50,8 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
       receiver_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("map_server"), true,
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
   if (!atlas_.submaps().empty())
-    spdlog::info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
-                 atlas_.frames().size());
+    log_info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
+             atlas_.frames().size());
   if (options.snapshot_s > 0 && is_same_file(options.snapshot_file, options.database))
     throw std::runtime_error(
         fmt::format("map_server.snapshot_file is {}, the database itself; give another file", options.snapshot_file));
@@ -97,7 +97,7 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     reason = save();
   } else {
     ++rejected_;
-    spdlog::warn("a submap update from {} is rejected: {}", payload.sender, reason);
+    log_warning("a submap update from {} is rejected: {}", payload.sender, reason);
   }
   busy_ms_ += 1e3 * (thread_cpu_s() - start_s);
   ++handled_;
@@ -153,10 +153,9 @@ void MapServerNode::absorb(MergeResult result) {
     cull(result.culled);
     const size_t submaps = result.placements.size() + result.unmoved.size();
     atlas_.place_map(std::move(result.placements), result.unmoved);
-    spdlog::info(
-        "{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
-        submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),
-        atlas_.frames_in_map() - frames_before, result.cpu_s);
+    log_info("{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
+             submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),
+             atlas_.frames_in_map() - frames_before, result.cpu_s);
     publish_map_status();
   }
   save();
@@ -165,9 +164,9 @@ void MapServerNode::absorb(MergeResult result) {
 void MapServerNode::cull(const CulledSubmaps& culled) {
   for (const auto& [key, left] : culled) {
     const Submap& all = atlas_.find(key)->submap;
-    spdlog::info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
-                 all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
-                 all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
+    log_info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
+             all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
+             all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
     atlas_.change_submap(key, [&left = left](Submap* submap) {
       if (submap->revision + 1 == left->revision) *submap = *left;
       return std::string();
@@ -317,7 +316,7 @@ void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vecto
                [this, id, is_large](const TransferResult& result) {
                  answering_.erase(id);
                  large_answers_ -= is_large;
-                 if (!result.ok) spdlog::warn("the answer to {} did not arrive: {}", id.first, result.reason);
+                 if (!result.ok) log_warning("the answer to {} did not arrive: {}", id.first, result.reason);
                });
 }
 

@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -16,6 +15,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bus/log.h"
 #include "map_server/map_store_schema.h"
 
 namespace rumi {
@@ -133,7 +133,7 @@ void MapStore::open() {
       db_.execute(kMapSchemaFrom1To2);
     }
     db_.execute(kMapSchemaFrom2To3);
-    spdlog::info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
+    log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(
       fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kMapApplicationId, kMapSchemaVersion));

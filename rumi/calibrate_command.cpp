@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -11,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
 #include "map_server/output_file.h"
@@ -178,9 +178,9 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app, std::function<int()>* chosen) {
+void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a camera from images of a board (see draw-board)");
+  CommandLine* command = app.add_command("calibrate", "Calibrate a camera from images of a board (see draw-board)");
   command->add_option(
       "SOURCE", arguments->source,
       "images of the board: a folder, a dataset folder, a video or an lcm log; without it: those that come in live, "
@@ -192,23 +192,23 @@ void add_calibrate_command(CLI::App& app, std::function<int()>* chosen) {
       "refused");
   command->add_option("--board", arguments->board, "as written below it; columns and rows count squares")
       ->type_name(kBoardSyntax)
-      ->capture_default_str();
+      ->show_default();
   command->add_option("--model", arguments->model, "fisheye: of Kannala and Brandt, from some 110 degrees of view on")
-      ->check(CLI::IsMember({"pinhole", "fisheye"}))
-      ->capture_default_str();
+      ->one_of({"pinhole", "fisheye"})
+      ->show_default();
   command->add_option("--every", arguments->every, "look at every Nth image of a recording only")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+      ->in_range(1, 1'000'000)
+      ->show_default();
   command->add_option("--max-rms", arguments->options.max_rms_px, "refuse a reprojection error above it, px")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->positive()
+      ->show_default();
   command->add_flag("--force", arguments->force, "write a calibration that is refused because it is doubtful");
   command->add_option("-c,--channel", arguments->names.camera, "channel of the images, live or in a log")
-      ->capture_default_str();
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
+      ->show_default();
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name, live");
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace rumi

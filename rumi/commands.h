@@ -5,28 +5,26 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
-
 namespace rumi {
 
-void add_up_command(CLI::App& app, std::function<int()>* chosen);
-void add_replay_command(CLI::App& app, std::function<int()>* chosen);
-void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);
-void add_evaluate_command(CLI::App& app, std::function<int()>* chosen);
-void add_report_command(CLI::App& app, std::function<int()>* chosen);
-void add_snapshot_command(CLI::App& app, std::function<int()>* chosen);
-void add_status_command(CLI::App& app, std::function<int()>* chosen);
-void add_view_command(CLI::App& app, std::function<int()>* chosen);
-void add_cut_window_command(CLI::App& app, std::function<int()>* chosen);
-void add_draw_window_command(CLI::App& app, std::function<int()>* chosen);
-void add_export_map_command(CLI::App& app, std::function<int()>* chosen);
-void add_draw_board_command(CLI::App& app, std::function<int()>* chosen);
-void add_calibrate_command(CLI::App& app, std::function<int()>* chosen);
-void add_synth_command(CLI::App& app, std::function<int()>* chosen);
-void add_export_command(CLI::App& app, std::function<int()>* chosen);
-void add_import_command(CLI::App& app, std::function<int()>* chosen);
-void add_config_command(CLI::App& app, std::function<int()>* chosen);
+class CommandLine;
+
+void add_up_command(CommandLine& app, std::function<int()>* chosen);
+void add_replay_command(CommandLine& app, std::function<int()>* chosen);
+void add_ruminate_command(CommandLine& app, std::function<int()>* chosen);
+void add_evaluate_command(CommandLine& app, std::function<int()>* chosen);
+void add_report_command(CommandLine& app, std::function<int()>* chosen);
+void add_snapshot_command(CommandLine& app, std::function<int()>* chosen);
+void add_status_command(CommandLine& app, std::function<int()>* chosen);
+void add_view_command(CommandLine& app, std::function<int()>* chosen);
+void add_cut_window_command(CommandLine& app, std::function<int()>* chosen);
+void add_draw_window_command(CommandLine& app, std::function<int()>* chosen);
+void add_export_map_command(CommandLine& app, std::function<int()>* chosen);
+void add_draw_board_command(CommandLine& app, std::function<int()>* chosen);
+void add_calibrate_command(CommandLine& app, std::function<int()>* chosen);
+void add_synth_command(CommandLine& app, std::function<int()>* chosen);
+void add_export_command(CommandLine& app, std::function<int()>* chosen);
+void add_import_command(CommandLine& app, std::function<int()>* chosen);
+void add_config_command(CommandLine& app, std::function<int()>* chosen);
 
 }  // namespace rumi

@@ -2,21 +2,21 @@
 // rumi config: every option with its default, as config/rumi.yaml has it.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "rumi/all_options.h"
 #include "rumi/commands.h"
 
 namespace rumi {
 
-void add_config_command(CLI::App& app, std::function<int()>* chosen) {
+void add_config_command(CommandLine& app, std::function<int()>* chosen) {
   auto config = std::make_shared<std::string>();
   auto settings = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("config", "Print every option with its value as YAML (see config/rumi.yaml)");
+  CommandLine* command = app.add_command("config", "Print every option with its value as YAML (see config/rumi.yaml)");
   command->add_option("--config", *config, "YAML file to begin with");
-  command->add_option("--set", *settings, "KEY=VALUE, may be repeated")->allow_extra_args(false);
-  command->callback([config, settings, chosen] {
+  command->add_option("--set", *settings, "KEY=VALUE, may be repeated")->one_each();
+  command->on_chosen([config, settings, chosen] {
     *chosen = [config, settings] {
       AllOptions options;
       OptionTable table;

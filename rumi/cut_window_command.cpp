@@ -2,9 +2,9 @@
 // rumi cut-window INPUT -o FILE: chosen frames of a recording as a window that `rumi ruminate` rebuilds.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "bus/process.h"
 #include "camera_driver/image_source.h"
 #include "rumi/commands.h"
@@ -55,10 +55,10 @@ int cut_window(const Arguments& arguments) {
 
 }  // namespace
 
-void add_cut_window_command(CLI::App& app, std::function<int()>* chosen) {
+void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("cut-window", "Make a window of chosen frames of a recording, for `rumi ruminate`");
+  CommandLine* command =
+      app.add_command("cut-window", "Make a window of chosen frames of a recording, for `rumi ruminate`");
   command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
   command->add_option("-o,--output", arguments->file, "the window file, by custom *.window")->required();
   const std::string form = "FIRST..LAST[:STRIDE]";
@@ -70,9 +70,9 @@ void add_cut_window_command(CLI::App& app, std::function<int()>* chosen) {
   command->add_option("--camera", arguments->camera.camera_file, "calibration file, instead of the one beside the data")
       ->type_name("FILE");
   command->add_option("--start", arguments->camera.start_s, "leave out so many seconds; the next frame is frame 0")
-      ->capture_default_str();
+      ->show_default();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return cut_window(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return cut_window(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -2,9 +2,9 @@
 // rumi draw-board -o board.pdf: a calibration board to print.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "rumi/calibration/board_page.h"
 #include "rumi/commands.h"
 
@@ -30,26 +30,22 @@ int draw(const Arguments& arguments) {
 
 }  // namespace
 
-void add_draw_board_command(CLI::App& app, std::function<int()>* chosen) {
+void add_draw_board_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("draw-board", "Make a calibration board to print, for `rumi calibrate`");
+  CommandLine* command = app.add_command("draw-board", "Make a calibration board to print, for `rumi calibrate`");
   command->add_option("-o,--output", arguments->file, "the file; its ending tells what: .pdf or .png")->required();
   command->add_option("--board", arguments->board, "what board; columns and rows count squares")
       ->type_name(kBoardSyntax)
-      ->capture_default_str();
+      ->show_default();
   std::vector<std::string> names;
   for (const Paper& paper : papers()) names.emplace_back(paper.name);
-  command->add_option("--paper", arguments->paper, "it is turned as fits")
-      ->check(CLI::IsMember(names))
-      ->capture_default_str();
-  command->add_option("--dpi", arguments->dpi, "of a .png, pixels per inch")
-      ->check(CLI::Range(72.0, 1200.0))
-      ->capture_default_str();
+  command->add_option("--paper", arguments->paper, "it is turned as fits")->one_of(names)->show_default();
+  command->add_option("--dpi", arguments->dpi, "of a .png, pixels per inch")->in_range(72.0, 1200.0)->show_default();
   std::string dictionaries;
   for (const BoardDictionary& dictionary : board_dictionaries())
     dictionaries += (dictionaries.empty() ? "" : ", ") + std::string(dictionary.name);
   command->footer(fmt::format("Boards: charuco:9x7:26:19:4X4_50, chessboard:9x7:26. DICTIONARY is {}.", dictionaries));
-  command->callback([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -2,9 +2,9 @@
 // rumi draw-window LOG -o PNG: which frames were sampled around a loss.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "rumi/commands.h"
 #include "rumi/window_picture.h"
 #include "rumi/window_scene.h"
@@ -29,15 +29,15 @@ int draw(const Arguments& arguments) {
 
 }  // namespace
 
-void add_draw_window_command(CLI::App& app, std::function<int()>* chosen) {
+void add_draw_window_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("draw-window", "Draw which frames were sampled around a tracking loss");
+  CommandLine* command = app.add_command("draw-window", "Draw which frames were sampled around a tracking loss");
   command->add_option("LOG", arguments->log, "lcm log with the images: of `rumi replay --log`, or of lcm-logger")
       ->required();
   command->add_option("-o,--output", arguments->out, "PNG file")->required();
   command->add_option("--window", arguments->window, "its number; default: the first between two submaps")
-      ->check(CLI::Range(1, 1'000'000'000));
-  command->callback([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });
+      ->in_range(1, 1'000'000'000);
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });
 }
 
 }  // namespace rumi

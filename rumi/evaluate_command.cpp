@@ -2,10 +2,10 @@
 // rumi evaluate OUT --groundtruth F: how good the outputs of a run are.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "rumi/commands.h"
 #include "rumi/evaluation_plot.h"
 #include "rumi/run_evaluation.h"
@@ -75,9 +75,9 @@ int evaluate(const Arguments& arguments) {
 
 }  // namespace
 
-void add_evaluate_command(CLI::App& app, std::function<int()>* chosen) {
+void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("evaluate", "Measure the outputs of a run against the true path");
+  CommandLine* command = app.add_command("evaluate", "Measure the outputs of a run against the true path");
   command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
   command
       ->add_option("--groundtruth", arguments->groundtruth,
@@ -87,22 +87,22 @@ void add_evaluate_command(CLI::App& app, std::function<int()>* chosen) {
   command
       ->add_option("--groundtruth-rate", arguments->truth.frames_per_second,
                    "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->not_negative()
+      ->show_default();
   command
       ->add_option("--max-time-difference", arguments->metrics.max_time_difference_s,
                    "between a pose and its truth, s; never more than half the frame period")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->positive()
+      ->show_default();
   command
       ->add_option("--true-distance", arguments->metrics.true_distance_m,
                    "true_rate counts frames nearer to the truth than this, m")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->positive()
+      ->show_default();
   command->add_option("--rpe-interval", arguments->metrics.rpe_interval_s, "of the relative pose error, s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->callback([arguments, chosen] { *chosen = [arguments] { return evaluate(*arguments); }; });
+      ->positive()
+      ->show_default();
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return evaluate(*arguments); }; });
 }
 
 }  // namespace rumi

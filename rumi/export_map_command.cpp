@@ -2,10 +2,10 @@
 // rumi export-map MAP.db -o DIR --format F: a map for other programs.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "map_server/colmap_model.h"
 #include "map_server/writers.h"
 #include "rumi/commands.h"
@@ -44,17 +44,17 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_export_map_command(CLI::App& app, std::function<int()>* chosen) {
+void add_export_map_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("export-map", "Write a map for other programs");
+  CommandLine* command = app.add_command("export-map", "Write a map for other programs");
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
   command->add_option("-o,--output", arguments->out, "folder, created if missing")->required();
   command
       ->add_option("--format", arguments->format,
                    "colmap-text or colmap-bin (cameras, images, points3D), ply (map.ply), tum (trajectory.txt)")
       ->required()
-      ->check(CLI::IsMember({"colmap-text", "colmap-bin", "ply", "tum"}));
-  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+      ->one_of({"colmap-text", "colmap-bin", "ply", "tum"});
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -2,16 +2,15 @@
 // `rumi`: the one command of the user.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <exception>
 
+#include "bus/command_line.h"
 #include "bus/process.h"
 #include "rumi/commands.h"
 
 int main(int argc, char** argv) {
-  CLI::App app("Monocular visual SLAM of small LCM processes.", "rumi");
-  app.set_version_flag("--version", std::string(rumi::version()));
-  app.require_subcommand(1);
+  rumi::CommandLine app("Monocular visual SLAM of small LCM processes.", "rumi");
+  app.set_version(rumi::version());
   std::function<int()> chosen;
   rumi::add_replay_command(app, &chosen);
   rumi::add_up_command(app, &chosen);
@@ -30,12 +29,10 @@ int main(int argc, char** argv) {
   rumi::add_export_command(app, &chosen);
   rumi::add_import_command(app, &chosen);
   rumi::add_config_command(app, &chosen);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {  // -h, --version
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", e.what());
+  const rumi::CommandLine::Result parsed = app.parse(argc, argv);
+  if (parsed.done) return 0;
+  if (!parsed.error.empty()) {
+    fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", parsed.error);
     return 2;
   }
   try {

@@ -4,12 +4,12 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "camera_driver/image_source.h"
 #include "map_server/output_file.h"
 #include "rumi/all_options.h"
@@ -194,21 +194,20 @@ int replay(const Arguments& arguments) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
+void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
+  CommandLine* command =
+      app.add_command("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
   command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
   command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
   command->add_option("--log", arguments->log, "lcm log to write: every message on the bus, images included");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")
-      ->allow_extra_args(false);
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more");
   // The flags that camera_driver has too are short for options of its section.
   const auto shorthand = [&](const char* flag, const char* key, const char* help) {
-    command->add_option_function<std::string>(
+    command->add_option(
         flag,
         [arguments, key](const std::string& value) { arguments->settings.push_back(fmt::format("{}={}", key, value)); },
         help);
@@ -219,7 +218,7 @@ void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
   shorthand("--duration", "camera_driver.duration", "end after so much, s; 0: all");
   shorthand("--rate", "camera_driver.rate", "new times at this rate, Hz (needed for images without times)");
   shorthand("--encoding", "camera_driver.encoding", "grey, rgb, jpeg or auto");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -2,10 +2,10 @@
 // rumi report OUT: a run as one web page.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "map_server/output_file.h"
 #include "rumi/commands.h"
 #include "rumi/run_report.h"
@@ -40,20 +40,20 @@ int report(const Arguments& arguments) {
 
 }  // namespace
 
-void add_report_command(CLI::App& app, std::function<int()>* chosen) {
+void add_report_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("report", "Make one web page of a run, which opens from disk");
+  CommandLine* command = app.add_command("report", "Make one web page of a run, which opens from disk");
   command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
   command->add_option("-o,--output", arguments->file, "the page; default: OUT/report.html");
   command->add_option("--groundtruth", arguments->options.groundtruth, "true path, for errors; see `rumi evaluate`");
   command
       ->add_option("--groundtruth-rate", arguments->options.truth.frames_per_second,
                    "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->not_negative()
+      ->show_default();
   command->add_option("--log", arguments->options.log,
                       "lcm log of a live run, for the load of its processes over time");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return report(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return report(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <csignal>
@@ -12,6 +11,7 @@
 #include <memory>
 
 #include "bus/bus.h"
+#include "bus/command_line.h"
 #include "bus/process.h"
 #include "bus/submap_update.h"
 #include "map_server/output_file.h"
@@ -189,9 +189,9 @@ int ruminate(const Arguments& arguments) {
 
 }  // namespace
 
-void add_ruminate_command(CLI::App& app, std::function<int()>* chosen) {
+void add_ruminate_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("ruminate", "Rebuild windows from their files, one after another");
+  CommandLine* command = app.add_command("ruminate", "Rebuild windows from their files, one after another");
   command->add_option("WINDOW", arguments->windows, "*.window of a spool or of `rumi replay`, or a folder of them")
       ->required();
   command->add_option("-o,--output", arguments->out,
@@ -201,18 +201,17 @@ void add_ruminate_command(CLI::App& app, std::function<int()>* chosen) {
   command
       ->add_option("--truth-rate", arguments->truth_options.frames_per_second,
                    "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->not_negative()
+      ->show_default();
   command->add_flag("--keep-work", arguments->keep_work,
                     "leave COLMAP's files and log of windows that fail, as WINDOW.work in the output folder or here");
   command->add_flag("--json", arguments->json, "a line of JSON per window instead of the table");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")
-      ->allow_extra_args(false);
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more");
   command->footer("Exit code: 0 if all could be rebuilt, 1 if not, 2 for a wrong command line.");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return ruminate(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return ruminate(*arguments); }; });
 }
 
 }  // namespace rumi

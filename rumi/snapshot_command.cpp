@@ -2,12 +2,12 @@
 // rumi snapshot -o OUT: what a live system has so far, in the same files as `rumi replay` writes.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 
+#include "bus/command_line.h"
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
 #include "rumi/commands.h"
@@ -120,17 +120,15 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_snapshot_command(CLI::App& app, std::function<int()>* chosen) {
+void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("snapshot", "Write what a live system has so far, as `rumi replay` would");
+  CommandLine* command = app.add_command("snapshot", "Write what a live system has so far, as `rumi replay` would");
   command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
-  command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
   command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace rumi

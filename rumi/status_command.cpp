@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "bus/lcm_bus.h"
 #include "bus/process.h"
 #include "rumi/commands.h"
@@ -64,14 +64,14 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_status_command(CLI::App& app, std::function<int()>* chosen) {
+void add_status_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("status", "Show how a live system does: rates, latency, drops, tracking, map");
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
+  CommandLine* command = app.add_command("status", "Show how a live system does: rates, latency, drops, tracking, map");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
   command->add_flag("--json", arguments->json, "as JSON");
   command->add_flag("-f,--follow", arguments->follow, "again every second, until Ctrl-C (JSON: a line each time)");
-  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
+#include "bus/command_line.h"
 #include "rumi/all_options.h"
 #include "rumi/commands.h"
 #include "rumi/supervisor.h"
@@ -167,27 +167,24 @@ int up(const Arguments& arguments) {
 
 }  // namespace
 
-void add_up_command(CLI::App& app, std::function<int()>* chosen) {
+void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("up", "Run the five processes on LCM and watch over them until the input ends");
-  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")
-      ->required()
-      ->check(CLI::ExistingFile);
+  CommandLine* command =
+      app.add_command("up", "Run the five processes on LCM and watch over them until the input ends");
+  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->required()->existing_file();
   command->add_option(
       "INPUT", arguments->input,
       "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
       "(lcm-logplayer)");
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")
-      ->allow_extra_args(false);
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")->one_each();
   command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
   command->footer(
       "Whatever follows that is not known here, such as --speed 2, goes to camera_driver. SIGUSR2: CONFIG is read "
       "again and "
       "the controls of a camera set as it says.");
   command->allow_extras();
-  command->callback([arguments, chosen, command] {
+  command->on_chosen([arguments, chosen, command] {
     arguments->camera_flags = command->remaining();
     *chosen = [arguments] { return up(*arguments); };
   });

@@ -2,11 +2,11 @@
 // rumi view MAP.db -o PNG: a picture of a map.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <map>
 #include <memory>
 #include <optional>
 
+#include "bus/command_line.h"
 #include "rumi/commands.h"
 #include "rumi/map_file.h"
 #include "rumi/trajectory.h"
@@ -51,16 +51,16 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void add_view_command(CLI::App& app, std::function<int()>* chosen) {
+void add_view_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("view", "Draw a map");
+  CommandLine* command = app.add_command("view", "Draw a map");
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
   command->add_option("-o,--output", arguments->out, "PNG file")->required();
   command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
   command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
-      ->check(CLI::IsMember(kViews))
-      ->capture_default_str();
-  command->callback([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+      ->one_of({"all", "oblique", "top", "side", "follow"})
+      ->show_default();
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
 }  // namespace rumi

@@ -2,7 +2,6 @@
 #include "ruminator/build_worker.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "bus/bus.h"
+#include "bus/log.h"
 #include "bus/submap_update.h"
 
 namespace rumi {
@@ -54,7 +54,7 @@ std::optional<BuildReport> BuildWorker::take_report() {
 void BuildWorker::run() {
   // On Linux a thread has a niceness of its own; its children inherit it.
   if (setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice_) != 0)
-    spdlog::warn("rebuilding runs at normal priority: {}", std::strerror(errno));
+    log_warning("rebuilding runs at normal priority: {}", std::strerror(errno));
   std::unique_lock lock(mutex_);
   while (true) {
     wake_.wait(lock, [this] { return stop_ || task_; });

@@ -2,12 +2,12 @@
 #include "ruminator/rebuild_queue.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <utility>
 
+#include "bus/log.h"
 #include "bus/process.h"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "ruminator/window_message.h"
@@ -77,7 +77,7 @@ RebuildQueue::RebuildQueue(Bus& bus, const RuminatorOptions& options, Builder bu
   if (spool_)
     adopt();
   else
-    spdlog::error("{}; windows are kept in memory", spool_problem_);
+    log_error("{}; windows are kept in memory", spool_problem_);
 }
 
 RebuildQueue::Entries::iterator RebuildQueue::find(JobName name) {
@@ -113,7 +113,7 @@ void RebuildQueue::adopt_submap(JobName name) {
   entry.announced = window_t::MAPPING;
   entry.claim = std::move(claim);
   entries_.push_back(std::move(entry));
-  spdlog::info("window {}: its back submap was left in the spool and is sent now", to_string(name));
+  log_info("window {}: its back submap was left in the spool and is sent now", to_string(name));
 }
 
 void RebuildQueue::adopt_window(JobName name) {
@@ -135,7 +135,7 @@ void RebuildQueue::adopt_window(JobName name) {
     return fail(std::prev(entries_.end()),
                 fmt::format("the file holds window {} of session {}", file.job.window.id, file.job.window.session));
   }
-  spdlog::info("window {}: {}, left in the spool, queued", to_string(name), describe(file.job.window));
+  log_info("window {}: {}, left in the spool, queued", to_string(name), describe(file.job.window));
   announce(entries_.back(), window_t::QUEUED);
 }
 
@@ -148,10 +148,10 @@ void RebuildQueue::add(WindowJob job) {
   if (spool_) {
     added = spool_->add(job, &error);
     if (added == Spool::Added::kKnown) {
-      spdlog::warn("window {} is in the spool already: another ruminator shares it", to_string(entry.name));
+      log_warning("window {} is in the spool already: another ruminator shares it", to_string(entry.name));
       return;
     }
-    if (error != spool_problem_ && !error.empty()) spdlog::error("{}; the window is kept in memory", error);
+    if (error != spool_problem_ && !error.empty()) log_error("{}; the window is kept in memory", error);
     spool_problem_ = error;
   }
   // Where there is no thread, time stands still while a window is rebuilt.
@@ -159,8 +159,8 @@ void RebuildQueue::add(WindowJob job) {
   if (options_.build_thread && resumed_utime_us > 0 && frame_utime_us_ >= resumed_utime_us)
     entry.resumed_us = bus_.now_us() - (frame_utime_us_ - resumed_utime_us);
   if (added != Spool::Added::kAdded) entry.job = std::make_shared<const WindowJob>(std::move(job));
-  spdlog::info("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
-               entry.window.reason.empty() ? "" : ", ", entry.window.reason);
+  log_info("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
+           entry.window.reason.empty() ? "" : ", ", entry.window.reason);
   entries_.push_back(std::move(entry));
   announce(entries_.back(), window_t::QUEUED);
   limit();
@@ -171,7 +171,7 @@ void RebuildQueue::refuse(const RuminationWindow& window, const std::string& rea
   Entry entry;
   entry.name = name_of(window);
   entry.window = window;
-  spdlog::warn("window {}: {}; failed: {}", window.id, describe(window), reason);
+  log_warning("window {}: {}; failed: {}", window.id, describe(window), reason);
   announce(entry, window_t::FAILED, reason);
   ++failed_;
 }
@@ -313,17 +313,17 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
     return r.retryable ? try_again_or_fail(entry, reason, now_us) : fail(entry, reason);
   }
   const RuminationWindow& w = entry->window;
-  spdlog::info(
+  log_info(
       "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s "
       "CPU){}{}{}",
       w.id, r.approach, w.approach.size(), r.gap, w.gap.size(), r.departure, w.departure.size(), r.error_px,
       r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.origin.empty() ? "" : ", ", r.origin, broken);
-  if (!r.warning.empty()) spdlog::warn("window {}: {}", w.id, r.warning);
+  if (!r.warning.empty()) log_warning("window {}: {}", w.id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
     // The back submap has passed its own tests: it is the front's that is likely to be wrong.
     if (a.rotation_deg > options_.build.max_front_rotation_deg)
-      spdlog::warn("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", w.id, a.submap_id,
-                   a.rotation_deg, a.frames);
+      log_warning("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", w.id, a.submap_id,
+                  a.rotation_deg, a.frames);
   }
   ++built_;
   store(entry, report.submap);
@@ -335,7 +335,7 @@ void RebuildQueue::store(Entries::iterator entry, std::vector<uint8_t> submap) {
     if (spool_problem_.empty())
       submap.clear();
     else
-      spdlog::error("{}; the back submap is kept in memory", spool_problem_);
+      log_error("{}; the back submap is kept in memory", spool_problem_);
   }
   entry->job.reset();
   entry->stage = Stage::kDelivering;
@@ -347,7 +347,7 @@ void RebuildQueue::store(Entries::iterator entry, std::vector<uint8_t> submap) {
 void RebuildQueue::try_again_or_fail(Entries::iterator entry, const std::string& reason, int64_t now_us) {
   if (finishing_ || stopping_ || !options_.build_thread) return give_up(entry, reason);
   if (entry->tries >= options_.build_tries) return fail(entry, reason);
-  spdlog::warn("window {}: {}; another try in {:.0f} s", entry->window.id, reason, options_.retry_s);
+  log_warning("window {}: {}; another try in {:.0f} s", entry->window.id, reason, options_.retry_s);
   entry->not_before_us = now_us + retry_us();
   entry->claim.reset();
   announce(*entry, window_t::QUEUED, reason);
@@ -358,7 +358,7 @@ void RebuildQueue::try_again_or_fail(Entries::iterator entry, const std::string&
 void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
   std::string kept;
   if (entry->claim) kept = spool_->fail(entry->name, reason);
-  spdlog::warn("window {}: failed: {}{}{}", entry->window.id, reason, kept.empty() ? "" : "; kept as ", kept);
+  log_warning("window {}: failed: {}{}{}", entry->window.id, reason, kept.empty() ? "" : "; kept as ", kept);
   announce(*entry, window_t::FAILED, reason);
   ++failed_;
   entries_.erase(entry);
@@ -367,8 +367,8 @@ void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
 // Not now, but at the next start if it is in the spool.
 void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
   const bool is_kept = !entry->job;
-  spdlog::info("window {}: not rebuilt, {}{}", entry->window.id, reason,
-               is_kept ? "; it stays in the spool for the next start" : "");
+  log_info("window {}: not rebuilt, {}{}", entry->window.id, reason,
+           is_kept ? "; it stays in the spool for the next start" : "");
   if (is_kept)
     announce(*entry, window_t::QUEUED, reason + "; will be tried again at the next start");
   else
@@ -414,18 +414,18 @@ void RebuildQueue::on_delivered(JobName name, const TransferResult& result) {
   delivery_problem_ = result.ok ? "" : result.reason;
   if (!result.ok) {
     const bool is_new = entry->note != result.reason;
-    if (is_new) spdlog::warn("window {}: map_server did not take its back submap: {}", name.window_id, result.reason);
+    if (is_new) log_warning("window {}: map_server did not take its back submap: {}", name.window_id, result.reason);
     entry->given_up = finishing_;
     entry->not_before_us = bus_.now_us() + retry_us();
     return announce(*entry, window_t::MAPPING, result.reason);
   }
   if (entry->claim)
-    if (const std::string error = spool_->complete(name); !error.empty()) spdlog::error("{}", error);
+    if (const std::string error = spool_->complete(name); !error.empty()) log_error("{}", error);
   const std::optional<int64_t> resumed_us = entry->resumed_us;
-  spdlog::info("window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
-               resumed_us ? fmt::format(", {:.1f} s after tracking resumed",
-                                        1e-6 * static_cast<double>(bus_.now_us() - *resumed_us))
-                          : "");
+  log_info("window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
+           resumed_us ? fmt::format(", {:.1f} s after tracking resumed",
+                                    1e-6 * static_cast<double>(bus_.now_us() - *resumed_us))
+                      : "");
   announce(*entry, window_t::PUBLISHED);
   ++published_;
   entries_.erase(entry);
@@ -454,7 +454,7 @@ void RebuildQueue::announce_all(int64_t now_us) {
   if (!finishing_ || entries_.empty()) return;
   if (now_us - last_told_us_ < kTellPeriodUs && now_us >= last_told_us_) return;
   last_told_us_ = now_us;
-  if (!finished()) spdlog::info("{}", detail());
+  if (!finished()) log_info("{}", detail());
 }
 
 // ---- the end
@@ -471,7 +471,7 @@ void RebuildQueue::finish() {
 
 void RebuildQueue::stop() {
   const auto lost = std::count_if(entries_.begin(), entries_.end(), [](const Entry& e) { return !!e.job; });
-  if (lost > 0) spdlog::warn("{} windows that are in no spool are lost", lost);
+  if (lost > 0) log_warning("{} windows that are in no spool are lost", lost);
   stopping_ = true;
   stopped_us_ = bus_.now_us();
   worker_.cancel();

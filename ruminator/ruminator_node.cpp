@@ -2,7 +2,6 @@
 #include "ruminator/ruminator_node.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "bus/submap_update.h"
 #include "ruminator/window_message.h"
 
@@ -143,7 +143,7 @@ void RuminatorNode::hand_on(RuminationWindow window) {
     return queue_.refuse(job.window, problem);
   if (hooks_.on_job) hooks_.on_job(job);
   if (options_.rebuild) return queue_.add(std::move(job));
-  spdlog::info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));
+  log_info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));
   announce(job.window, window_t::QUEUED);
 }
 

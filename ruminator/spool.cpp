@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,6 +17,7 @@
 #include <map>
 #include <utility>
 
+#include "bus/log.h"
 #include "ruminator/durable_file.h"
 
 namespace rumi {
@@ -237,7 +237,7 @@ std::string Spool::fail(JobName name, const std::string& reason) {
     if (std::rename(file(name, suffix).c_str(), target.c_str()) == 0) kept = target;
   }
   if (kept.empty() && is_waiting(name))
-    spdlog::error("{}: cannot be moved to {} ({})", window_file(name), failed.string(), std::strerror(errno));
+    log_error("{}: cannot be moved to {} ({})", window_file(name), failed.string(), std::strerror(errno));
   for (const char* suffix : {kTries, kWork}) remove_quietly(file(name, suffix));
   prune_failed();
   return exists(kept) ? kept : "";

@@ -2,12 +2,12 @@
 #include "ruminator/window_model.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <map>
 
+#include "bus/log.h"
 #include "ruminator/colmap_model_writer.h"
 #include "ruminator/model_completion.h"
 
@@ -153,10 +153,9 @@ class Attempts {
   }
 
   void keep(WindowModel candidate) {
-    spdlog::debug("{}: {} of {} images, {} left out, {:.2f} px, pair rotations {:.1f} degrees off{}{}",
-                  candidate.origin, candidate.model.cam_from_world.size(), in_.images.size(), candidate.broken_off,
-                  candidate.quality.rmse_px, candidate.pair_rotation_deg, candidate.doubt.empty() ? "" : "; ",
-                  candidate.doubt);
+    log_debug("{}: {} of {} images, {} left out, {:.2f} px, pair rotations {:.1f} degrees off{}{}", candidate.origin,
+              candidate.model.cam_from_world.size(), in_.images.size(), candidate.broken_off, candidate.quality.rmse_px,
+              candidate.pair_rotation_deg, candidate.doubt.empty() ? "" : "; ", candidate.doubt);
     candidates_.push_back(std::move(candidate));
   }
 

@@ -25,17 +25,19 @@ struct Layout {
 // All four views; the follow view moves over where there is no image of the camera.
 inline Layout layout_all(bool with_camera) {
   Layout l;
-  l.views.push_back({ViewKind::kOblique, {16, 52, 640, 566}, true});
+  const Layout::View oblique{ViewKind::kOblique, {16, 52, 640, 566}, true};
   if (with_camera) {
-    l.views.push_back({ViewKind::kTop, {666, 52, 290, 232}, false});
-    l.views.push_back({ViewKind::kSide, {666, 294, 290, 120}, false});
-    l.views.push_back({ViewKind::kFollow, {666, 424, 290, 194}, false});
+    l.views = {oblique,
+               {ViewKind::kTop, {666, 52, 290, 232}, false},
+               {ViewKind::kSide, {666, 294, 290, 120}, false},
+               {ViewKind::kFollow, {666, 424, 290, 194}, false}};
     l.camera = {966, 52, 298, 224};
     l.legend = {968, 304, 296, 314};
   } else {
-    l.views.push_back({ViewKind::kTop, {666, 52, 290, 380}, false});
-    l.views.push_back({ViewKind::kSide, {666, 442, 290, 176}, false});
-    l.views.push_back({ViewKind::kFollow, {966, 52, 298, 224}, false});
+    l.views = {oblique,
+               {ViewKind::kTop, {666, 52, 290, 380}, false},
+               {ViewKind::kSide, {666, 442, 290, 176}, false},
+               {ViewKind::kFollow, {966, 52, 298, 224}, false}};
     l.legend = {968, 290, 296, 328};
   }
   l.strip = {16, 632, 1248, 80};

@@ -2,7 +2,6 @@
 #include "viewer_offscreen/picture_series.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,6 +9,7 @@
 #include <fstream>
 #include <optional>
 
+#include "bus/log.h"
 #include "viewer_offscreen/draw_map.h"
 
 namespace rumi {
@@ -46,7 +46,7 @@ std::string PictureSeries::take_over_or_remove() {
     if (number && !take_over) fs::remove(it->path(), error);
   }
   if (error) return fmt::format("{}: {}", pictures_, error.message());
-  if (size_ > 0) spdlog::info("{}: going on after {} pictures of a series that was not ended", pictures_, size_);
+  if (size_ > 0) log_info("{}: going on after {} pictures of a series that was not ended", pictures_, size_);
   return {};
 }
 

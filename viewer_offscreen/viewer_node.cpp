@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 #include <malloc.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 
 #include "bus/jpeg_image.h"
+#include "bus/log.h"
 #include "bus/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "viewer_offscreen/draw_map.h"
@@ -98,7 +98,7 @@ ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payl
   if (!reason.empty()) {
     ++rejected_;
     copy->submap = Submap();  // whatever is wrong with it, start afresh
-    spdlog::warn("submap {} from {} is rejected: {}", copy->summary.submap_id, payload.sender, reason);
+    log_warning("submap {} from {} is rejected: {}", copy->summary.submap_id, payload.sender, reason);
   }
   changed_ = true;
   return {.ok = reason.empty(), .reason = reason, .revision = copy->submap.revision};
@@ -211,9 +211,9 @@ std::string ViewerNode::write(const cv::Mat& image) {
 void ViewerNode::report(const std::string& trouble) {
   if (trouble != trouble_) {
     if (trouble.empty())
-      spdlog::info("pictures can be written again");
+      log_info("pictures can be written again");
     else
-      spdlog::error("{}", trouble);
+      log_error("{}", trouble);
   }
   trouble_ = trouble;
 }

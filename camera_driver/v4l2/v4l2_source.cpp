@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 #include <linux/videodev2.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "bus/camera_file.h"
 #include "bus/image_codec.h"
+#include "bus/log.h"
 #include "camera_driver/encode_as.h"
 #include "camera_driver/v4l2/video_controls.h"
 
@@ -86,22 +86,21 @@ std::string V4l2Source::open() {
   locked_ = false;
   rate_count_ = 0;
   const StreamFormat& format = stream_->format();
-  spdlog::info("{}: '{}' gives {} {} x {} at {}", stream_->device().path(), card_, format.pixels->option, format.width,
-               format.height,
-               format.rate_hz > 0 ? fmt::format("{:.4g} Hz", format.rate_hz) : "a rate it does not tell");
+  log_info("{}: '{}' gives {} {} x {} at {}", stream_->device().path(), card_, format.pixels->option, format.width,
+           format.height, format.rate_hz > 0 ? fmt::format("{:.4g} Hz", format.rate_hz) : "a rate it does not tell");
   if (format.rate_hz > 0 && format.rate_hz < kSlow * request.rate_hz)
-    spdlog::warn("{}: asked for {:.4g} Hz, the camera gives {:.4g} Hz at this size and format", input_, request.rate_hz,
-                 format.rate_hz);
+    log_warning("{}: asked for {:.4g} Hz, the camera gives {:.4g} Hz at this size and format", input_, request.rate_hz,
+                format.rate_hz);
   return {};
 }
 
 void V4l2Source::set_up_controls() {
   for (const std::string& problem : apply_controls(stream_->device(), options_))
-    spdlog::error("{}: camera_driver.{}", input_, problem);
+    log_error("{}: camera_driver.{}", input_, problem);
   exposure_us_ = fixed_exposure_us(stream_->device());
   if (options_.focus.empty() && !calibration_.empty() && read_control(stream_->device(), V4L2_CID_FOCUS_AUTO) == 1)
-    spdlog::warn("{}: the camera focuses by itself, which makes its calibration wrong; give camera_driver.focus",
-                 input_);
+    log_warning("{}: the camera focuses by itself, which makes its calibration wrong; give camera_driver.focus",
+                input_);
 }
 
 void V4l2Source::set_controls(const CameraControls& controls) {
@@ -109,7 +108,7 @@ void V4l2Source::set_controls(const CameraControls& controls) {
   if (!stream_) return;
   set_up_controls();
   locked_ = false;
-  spdlog::info("{}: controls set as the options say", input_);
+  log_info("{}: controls set as the options say", input_);
 }
 
 void V4l2Source::retry_later() {
@@ -123,7 +122,7 @@ void V4l2Source::lose(const std::string& why) {
   gone_at_us_ = system_.now().monotonic_us;
   live_.problem = why;
   live_.rate_hz = 0;
-  spdlog::error("{}; trying again until it works", why);
+  log_error("{}; trying again until it works", why);
   retry_later();
 }
 
@@ -136,7 +135,7 @@ bool V4l2Source::reopen() {
   }
   const std::string problem = open();
   if (problem.empty()) return true;
-  if (problem != live_.problem) spdlog::error("{}; trying again until it works", problem);
+  if (problem != live_.problem) log_error("{}; trying again until it works", problem);
   live_.problem = problem;
   retry_later();
   return false;
@@ -166,8 +165,8 @@ std::optional<image_t> V4l2Source::next() {
 void V4l2Source::note(const StreamFrame& frame) {
   const int64_t now_us = frame.stamps.now.monotonic_us;
   if (!live_.problem.empty())
-    spdlog::info("{}: gives images again, after {:.1f} s", stream_->device().path(),
-                 static_cast<double>(now_us - gone_at_us_) * 1e-6);
+    log_info("{}: gives images again, after {:.1f} s", stream_->device().path(),
+             static_cast<double>(now_us - gone_at_us_) * 1e-6);
   live_.problem.clear();
   retry_delay_us_ = 0;
   last_frame_us_ = now_us;
@@ -182,7 +181,7 @@ void V4l2Source::count_gap(uint32_t sequence) {
   last_sequence_ = sequence;
   if (gap == 0 || gap >= kBackwards) return;
   if (skipped_.lost == 0)
-    spdlog::warn("{}: {} images were lost before they reached us; from now on they are only counted", input_, gap);
+    log_warning("{}: {} images were lost before they reached us; from now on they are only counted", input_, gap);
   skipped_.lost += gap;
 }
 
@@ -190,7 +189,7 @@ void V4l2Source::lock_when_warm(int64_t now_us) {
   const bool warm = options_.lock_auto_s > 0 && now_us - *first_frame_us_ >= std::llround(options_.lock_auto_s * 1e6);
   if (locked_ || !warm) return;
   locked_ = true;
-  spdlog::info("{}: {}", input_, lock_automatic(stream_->device()));
+  log_info("{}: {}", input_, lock_automatic(stream_->device()));
   exposure_us_ = fixed_exposure_us(stream_->device());
 }
 
@@ -204,7 +203,7 @@ void V4l2Source::measure_rate(int64_t utime_us) {
   const double agreed_hz = stream_->format().rate_hz;
   if (rate_warned_ || live_.rate_hz >= kSlow * agreed_hz) return;
   rate_warned_ = true;
-  spdlog::warn(
+  log_warning(
       "{}: agreed to {:.4g} Hz but gives {:.1f} Hz; many cameras slow down in the dark: give more light or "
       "camera_driver.exposure",
       input_, agreed_hz, live_.rate_hz);
@@ -215,12 +214,12 @@ std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
   frame.stamps.exposure_us = exposure_us_;
   const int64_t utime_us = clock_.utime_us(frame.stamps);
   if (const std::optional<int64_t> step_us = clock_.take_step_us())
-    spdlog::warn("the system clock was set by {:+.3f} s; times of images {}", static_cast<double>(*step_us) * 1e-6,
-                 *step_us > 0 ? "follow" : "go on as before: start camera_driver again to follow it");
+    log_warning("the system clock was set by {:+.3f} s; times of images {}", static_cast<double>(*step_us) * 1e-6,
+                *step_us > 0 ? "follow" : "go on as before: start camera_driver again to follow it");
   if (clock_.replaced() > 0 && !clock_warned_) {
     clock_warned_ = true;
-    spdlog::warn("{}: the driver's time stamps are not of the monotonic clock; the time of arrival is used instead",
-                 input_);
+    log_warning("{}: the driver's time stamps are not of the monotonic clock; the time of arrival is used instead",
+                input_);
   }
   measure_rate(utime_us);
   if (frame.damaged) {
@@ -249,7 +248,7 @@ std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
 }
 
 void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message) {
-  if (++(skipped_.*reason) == 1) spdlog::warn("{}; left out, and from now on only counted", message);
+  if (++(skipped_.*reason) == 1) log_warning("{}; left out, and from now on only counted", message);
 }
 
 OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options) {
@@ -274,7 +273,7 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   auto source = std::make_unique<V4l2Source>(system, input, camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
   if (options.camera_file.empty())
-    spdlog::warn("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
+    log_warning("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);
   return {std::move(source), ""};
 }
 

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <memory>
 
 #include "bus/camera_file.h"
+#include "bus/command_line.h"
 #include "rumi/commands.h"
 #include "rumi/synth/write_sequence.h"
 
@@ -78,40 +78,32 @@ int run(Flags& f) {
 
 }  // namespace
 
-void add_synth_command(CLI::App& app, std::function<int()>* chosen) {
-  CLI::App* sub =
-      app.add_subcommand("synth", "Renders a sequence of a furnished room with its true path: a TUM-style folder.");
+void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
+  CommandLine* sub =
+      app.add_command("synth", "Renders a sequence of a furnished room with its true path: a TUM-style folder.");
   auto f = std::make_shared<Flags>();
   sub->add_option("-o,--output", f->folder, "folder to write")->required();
   sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
-  sub->add_option("--seed", f->synth.seed, "of the room, the walk and the noise")->capture_default_str();
-  sub->add_option("--seconds", f->synth.seconds, "length of the own walk")->capture_default_str();
-  sub->add_option("--rate", f->synth.rate_hz, "frames per second; 0: 30, or the times of --path")
-      ->capture_default_str();
+  sub->add_option("--seed", f->synth.seed, "of the room, the walk and the noise")->show_default();
+  sub->add_option("--seconds", f->synth.seconds, "length of the own walk")->show_default();
+  sub->add_option("--rate", f->synth.rate_hz, "frames per second; 0: 30, or the times of --path")->show_default();
   sub->add_option("--size", f->size, "WIDTHxHEIGHT in pixels, with a TUM camera's field of view (default 640x480)");
   sub->add_option("--camera", f->camera_file, "calibration file; its lens distortion is rendered");
   sub->add_option("--path", f->synth.path_file, "move along a TUM trajectory (t tx ty tz qx qy qz qw, map_from_cam)");
-  sub->add_option("--start", f->synth.start_s, "seconds into the path")->capture_default_str();
-  sub->add_option("--duration", f->synth.duration_s, "seconds of it; 0: to its end")->capture_default_str();
-  sub->add_option("--blur", f->synth.exposure_s, "shutter time in seconds: motion blur; 0: none")
-      ->capture_default_str();
-  sub->add_option("--noise", f->synth.noise, "sensor noise, times the default; 0: none")->capture_default_str();
-  sub->add_option("--exposure", f->synth.exposure_swing, "slow change of the exposure, fraction")
-      ->capture_default_str();
+  sub->add_option("--start", f->synth.start_s, "seconds into the path")->show_default();
+  sub->add_option("--duration", f->synth.duration_s, "seconds of it; 0: to its end")->show_default();
+  sub->add_option("--blur", f->synth.exposure_s, "shutter time in seconds: motion blur; 0: none")->show_default();
+  sub->add_option("--noise", f->synth.noise, "sensor noise, times the default; 0: none")->show_default();
+  sub->add_option("--exposure", f->synth.exposure_swing, "slow change of the exposure, fraction")->show_default();
   sub->add_flag("--grey", f->synth.grey, "grey images");
-  sub->add_option("--quality", f->synth.jpeg_quality, "of the JPEG files, 1 to 100")->capture_default_str();
+  sub->add_option("--quality", f->synth.jpeg_quality, "of the JPEG files, 1 to 100")->show_default();
   sub->add_option("--hard", f->hard,
                   "a hard passage: blur, dark, textureless or rotation; with --at and --for; may be repeated")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sub->add_option("--at", f->at_s, "seconds after the first frame at which the hard passage begins")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  sub->add_option("--for", f->for_s, "seconds that it lasts")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+      ->one_each();
+  sub->add_option("--at", f->at_s, "seconds after the first frame at which the hard passage begins")->one_each();
+  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
   sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
-  sub->callback([f, chosen] { *chosen = [f] { return run(*f); }; });
+  sub->on_chosen([f, chosen] { *chosen = [f] { return run(*f); }; });
 }
 
 }  // namespace rumi

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A process with a node that answers requests, for lcm_process_test.cpp.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
 
+#include "bus/command_line.h"
 #include "bus/process.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
 namespace {
 
 struct Options {
+  std::string input;
   int step = 1;
   int end_after = 0;
   bool never_finished = false;
@@ -58,8 +59,8 @@ int main(int argc, char** argv) {
   Options options;
   return rumi::run_process(argc, argv,
                            {"test_process", "Answers requests.",
-                            [&](CLI::App& app) {
-                              app.add_option("INPUT", "ignored")->type_name("");
+                            [&](rumi::CommandLine& app) {
+                              app.add_option("INPUT", options.input, "ignored")->type_name("");
                               app.add_option("--end-after", options.end_after, "answers");
                               app.add_flag("--never-finished", options.never_finished, "does not end when asked");
                               app.add_option("--hands-on-for", options.hands_on_for_s, "s, when asked to end");
