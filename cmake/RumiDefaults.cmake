@@ -65,12 +65,18 @@ if(RUMI_SANITIZE MATCHES undefined)
   target_compile_options(rumi_test_options INTERFACE -fno-sanitize=undefined)
 endif()
 
-# rumi_test_program(NAME SOURCES... LINK libs...): an executable of the tests, in build/tests.
-function(rumi_test_program name)
+# rumi_test_helper(NAME SOURCES... LINK libs...): a program that tests or scripts use, in build/tests.
+function(rumi_test_helper name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
-  target_link_libraries(${name} PRIVATE ${arg_LINK} rumi_test_options)
+  target_link_libraries(${name} PRIVATE ${arg_LINK})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+endfunction()
+
+# rumi_test_program(NAME SOURCES... LINK libs...): a GoogleTest binary in build/tests, no CTest entry yet.
+function(rumi_test_program name)
+  rumi_test_helper(${name} ${ARGN})
+  target_link_libraries(${name} PRIVATE rumi_test_options GTest::gtest_main)
   rumi_use_precompiled(${name} rumi_test_precompiled)
 endfunction()
 
@@ -90,7 +96,7 @@ endfunction()
 # long. Sanitizers are for SANITIZED ones, without the long tests (run the binary itself for them).
 function(rumi_test name)
   cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LONG" ${ARGN})
-  rumi_test_program(${name} SOURCES ${arg_SOURCES} LINK ${arg_LINK} GTest::gtest_main)
+  rumi_test_program(${name} SOURCES ${arg_SOURCES} LINK ${arg_LINK})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
   endif()
