@@ -11,6 +11,7 @@ class App;
 
 namespace rumi {
 
+void add_demo_command(CLI::App& app, std::function<int()>* chosen);
 void add_up_command(CLI::App& app, std::function<int()>* chosen);
 void add_replay_command(CLI::App& app, std::function<int()>* chosen);
 void add_ruminate_command(CLI::App& app, std::function<int()>* chosen);

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string(rumi::version()));
   app.require_subcommand(1);
   std::function<int()> chosen;
+  rumi::add_demo_command(app, &chosen);
   rumi::add_replay_command(app, &chosen);
   rumi::add_up_command(app, &chosen);
   rumi::add_snapshot_command(app, &chosen);
