@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
-#   make demo      set up, build, then render a short sequence, run Rumi on it and measure the result
+#   make demo      set up, build, then render a walk on which the camera is lost, and show what Rumi makes of it
 #   make test      set up, build, run every test, and those of what reads messages, files and images again under sanitizers
 #   make build     set up and build everything
 #   make bench     benchmarks
@@ -33,7 +33,7 @@ apps: dependencies $(BUILD)/build.ninja
 	cmake --build $(BUILD) -j $(JOBS) --target apps
 
 demo: apps
-	scripts/demo.sh $(BUILD)/bin/rumi $(DEMO)
+	$(BUILD)/bin/rumi demo -o $(DEMO)
 
 # With what the virtual machines need that camera_driver and systemd are tested in; without it those tests are skipped.
 test: build

@@ -41,6 +41,16 @@ void fail_if(const std::string& error) {
   if (!error.empty()) throw std::runtime_error(error);
 }
 
+// What the user has set, and then `settings`. Returns what is wrong, or nothing.
+std::string set_options(const Arguments& arguments, const std::vector<std::string>& settings, ReplayRun* run) {
+  OptionTable table;
+  describe(table, run->options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = load_options(table, "", settings);
+  run->options_yaml = table.to_yaml();
+  return error;
+}
+
 class Demo {
  public:
   explicit Demo(const Arguments& arguments) : arguments_(arguments), out_(arguments.out) {}
@@ -87,13 +97,9 @@ class Demo {
     line.erase();
   }
 
-  MeasuredRun replay(const char* name, std::vector<std::string> settings, const std::string& log) {
+  MeasuredRun replay(const char* name, const std::vector<std::string>& settings, const std::string& log) {
     ReplayRun run{.input = sequence().string(), .out = (out_ / name).string(), .log = log};
-    OptionTable table;
-    describe(table, run.options);
-    settings.insert(settings.begin(), arguments_.settings.begin(), arguments_.settings.end());
-    fail_if(load_options(table, arguments_.config, settings));
-    run.options_yaml = table.to_yaml();
+    fail_if(set_options(arguments_, settings, &run));
     ProgressLine line(true);
     run.on_progress = [&line](const ReplayProgress& progress) {
       line.update([&] { return fmt::format("    image {}, {}", progress.frames, progress.state); });
@@ -143,7 +149,10 @@ class Demo {
 };
 
 int demo(const Arguments& arguments) {
-  if (const std::string error = arguments.synth.check(); !error.empty()) {
+  ReplayRun unused;
+  std::string error = arguments.synth.check();
+  if (error.empty()) error = set_options(arguments, {}, &unused);
+  if (!error.empty()) {
     fmt::print(stderr, "rumi demo: {}\n", error);
     return 2;
   }
@@ -162,8 +171,8 @@ int demo(const Arguments& arguments) {
 void add_demo_command(CLI::App& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   arguments->synth.walk = WalkKind::kNextRoom;
-  arguments->synth.seconds = 22;
-  arguments->synth.rate_hz = 25;
+  arguments->synth.seconds = 20;
+  arguments->synth.rate_hz = 20;
   CLI::App* command = app.add_subcommand("demo", kSummary);
   command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier demo")
       ->capture_default_str();

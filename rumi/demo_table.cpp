@@ -8,17 +8,17 @@
 namespace rumi {
 namespace {
 
-std::string metres(const std::optional<double>& value) {
-  return value ? fmt::format("{:.3f} m", *value) : "cannot be computed";
-}
+std::string metres(const std::optional<double>& value) { return value ? fmt::format("{:.3f} m", *value) : "unknown"; }
 
-std::string percent(const std::optional<double>& ratio) { return ratio ? fmt::format("{:.1f} %", 100 * *ratio) : "-"; }
+std::string percent(const std::optional<double>& ratio) {
+  return ratio ? fmt::format("{:.1f} %", 100 * *ratio) : "unknown";
+}
 
 std::string row(const std::string& what, const std::string& front, const std::string& whole) {
   return fmt::format("{:<52}{:>14}{:>14}\n", what, front, whole);
 }
 
-// "2 s of images", "1 image".
+// "2 images", "1 image".
 std::string count_of(int64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::string tell(const WindowRow& row, int64_t begin_us) {

@@ -14,16 +14,20 @@ using Eigen::Vector2d;
 constexpr double kStart_s = 1000;  // some clock: a time of 0 often means "none"
 constexpr double kSampleHz = 100;
 // On the floor the walk is an S: an arc around the middle of the one room, a straight line through the doorway that
-// touches it, an arc around the middle of the other room.
+// touches it, an arc around the middle of the other room. A straight line is at either end too: a walk begins with pure
+// sideways motion, which is what a front can begin with.
 constexpr double kMiddle_m = 2.3;  // of a room, from the doorway
 constexpr double kRadius_m = 1.2;
-constexpr double kArc_rad = 200 * M_PI / 180;
+constexpr double kArc_rad = 190 * M_PI / 180;
+constexpr double kEnd_m = 0.8;
 constexpr double kPassage_s = 2.6;  // out of focus and dark, in the middle of the walk
-constexpr double kHurry_m = 1.5;    // so much farther the camera comes in it than at its usual pace
-constexpr double kDarkness = 0.4;   // a bit more than half of the light is left
+constexpr double kHurry_m = 1.4;    // so much farther the camera comes in it than at its usual pace
+// Too little for the front to go on, and enough for SIFT: 3 pixels out of focus at 640 pixels of width, and a bit more
+// than half of the light.
+constexpr double kBlur = 0.6, kDarkness = 0.4;
 // Else it looks straight away from the middle of the room. Before the turn it looks a bit ahead and after it more, for
 // nobody turns by 180 degrees to walk on.
-constexpr double kAhead_rad = 15 * M_PI / 180, kAheadAfter_rad = 50 * M_PI / 180;
+constexpr double kAhead_rad = 13 * M_PI / 180, kAheadAfter_rad = 55 * M_PI / 180;
 constexpr double kAhead_s = 3, kAheadAfter_s = 4;
 
 // 0 before 0, 1 after 1, without a jump of speed or acceleration.
@@ -47,9 +51,11 @@ OnFloor second_half(double along_m) {
     const Vector2d left(std::cos(touch_rad), std::sin(touch_rad));
     return {along_m * Vector2d(left.y(), -left.x()), left, touch_rad};
   }
-  const double angle = touch_rad - (along_m - straight_m) / kRadius_m;
-  const Vector2d outwards(std::cos(angle), std::sin(angle));
-  return {Vector2d(kMiddle_m, 0) + kRadius_m * outwards, outwards, angle};
+  const double turned_rad = std::min((along_m - straight_m) / kRadius_m, kArc_rad);
+  const double angle = touch_rad - turned_rad;
+  const Vector2d outwards(std::cos(angle), std::sin(angle)), onwards(outwards.y(), -outwards.x());
+  const double beyond_m = along_m - straight_m - turned_rad * kRadius_m;
+  return {Vector2d(kMiddle_m, 0) + kRadius_m * outwards + beyond_m * onwards, outwards, angle};
 }
 
 OnFloor on_floor(double along_m) {
@@ -76,7 +82,7 @@ class NextRoomPath {
   SE3 at(double t) const {
     const double since_door_s = t - middle_s_;
     const OnFloor floor = on_floor(along_m(since_door_s));
-    // At its ends the walk begins with pure sideways motion; at the doorway there is no room, and nothing to look at.
+    // Neither at the ends, nor at the doorway, where there is no room for it.
     const double free = smooth_step((middle_s_ - std::abs(since_door_s)) / 2) *
                         smooth_step((std::abs(since_door_s) - kPassage_s / 2) / 3);
     const Vector2d at = floor.at + 0.2 * free * aside_.at(t) * floor.left;
@@ -92,7 +98,7 @@ class NextRoomPath {
 
   double along_m(double since_door_s) const {
     const double straight_m = std::sqrt(kMiddle_m * kMiddle_m - kRadius_m * kRadius_m);
-    const double half_m = straight_m + kArc_rad * kRadius_m;
+    const double half_m = straight_m + kArc_rad * kRadius_m + kEnd_m;
     const double pace_m_s = (half_m - kHurry_m / 2) / middle_s_;
     return pace_m_s * since_door_s + kHurry_m * (smooth_step(0.5 + since_door_s / kPassage_s) - 0.5);
   }
@@ -121,7 +127,8 @@ Walk walk_to_next_room(double seconds, uint64_t seed) {
   for (int i = 0; i < samples; ++i) walk.path.add(kStart_s + i / kSampleHz, path.at(i / kSampleHz));
   walk.doorway = Doorway();
   const double at_s = (seconds - kPassage_s) / 2;
-  walk.hard = {{HardPassage::Kind::kBlur, at_s, kPassage_s}, {HardPassage::Kind::kDark, at_s, kPassage_s, kDarkness}};
+  walk.hard = {{HardPassage::Kind::kBlur, at_s, kPassage_s, kBlur},
+               {HardPassage::Kind::kDark, at_s, kPassage_s, kDarkness}};
   return walk;
 }
 
