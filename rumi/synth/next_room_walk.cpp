@@ -21,6 +21,7 @@ constexpr double kRadius_m = 1.2;
 constexpr double kArc_rad = 190 * M_PI / 180;
 constexpr double kEnd_m = 0.8;
 constexpr double kPassage_s = 2.6;  // out of focus and dark, in the middle of the walk
+constexpr double kTurn_s = 1.4;     // of it, in which the camera turns
 constexpr double kHurry_m = 1.4;    // so much farther the camera comes in it than at its usual pace
 // Too little for the front to go on, and enough for SIFT: 3 pixels out of focus at 640 pixels of width, and a bit more
 // than half of the light.
@@ -110,7 +111,7 @@ class NextRoomPath {
     const double after =
         on_floor(std::max(along_m(since_door_s), 0.0)).away_rad -
         (since_door_s > 0 ? kAheadAfter_rad * smooth_step(1 - out_s / kAheadAfter_s) : kAheadAfter_rad);
-    return before + smooth_step(0.5 + since_door_s / kPassage_s) * (after - before);
+    return before + smooth_step(0.5 + since_door_s / kTurn_s) * (after - before);
   }
 
   double middle_s_;
