@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
-#   make demo      set up, build, then render a short sequence, run Rumi on it and measure the result
+#   make demo      set up, build, then render a walk on which the camera is lost, and show what Rumi makes of it
 #   make test      set up, build, run every test that needs neither a virtual machine nor a sanitizer
 #   make test-all  after it, the rest: the tests in virtual machines, and those of what reads messages, files and images again
 #                  under sanitizers
@@ -39,7 +39,7 @@ apps: dependencies $(BUILD)/build.ninja
 	cmake --build $(BUILD) -j $(JOBS) --target apps
 
 demo: apps
-	scripts/demo.sh $(BUILD)/bin/rumi $(DEMO)
+	$(BUILD)/bin/rumi demo -o $(DEMO)
 
 test: build
 	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE machine

@@ -9,6 +9,7 @@ namespace rumi {
 
 class CommandLine;
 
+void add_demo_command(CommandLine& app, std::function<int()>* chosen);
 void add_up_command(CommandLine& app, std::function<int()>* chosen);
 void add_replay_command(CommandLine& app, std::function<int()>* chosen);
 void add_ruminate_command(CommandLine& app, std::function<int()>* chosen);

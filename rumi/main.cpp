@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   rumi::CommandLine app("Monocular visual SLAM of small LCM processes.", "rumi");
   app.set_version(rumi::version());
   std::function<int()> chosen;
+  rumi::add_demo_command(app, &chosen);
   rumi::add_replay_command(app, &chosen);
   rumi::add_up_command(app, &chosen);
   rumi::add_snapshot_command(app, &chosen);

@@ -101,6 +101,9 @@ AtlasCounts count(const Atlas& atlas) {
   for (const auto& [key, owner] : atlas.submaps()) {
     counts.keyframes += static_cast<int>(owner.submap.keyframes.size());
     counts.landmarks += static_cast<int>(owner.submap.landmarks.size());
+    if (owner.submap.kind != SubmapKind::kFront) continue;
+    ++counts.front_submaps;
+    counts.front_submaps_in_map += owner.in_map;
   }
   return counts;
 }

@@ -32,10 +32,11 @@ AtlasPicture make_picture(const Atlas& atlas, const std::string& title);
 // trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
 std::string write_run_outputs(const Atlas& atlas, const std::string& folder);
 
-// What there is to say about an atlas in numbers: as run.json has it.
+// What there is to say about an atlas in numbers.
 struct AtlasCounts {
   int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;
   int submaps = 0, keyframes = 0, landmarks = 0;
+  int front_submaps = 0, front_submaps_in_map = 0;
 };
 AtlasCounts count(const Atlas& atlas);
 

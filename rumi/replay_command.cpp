@@ -1,193 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rumi replay INPUT -o OUT
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <memory>
 
 #include "bus/command_line.h"
-#include "camera_driver/image_source.h"
-#include "map_server/output_file.h"
+#include "bus/process.h"
 #include "rumi/all_options.h"
 #include "rumi/commands.h"
-#include "rumi/metered_bus.h"
-#include "rumi/output_folder.h"
-#include "rumi/replay.h"
+#include "rumi/progress_line.h"
+#include "rumi/replay_run.h"
 #include "rumi/run_record.h"
-#include "rumi/window_report.h"
-#include "ruminator/spool.h"
 
 namespace rumi {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-using nlohmann::ordered_json;
-namespace fs = std::filesystem;
-
 struct Arguments {
-  std::string input, out, config, log;
+  ReplayRun run;
+  std::string config;
   std::vector<std::string> settings;
   bool quiet = false, verbose = false;
 };
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-double peak_rss_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
-}
-
-// One line on a terminal, over and over; nothing where it would fill a log.
-class ProgressLine {
- public:
-  explicit ProgressLine(bool quiet) : show_(!quiet && isatty(STDERR_FILENO)) {}
-  ~ProgressLine() {
-    if (shown_) fmt::print(stderr, "\n");
-  }
-  void update(Replay& replay) {
-    if (!show_ || seconds_since(last_) < 0.5) return;
-    const ReplayProgress progress = replay.progress();
-    fmt::print(stderr, "\r{} frames, {:.1f} per second, {}\x1b[K", progress.frames,
-               static_cast<double>(progress.frames) / seconds_since(begin_), progress.state);
-    last_ = Clock::now();
-    shown_ = true;
-  }
-
- private:
-  bool show_, shown_ = false;
-  Clock::time_point begin_ = Clock::now(), last_ = begin_;
-};
-
-// OUT/windows: the windows as files that `rumi ruminate` rebuilds, and in OUT/windows.csv what came of them here.
-class WindowOutput {
- public:
-  explicit WindowOutput(const std::string& out) : out_(out) {}
-
-  // Removes the windows of an earlier run. What is wrong, or an empty string.
-  std::string prepare() {
-    std::error_code error;
-    fs::create_directories(out_ / "windows", error);
-    for (fs::directory_iterator it(out_ / "windows", error), end; !error && it != end; it.increment(error))
-      if (it->path().extension() == ".window") fs::remove(it->path(), error);
-    return error ? fmt::format("{}: {}", (out_ / "windows").string(), error.message()) : "";
-  }
-  ReplayHooks hooks() {
-    return {[this](const WindowJob& job) {
-              ++complete_;
-              const std::string name = to_string(name_of(job.window)) + ".window";
-              const std::string error = write_window_job((out_ / "windows" / name).string(), job);
-              if (error_.empty()) error_ = error;
-            },
-            [this](const RuminationWindow& window, const BuildResult& result) {
-              rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
-            }};
-  }
-  std::string finish() {
-    OutputFile csv((out_ / "windows.csv").string());
-    csv.write(window_csv_header() + "\n");
-    for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
-    const std::string error = csv.commit();
-    return error_.empty() ? error : error_;
-  }
-  ordered_json counts() const {
-    return {{"complete", complete_},
-            {"rebuilt", std::count_if(rows_.begin(), rows_.end(), [](const WindowRow& row) { return row.ok; })}};
-  }
-
- private:
-  fs::path out_;
-  int complete_ = 0;
-  std::vector<WindowRow> rows_;
-  std::string error_;  // the first
-};
-
-// All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
-ordered_json run_record(const Arguments& arguments, const OptionTable& table, Replay& replay,
-                        const WindowOutput& windows, double wall_s) {
-  const int64_t frames = replay.progress().frames;
-  ordered_json run{{"finished", true},
-                   {"command", "replay"},
-                   {"input", arguments.input},
-                   {"options", options_to_json(table.to_yaml())},
-                   {"images", frames}};
-  const SkippedFrames& skipped = replay.skipped();
-  run["skipped_images"] = {{"malformed", skipped.malformed},
-                           {"duplicate", skipped.duplicate},
-                           {"out_of_order", skipped.out_of_order},
-                           {"unreadable", skipped.unreadable},
-                           {"wrong_size", skipped.wrong_size}};
-  run["counts"] = counts_to_json(count(replay.atlas()));
-  run["windows"] = windows.counts();
-  run["channels"] = ordered_json::object();
-  for (const ChannelCounts& channel : replay.channel_counts()) {
-    run["channels"][channel.channel] = {
-        {"received", channel.received}, {"dropped", channel.dropped}, {"undecodable", channel.undecodable}};
-  }
-  run["cpu_ms_per_frame"] = ordered_json::object();
-  for (const auto& [name, cpu_s] : replay.cpu_s()) {
-    run["cpu_ms_per_frame"][name] =
-        frames > 0 ? ordered_json(cpu_s * 1e3 / static_cast<double>(frames)) : ordered_json();
-  }
-  run["cpu_s"] = process_cpu_s();
-  run["wall_s"] = wall_s;
-  run["peak_rss_mb"] = peak_rss_mb();
-  return run;
-}
-
-std::string write_everything(Replay& replay, const std::string& out) {
-  if (std::string error = write_run_outputs(replay.atlas(), out); !error.empty()) return error;
-  return replay.store().write_copy((std::filesystem::path(out) / "map.db").string());
-}
-
-std::string begin_log(const Arguments& arguments, Replay* replay) {
-  if (arguments.log.empty()) return {};
-  std::error_code none;
-  if (std::filesystem::equivalent(arguments.log, arguments.input, none))
-    return fmt::format("--log {} is the input itself", arguments.log);
-  return replay->record(arguments.log);
-}
-
-int replay(const Arguments& arguments) {
-  AllOptions options;
+int replay(Arguments& arguments) {
+  ReplayRun& run = arguments.run;
   OptionTable table;
-  describe(table, options);
+  describe(table, run.options);
   std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = options.camera_driver.check();
+  if (error.empty()) error = run.options.camera_driver.check();
   if (!error.empty()) {
     fmt::print(stderr, "rumi replay: {}\n", error);
     return 2;
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
-  const auto begin = Clock::now();
-  WindowOutput windows(arguments.out);
-  AllOptions run_options = options;  // the table keeps what the user asked for
-  run_options.viewer_offscreen.output = arguments.out;
-  Replay replay(run_options, arguments.input, windows.hooks());
-  error = prepare_output_folder(arguments.out);
-  if (error.empty()) error = begin_log(arguments, &replay);
-  if (error.empty()) error = windows.prepare();
-  if (error.empty()) {
-    ProgressLine line(arguments.quiet);
-    while (replay.step()) line.update(replay);
-    if (!replay.finish()) fmt::print(stderr, "rumi replay: not everything could be handed on at the end\n");
-    error = replay.close_log();
-  }
-  if (error.empty()) error = windows.finish();
-  if (error.empty()) error = write_everything(replay, arguments.out);
-  const double wall_s = seconds_since(begin);
-  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, table, replay, windows, wall_s));
-  if (!error.empty()) {
-    fmt::print(stderr, "rumi replay: {}\n", error);
+  run.options_yaml = table.to_yaml();
+  ProgressLine line(!arguments.quiet);
+  run.on_progress = [&line](const ReplayProgress& progress) {
+    line.update([&] {
+      return fmt::format("{} frames, {:.1f} per second, {}", progress.frames,
+                         static_cast<double>(progress.frames) / line.seconds(), progress.state);
+    });
+  };
+  const ReplayOutcome outcome = run_replay(run);
+  line.end();
+  if (!outcome.warning.empty()) fmt::print(stderr, "rumi replay: {}\n", outcome.warning);
+  if (!outcome.error.empty()) {
+    fmt::print(stderr, "rumi replay: {}\n", outcome.error);
     return 1;
   }
   if (!arguments.quiet) {
-    print_summary(count(replay.atlas()), arguments.out);
-    fmt::print("{} images in {:.1f} s\n", replay.progress().frames, wall_s);
+    print_summary(outcome.counts, run.out);
+    fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
   return 0;
 }
@@ -198,9 +61,9 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
-  command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
-  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
-  command->add_option("--log", arguments->log, "lcm log to write: every message on the bus, images included");
+  command->add_option("INPUT", arguments->run.input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("-o,--output", arguments->run.out, "folder: new, empty, or of an earlier run")->required();
+  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");

@@ -6,39 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <opencv2/core.hpp>
 #include <sstream>
 #include <stdexcept>
 
+#include "rumi/synth/handheld.h"
+
 namespace rumi {
 namespace {
-
-// Sum of a few sines with random phases: repeatable, smooth, never the same twice.
-class Wobble {
- public:
-  Wobble(cv::RNG& rng, std::vector<double> frequencies_hz) : frequencies_hz_(std::move(frequencies_hz)) {
-    for (size_t i = 0; i < frequencies_hz_.size(); ++i) phases_.push_back(rng.uniform(0.0, 2 * M_PI));
-  }
-  // Within [-1, 1].
-  double at(double t) const {
-    double sum = 0;
-    for (size_t i = 0; i < phases_.size(); ++i) sum += std::sin(2 * M_PI * frequencies_hz_[i] * t + phases_[i]);
-    return sum / static_cast<double>(phases_.size());
-  }
-
- private:
-  std::vector<double> frequencies_hz_, phases_;
-};
-
-// map_from_cam of a camera at `position` that looks along yaw (about z, up) and pitch (upwards).
-SE3 look(const Eigen::Vector3d& position, double yaw_rad, double pitch_rad, double roll_rad) {
-  const Eigen::Vector3d forward(std::cos(yaw_rad) * std::cos(pitch_rad), std::sin(yaw_rad) * std::cos(pitch_rad),
-                                std::sin(pitch_rad));
-  const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
-  Eigen::Matrix3d r;
-  r << right, forward.cross(right), forward;
-  return SE3(Eigen::Matrix3d(r * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix()), position);
-}
 
 bool parse_pose(const std::string& line, double* time_s, SE3* pose) {
   std::istringstream in(line);
@@ -102,6 +76,11 @@ CameraPath CameraPath::walk(double seconds, uint64_t seed) {
     path.poses_.push_back(look(position, yaw, pitch, 0.02 * roll.at(t)));
   }
   return path;
+}
+
+void CameraPath::add(double time_s, const SE3& map_from_cam) {
+  times_s_.push_back(time_s);
+  poses_.push_back(map_from_cam);
 }
 
 SE3 CameraPath::at(double time_s) const {

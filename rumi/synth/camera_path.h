@@ -19,6 +19,9 @@ class CameraPath {
   // about, so that it moves sideways from the first frame on. z is up.
   static CameraPath walk(double seconds, uint64_t seed);
 
+  // One more sample, later than all others.
+  void add(double time_s, const SE3& map_from_cam);
+
   // map_from_cam; times outside are clamped to the ends.
   SE3 at(double time_s) const;
   const std::vector<double>& times_s() const { return times_s_; }

@@ -20,7 +20,7 @@ volatile std::sig_atomic_t g_stop = 0;
 
 struct Flags {
   SynthOptions synth;
-  std::string folder, camera_file, size;
+  std::string folder, camera_file, size, walk = "loop";
   std::vector<std::string> hard;
   std::vector<double> at_s, for_s;
   bool overwrite = false, quiet = false;
@@ -41,6 +41,7 @@ std::string resolve(Flags& f) {
     if (!read.ok()) return read.error;
     f.synth.camera = read.camera;
   }
+  if (const std::string error = parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
   if (f.hard.size() != f.at_s.size() || f.hard.size() != f.for_s.size())
     return fmt::format("--hard was given {} times, --at {} and --for {}: each hard passage needs all three",
                        f.hard.size(), f.at_s.size(), f.for_s.size());
@@ -85,6 +86,10 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   sub->add_option("-o,--output", f->folder, "folder to write")->required();
   sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
   sub->add_option("--seed", f->synth.seed, "of the room, the walk and the noise")->show_default();
+  sub->add_option("--walk", f->walk,
+                  "the own walk: loop, about in a room; next-room, lost in a dark turn through a doorway into a second "
+                  "room, which is seen from neither side else")
+      ->show_default();
   sub->add_option("--seconds", f->synth.seconds, "length of the own walk")->show_default();
   sub->add_option("--rate", f->synth.rate_hz, "frames per second; 0: 30, or the times of --path")->show_default();
   sub->add_option("--size", f->size, "WIDTHxHEIGHT in pixels, with a TUM camera's field of view (default 640x480)");

@@ -20,18 +20,16 @@ struct Lamp {
   double strength;
 };
 
-std::vector<Lamp> place_lamps(const RoomShape& shape) {
-  const Vector3d size = shape.high - shape.low;
-  std::vector<Lamp> lamps;
+void place_lamps(const Box& room, std::vector<Lamp>* lamps) {
+  const Vector3d size = room.high - room.low;
   const int nx = std::clamp(static_cast<int>(std::lround(size.x() / 3.5)), 1, 5);
   const int ny = std::clamp(static_cast<int>(std::lround(size.y() / 3.5)), 1, 5);
   for (int i = 0; i < nx; ++i)
     for (int j = 0; j < ny; ++j) {
       const Vector3d offset(size.x() * (i + 0.42 + 0.1 * ((i + j) % 2)) / nx, size.y() * (j + 0.45) / ny,
                             size.z() - 0.25);
-      lamps.push_back({shape.low + offset, 0.75 + 0.5 * ((3 * i + 5 * j) % 4) / 3.0});
+      lamps->push_back({room.low + offset, 0.75 + 0.5 * ((3 * i + 5 * j) % 4) / 3.0});
     }
-  return lamps;
 }
 
 // Distance along the unit ray to the box, or a large number.
@@ -52,7 +50,8 @@ double hit(const OccluderBox& box, const Vector3d& from, const Vector3d& directi
 
 class Baker {
  public:
-  Baker(Mesh& mesh, const RoomShape& shape) : mesh_(mesh), shape_(shape), lamps_(place_lamps(shape)) {
+  Baker(Mesh& mesh, const RoomShape& shape) : mesh_(mesh), shape_(shape) {
+    for (const Box& room : shape.rooms()) place_lamps(room, &lamps_);
     for (int k = 0; k < 14; ++k) {  // evenly spread over the half sphere, denser around its pole (cosine law)
       const double u = (k + 0.5) / 14, angle = k * 2.399963;
       rays_.emplace_back(std::sqrt(u) * std::cos(angle), std::sqrt(u) * std::sin(angle), std::sqrt(1 - u));

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "rumi/synth/next_room_walk.h"
+
 namespace rumi {
 namespace {
 
@@ -26,6 +28,12 @@ Camera default_synth_camera(int width, int height) {
 }
 
 std::string SynthOptions::check() const {
+  if (walk == WalkKind::kNextRoom && path_file.empty()) {
+    if (std::string error =
+            range("seconds of the walk next-room", seconds, kMinNextRoomSeconds, kMaxNextRoomSeconds, " s");
+        !error.empty())
+      return error;
+  }
   for (const std::string& error :
        {range("seconds", seconds, 0.1, 3600, " s"), range("rate", rate_hz, 0, 1000, " Hz (0: the path's own times)"),
         range("start", start_s, 0, 1e6, " s"), range("duration", duration_s, 0, 1e6, " s (0: to the end)"),
@@ -38,10 +46,21 @@ std::string SynthOptions::check() const {
     return fmt::format("camera: {}x{} is too large to render: at most 4096x4096", camera.width, camera.height);
   for (const HardPassage& passage : hard) {
     for (const std::string& error : {range("hard passage: at", passage.at_s, 0, 1e6, " s"),
-                                     range("hard passage: for", passage.for_s, 0.05, 1e6, " s")})
+                                     range("hard passage: for", passage.for_s, 0.05, 1e6, " s"),
+                                     range("hard passage: strength", passage.strength, 0, 1, "")})
       if (!error.empty()) return error;
   }
   return {};
+}
+
+std::string parse_walk_kind(const std::string& name, WalkKind* kind) {
+  for (const auto& [known, value] : {std::pair{"loop", WalkKind::kLoop}, {"next-room", WalkKind::kNextRoom}}) {
+    if (name == known) {
+      *kind = value;
+      return {};
+    }
+  }
+  return fmt::format("--walk {}: must be loop or next-room", name);
 }
 
 std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind) {

@@ -18,15 +18,23 @@ struct HardPassage {
     kRotation,     // a fast turn of the camera about the vertical, and back
   };
   Kind kind = Kind::kBlur;
-  double at_s = 0;   // after the first frame
-  double for_s = 0;  // how long
+  double at_s = 0;      // after the first frame
+  double for_s = 0;     // how long
+  double strength = 1;  // 0 .. 1: so much of it
 };
 
 // width x height pixels with the field of view of a TUM RGB-D camera: fx = fy = 525 at 640 pixels of width.
 Camera default_synth_camera(int width, int height);
 
+// A walk of our own.
+enum class WalkKind {
+  kLoop,      // around the middle of a room
+  kNextRoom,  // lost on the way into the next room: see next_room_walk.h
+};
+
 struct SynthOptions {
-  uint64_t seed = 1;      // of everything random: the room, its contents, the walk, the noise
+  uint64_t seed = 1;  // of everything random: the room, its contents, the walk, the noise
+  WalkKind walk = WalkKind::kLoop;
   double seconds = 20;    // length of the own walk
   double rate_hz = 0;     // 0: 30 on the own walk, the file's own times along a path file
   std::string path_file;  // TUM trajectory (map_from_cam: t tx ty tz qx qy qz qw); empty: own walk
@@ -45,6 +53,8 @@ struct SynthOptions {
   std::string check() const;
 };
 
+// "loop", "next-room"; empty error on success.
+std::string parse_walk_kind(const std::string& name, WalkKind* kind);
 // "blur", "dark", "textureless", "rotation"; empty error on success.
 std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind);
 

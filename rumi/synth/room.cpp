@@ -15,6 +15,8 @@ using Eigen::Vector3d;
 // Texture pixels in all large surfaces together; larger rooms get coarser walls.
 constexpr double kSurfaceTexels = 30e6;
 
+constexpr double kDoorstep_m = 0.6;  // nothing stands nearer to a doorway, on either side
+
 struct Bounds {
   Vector3d low, high;
   bool overlaps(const Bounds& other, double gap) const {
@@ -26,22 +28,30 @@ struct Bounds {
 class Furnisher {
  public:
   Furnisher(const RoomShape& shape, uint64_t seed, double focal_px)
-      : shape_(shape),
-        size_(shape.high - shape.low),
-        b_(seed, object_density(shape, focal_px)),
-        surface_px_per_m_(surface_density(shape, focal_px)) {}
+      : shape_(shape), b_(seed, object_density(shape, focal_px)), surface_px_per_m_(surface_density(shape, focal_px)) {}
 
   Mesh build() {
-    add_along_walls();
-    add_standing();
-    add_hanging();
-    for (int wall = 0; wall < 4; ++wall) decorate_wall(wall);
-    add_rugs();
-    add_shell();
+    if (shape_.doorway) add_partition(*shape_.doorway);
+    for (const Box& room : shape_.rooms()) {
+      enter(room);
+      add_along_walls();
+      add_standing();
+      add_hanging();
+      for (int wall = 0; wall < 4; ++wall) decorate_wall(wall);
+      add_rugs();
+    }
+    for (const Box& room : shape_.rooms()) {
+      enter(room);
+      add_shell();
+    }
     return b_.finish();
   }
 
  private:
+  void enter(const Box& room) {
+    room_ = room;
+    size_ = room.high - room.low;
+  }
   static double surface_density(const RoomShape& shape, double focal_px) {
     const Vector3d s = shape.high - shape.low;
     const double area = 2 * (s.x() * s.y() + s.y() * s.z() + s.z() * s.x());
@@ -53,11 +63,19 @@ class Furnisher {
 
   // Frame of a wall: origin on the floor in its middle, x to the left of one who looks at it, y into the room.
   SE3 wall_frame(int wall) const {
-    const Vector3d middle = 0.5 * (shape_.low + shape_.high);
+    const Vector3d middle = 0.5 * (room_.low + room_.high);
     const Vector3d inward[] = {{0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {1, 0, 0}};
     Vector3d at = middle - 0.5 * inward[wall].cwiseProduct(size_);
-    at.z() = shape_.low.z();
+    at.z() = room_.low.z();
     return SE3(so3_exp({0, 0, wall * M_PI / 2}), at);
+  }
+  // The doorway in the frame of a wall, x and z; empty if it is in no such wall.
+  cv::Rect2d opening_in(int wall) const {
+    if (!shape_.doorway || wall % 2 == 0) return {};
+    const Doorway& door = *shape_.doorway;
+    const Vector3d p = wall_frame(wall).inverse() * Vector3d(door.at.x(), door.at.y(), room_.low.z());
+    if (std::abs(p.y()) > door.wall_m) return {};
+    return {p.x() - door.width_m / 2, 0, door.width_m, door.height_m};
   }
   double wall_width(int wall) const { return wall % 2 == 0 ? size_.x() : size_.y(); }
 
@@ -80,7 +98,7 @@ class Furnisher {
   // Takes the place if it is free and away from the path.
   bool claim(const SE3& frame, double width, double depth, double height, double z0 = 0) {
     const Bounds box = bounds(frame, width, depth, height, z0);
-    if ((box.low.array() < shape_.low.array() - 0.02).any() || (box.high.array() > shape_.high.array() + 0.02).any())
+    if ((box.low.array() < room_.low.array() - 0.02).any() || (box.high.array() > room_.high.array() + 0.02).any())
       return false;
     for (const Bounds& other : taken_)
       if (box.overlaps(other, 0.04)) return false;
@@ -131,7 +149,7 @@ class Furnisher {
   void add_standing() {
     const double area = size_.x() * size_.y();
     for (int tries = static_cast<int>(10 * std::min(area, 300.0)); tries > 0; --tries) {
-      const SE3 floor(Eigen::Quaterniond::Identity(), shape_.low);
+      const SE3 floor(Eigen::Quaterniond::Identity(), room_.low);
       const double yaw = b_.rng.uniform(0, 4) * M_PI / 2 + b_.uniform(-0.3, 0.3);
       const SE3 f = at(floor, b_.uniform(0.4, size_.x() - 0.4), b_.uniform(0.4, size_.y() - 0.4), yaw);
       if (size_.z() > 3.6 && tries % 5 == 0) {
@@ -145,7 +163,7 @@ class Furnisher {
 
   // Lamps, beams and pipes under the ceiling.
   void add_hanging() {
-    const SE3 top(Eigen::Quaterniond::Identity(), Vector3d(shape_.low.x(), shape_.low.y(), shape_.high.z()));
+    const SE3 top(Eigen::Quaterniond::Identity(), Vector3d(room_.low.x(), room_.low.y(), room_.high.z()));
     const Look wood = b_.look(Material::kPlanks), metal = b_.look(Material::kCloth);
     for (double y = b_.uniform(0.5, 1.2); y < size_.y() - 0.3; y += b_.uniform(0.9, 1.8)) {
       const double h = b_.uniform(0.08, 0.2), w = b_.uniform(0.08, 0.2);
@@ -169,6 +187,7 @@ class Furnisher {
   void decorate_wall(int wall) {
     const SE3 frame = wall_frame(wall);
     const double width = wall_width(wall), height = size_.z();
+    const cv::Rect2d opening = opening_in(wall);
     std::vector<cv::Rect2d> used;
     const double area = width * height;
     for (int tries = static_cast<int>(std::min(9 * area, 900.0)); tries > 0; --tries) {
@@ -186,6 +205,7 @@ class Furnisher {
       const cv::Rect2d r(b_.uniform(-width / 2 + 0.1, width / 2 - 0.1 - w), b_.uniform(0.25, height - 0.12 - h), w, h);
       const cv::Rect2d grown(r.x - 0.06, r.y - 0.06, r.width + 0.12, r.height + 0.12);
       if (std::any_of(used.begin(), used.end(), [&](const cv::Rect2d& o) { return (grown & o).area() > 0; })) continue;
+      if ((grown & opening).area() > 0) continue;
       used.push_back(r);
       b_.begin_part(!window, window ? 1.15f : 0);
       const double relief = material == Material::kPoster || material == Material::kPaper ? 0.004 : 0.02;
@@ -194,7 +214,7 @@ class Furnisher {
   }
 
   void add_rugs() {
-    const SE3 floor(Eigen::Quaterniond::Identity(), shape_.low);
+    const SE3 floor(Eigen::Quaterniond::Identity(), room_.low);
     std::vector<cv::Rect2d> used;
     for (int tries = static_cast<int>(std::min(40.0, size_.x() * size_.y() / 3)); tries > 0; --tries) {
       const double w = b_.uniform(0.8, 1.8), d = b_.uniform(1.0, 2.4);
@@ -224,16 +244,37 @@ class Furnisher {
       }
   }
 
+  // The wall between two rooms, in three pieces around its doorway. It comes first: from either room it hides the
+  // other.
+  void add_partition(const Doorway& door) {
+    const SE3 frame(so3_exp({0, 0, M_PI / 2}), Vector3d(door.at.x(), door.at.y(), shape_.low.z()));  // its x is our y
+    const double height = shape_.high.z() - shape_.low.z(), half = door.width_m / 2;
+    Look wall = b_.look(Material::kBrick);
+    wall.px_per_m = surface_px_per_m_;
+    const auto piece = [&](double from, double to, double z0, double z1) {
+      b_.begin_part(true);
+      b_.box(frame, {0.5 * (from + to), 0, 0.5 * (z0 + z1)}, {to - from, door.wall_m, z1 - z0}, wall, true);
+    };
+    piece(shape_.low.y() - door.at.y(), -half, 0, height);
+    piece(half, shape_.high.y() - door.at.y(), 0, height);
+    piece(-half, half, door.height_m, height);
+    b_.begin_part(true);
+    b_.box(frame, {0, 0, 0.005}, {door.width_m, door.wall_m, 0.01}, b_.look(Material::kWood));  // threshold
+    const Vector3d reach(kDoorstep_m, half, 0), middle(door.at.x(), door.at.y(), shape_.low.z());
+    taken_.push_back({middle - reach, middle + reach + Vector3d(0, 0, door.height_m)});
+  }
+
   // Walls, floor and ceiling come last: what stands before them is drawn first and spares their pixels.
   void add_shell() {
     const Material walls[] = {Material::kBrick, Material::kWallpaper, Material::kPlaster, Material::kPanelling,
                               Material::kStone};
     const int first = b_.rng.uniform(0, 5);
     for (int wall = 0; wall < 4; ++wall) {
+      if (!opening_in(wall).empty()) continue;  // stands already
       const double w = wall_width(wall), h = size_.z();
       surface(wall_frame(wall), {w / 2, 0, h}, {-w, 0, 0}, {0, 0, -h}, b_.look(walls[(first + wall) % 5]));
     }
-    const SE3 floor(Eigen::Quaterniond::Identity(), shape_.low);
+    const SE3 floor(Eigen::Quaterniond::Identity(), room_.low);
     const double w = size_.x(), d = size_.y();
     surface(floor, {0, d, 0}, {w, 0, 0}, {0, -d, 0},
             b_.look(b_.rng.uniform(0, 2) ? Material::kPlanks : Material::kTiles));
@@ -241,7 +282,8 @@ class Furnisher {
   }
 
   const RoomShape& shape_;
-  Vector3d size_;
+  Box room_;       // the one that is being furnished
+  Vector3d size_;  // of it
   MeshBuilder b_;
   double surface_px_per_m_;
   std::vector<Bounds> taken_;
@@ -249,8 +291,18 @@ class Furnisher {
 
 }  // namespace
 
-RoomShape fit_room(const CameraPath& path, uint64_t seed) {
+std::vector<Box> RoomShape::rooms() const {
+  if (!doorway) return {{low, high}};
+  const double half_wall_m = doorway->wall_m / 2;
+  std::vector<Box> rooms{{low, high}, {low, high}};
+  rooms[0].high.x() = doorway->at.x() - half_wall_m;
+  rooms[1].low.x() = doorway->at.x() + half_wall_m;
+  return rooms;
+}
+
+RoomShape fit_room(const CameraPath& path, uint64_t seed, const std::optional<Doorway>& doorway) {
   RoomShape shape;
+  shape.doorway = doorway;
   const Eigen::Quaterniond upright = shortest_turn(path.up(), Vector3d::UnitZ());
   // A point at least every 5 cm or so is enough to keep furniture away.
   const double begin = path.times_s().front(), end = path.times_s().back();
@@ -260,7 +312,7 @@ RoomShape fit_room(const CameraPath& path, uint64_t seed) {
     shape.path.push_back(upright * path.at(begin + (end - begin) * i / (samples - 1)).translation);
     ground.emplace_back(static_cast<float>(shape.path.back().x()), static_cast<float>(shape.path.back().y()));
   }
-  const double angle = cv::minAreaRect(ground).angle * M_PI / 180;
+  const double angle = doorway ? 0 : cv::minAreaRect(ground).angle * M_PI / 180;
   const Eigen::Quaterniond turn = so3_exp({0, 0, -angle});
   shape.room_from_map = SE3(turn * upright, Vector3d::Zero());
   shape.low.setConstant(1e9);

@@ -10,6 +10,7 @@
 
 #include "rumi/synth/camera_path.h"
 #include "rumi/synth/lens.h"
+#include "rumi/synth/next_room_walk.h"
 #include "rumi/synth/rasterizer.h"
 #include "rumi/synth/room.h"
 
@@ -32,33 +33,36 @@ double amount(const HardPassage& passage, double t) {
 double amount(const std::vector<HardPassage>& passages, HardPassage::Kind kind, double t) {
   double most = 0;
   for (const HardPassage& passage : passages)
-    if (passage.kind == kind) most = std::max(most, amount(passage, t));
+    if (passage.kind == kind) most = std::max(most, passage.strength * amount(passage, t));
   return most;
 }
 
-CameraPath make_path(const SynthOptions& options) {
-  return options.path_file.empty() ? CameraPath::walk(options.seconds, options.seed)
-                                   : CameraPath::load(options.path_file);
-}
-
-SynthOptions checked(const SynthOptions& options) {
+Walk make_walk(const SynthOptions& options) {
   if (const std::string error = options.check(); !error.empty()) throw std::runtime_error(error);
-  return options;
+  if (!options.path_file.empty()) return {.path = CameraPath::load(options.path_file)};
+  if (options.walk == WalkKind::kNextRoom) return walk_to_next_room(options.seconds, options.seed);
+  return {.path = CameraPath::walk(options.seconds, options.seed)};
 }
 
 }  // namespace
 
 struct SequenceRenderer::Impl {
-  explicit Impl(const SynthOptions& o)
-      : options(checked(o)),
-        path(make_path(options)),
+  explicit Impl(const SynthOptions& o) : Impl(o, make_walk(o)) {}
+
+  Impl(const SynthOptions& o, Walk walk)
+      : options(o),
+        path(std::move(walk.path)),
         up(path.up()),
         lens(options.camera),
         sensor({options.camera.width, options.camera.height}, options.grey ? 1 : 3, options.noise) {
+    for (HardPassage& passage : walk.hard) {
+      passage.at_s -= options.start_s;
+      options.hard.push_back(passage);
+    }
     choose_times();
     const double begin = times_s.front(), end = times_s.back();
     // The room holds the whole path if only part of it is asked for: the same room for every part.
-    shape = fit_room(path, options.seed);
+    shape = fit_room(path, options.seed, walk.doorway);
     first_s = begin;
     if (end <= begin)
       throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
@@ -92,7 +96,7 @@ struct SequenceRenderer::Impl {
     for (const HardPassage& passage : options.hard) {
       if (passage.kind != HardPassage::Kind::kRotation) continue;
       const double phase = (t - first_s - passage.at_s) / passage.for_s;
-      if (phase > 0 && phase < 1) turn += kTurn_rad * std::pow(std::sin(M_PI * phase), 2);
+      if (phase > 0 && phase < 1) turn += passage.strength * kTurn_rad * std::pow(std::sin(M_PI * phase), 2);
     }
     if (turn != 0) map_from_cam.rotation = (so3_exp(turn * up) * map_from_cam.rotation).normalized();
     return map_from_cam;

@@ -151,6 +151,24 @@ TEST(Sequence, HardPassagesDoWhatTheyPromiseAndOnlyThere) {
   EXPECT_FALSE(equal(plain.render(45), changed.render(45)));
 }
 
+TEST(Sequence, TheWalkIntoTheNextRoomBringsItsHardPassage) {
+  SynthOptions options = small_options();
+  options.walk = WalkKind::kNextRoom;
+  options.seconds = 20;
+  SequenceRenderer renderer(options);
+  const double before = cv::mean(renderer.render(80))[0], dark = cv::mean(renderer.render(100))[0];
+  EXPECT_LT(dark, 0.8 * before);
+  EXPECT_GT(dark, 12) << "not too dark for SIFT";
+  EXPECT_GT(corners(renderer.render(80)), 150);
+  EXPECT_LT(corners(renderer.render(100)), 0.2 * corners(renderer.render(80)));
+  // Part of it: the passage comes at the same place of the path.
+  options.start_s = 9;
+  options.duration_s = 2;
+  SequenceRenderer part(options);
+  EXPECT_LT((part.map_from_cam(10).translation - renderer.map_from_cam(100).translation).norm(), 1e-9);
+  EXPECT_NEAR(cv::mean(part.render(10))[0], dark, 0.3 * dark);
+}
+
 TEST(Sequence, OptionErrorsNameTheField) {
   const auto error = [](auto change) {
     SynthOptions options = small_options();
@@ -175,6 +193,12 @@ TEST(Sequence, OptionErrorsNameTheField) {
   EXPECT_EQ(parse_hard_kind("dark", &kind), "");
   EXPECT_EQ(kind, Kind::kDark);
   EXPECT_THAT(parse_hard_kind("fog", &kind), HasSubstr("fog"));
+  EXPECT_THAT(error([](SynthOptions& o) { o.hard = {{Kind::kBlur, 1, 1, 1.5}}; }), HasSubstr("strength is 1.5"));
+  EXPECT_THAT(error([](SynthOptions& o) { o.walk = WalkKind::kNextRoom; }), HasSubstr("seconds of the walk next-room"));
+  WalkKind walk;
+  EXPECT_EQ(parse_walk_kind("next-room", &walk), "");
+  EXPECT_EQ(walk, WalkKind::kNextRoom);
+  EXPECT_THAT(parse_walk_kind("moon", &walk), HasSubstr("moon"));
 }
 
 TEST(WriteSequence, MakesATumFolder) {

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A replay from its options to its folder of outputs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "rumi/all_options.h"
+#include "rumi/map_file.h"
+#include "rumi/replay.h"
+#include "rumi/window_report.h"
+
+namespace rumi {
+
+struct ReplayRun {
+  std::string input, out;
+  std::string log = {};  // lcm log to write; empty: none
+  AllOptions options = {};
+  std::string options_yaml = {};                                // as the user asked for them, for run.json
+  std::function<void(const ReplayProgress&)> on_progress = {};  // after every image
+};
+
+struct ReplayOutcome {
+  std::string error;    // empty: all is written
+  std::string warning;  // what did not go as it should, though all is written
+  AtlasCounts counts;
+  std::vector<WindowRow> windows;  // in the order in which they were rebuilt
+  int64_t images = 0;
+  int64_t begin_us = 0;  // of the first image
+  double wall_s = 0;
+};
+
+// Throws std::runtime_error with a message for the user if the input or an option is no good.
+ReplayOutcome run_replay(const ReplayRun& run);
+
+}  // namespace rumi
