@@ -199,7 +199,10 @@ void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
   CLI::App* command =
       app.add_subcommand("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
   command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
-  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
+  command
+      ->add_option("-o,--output", arguments->out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
   command->add_option("--log", arguments->log, "lcm log to write: every message on the bus, images included");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")

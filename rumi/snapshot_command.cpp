@@ -123,7 +123,10 @@ int run(const Arguments& arguments) {
 void add_snapshot_command(CLI::App& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("snapshot", "Write what a live system has so far, as `rumi replay` would");
-  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
+  command
+      ->add_option("-o,--output", arguments->out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->capture_default_str();
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")

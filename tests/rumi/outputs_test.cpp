@@ -12,7 +12,9 @@ namespace rumi {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 nlohmann::json read_json(const fs::path& file) {
@@ -28,15 +30,38 @@ TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
   EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
 }
 
-TEST(OutputFolder, ForeignFilesAreNotMixedWithOurs) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
-  std::ofstream(folder / "trajectory.txt") << "somebody's work\n";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
+TEST(OutputFolder, OtherFilesAreLeftAlone) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_beside");
+  fs::create_directories(folder / "submaps");
+  fs::create_directories(folder / "windows");
+  for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
+    std::ofstream(folder / name) << "somebody's work\n";
+  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
+  EXPECT_TRUE(fs::exists(folder / "log.txt"));
+}
+
+TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
+  for (const char* name :
+       {"trajectory.txt", "trajectory.png", "trajectory.mp4", "frames.csv", "map.db", "map.ply", "windows.csv",
+        "run.json", "submaps/001.txt", "submaps/s2-b012.txt", "windows/1-2.window", "pictures/000001.png"}) {
+    const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name) << "somebody's work\n";
+    std::ofstream(folder / "log.txt") << "and more of it\n";
+    const std::string error = prepare_output_folder(folder.string());
+    EXPECT_THAT(error, AllOf(HasSubstr(std::string(name) + " would be overwritten"), Not(HasSubstr("log.txt"))));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+  }
+}
+
+TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_many");
+  for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
+    std::ofstream(folder / name) << "somebody's work\n";
   std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
-  std::ofstream(folder / "run.json") << "no JSON";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+  EXPECT_THAT(prepare_output_folder(folder.string()),
+              HasSubstr("frames.csv, map.db, map.ply and 3 more would be overwritten"));
 }
 
 TEST(OutputFolder, SaysWhyItCannotBeMade) {

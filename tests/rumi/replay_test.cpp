@@ -163,15 +163,25 @@ TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(refused(sequence_, "--config /no/such.yaml"), HasSubstr("/no/such.yaml"));
 }
 
-TEST_F(ReplayTest, WritesNowhereElse) {
+TEST_F(ReplayTest, OverwritesNothingButItsOwn) {
   const fs::path foreign = work_->path / "foreign";
   fs::create_directories(foreign);
-  std::ofstream(foreign / "thesis.txt") << "the only copy";
+  std::ofstream(foreign / "trajectory.txt") << "the only copy";
   const Outcome mixed = replay(sequence_, foreign);
   EXPECT_EQ(mixed.exit_code, 1);
-  EXPECT_THAT(mixed.output, HasSubstr("choose another folder"));
+  EXPECT_THAT(mixed.output, HasSubstr("trajectory.txt would be overwritten"));
   EXPECT_EQ(std::distance(fs::directory_iterator(foreign), {}), 1);
   EXPECT_EQ(replay(sequence_, "/proc/rumi").exit_code, 1);
+}
+
+TEST_F(ReplayTest, WhatItSaysMayGoIntoItsFolder) {
+  const fs::path out = work_->path / "with_log";
+  fs::create_directories(out);
+  const std::string command = "$RUMI/rumi replay '" + sequence_.string() + "' -o '" + out.string() + "' --duration 2";
+  const Outcome outcome = shell(command + " > '" + (out / "log.txt").string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+  EXPECT_THAT(read_file(out / "log.txt"), HasSubstr("frames have a pose in the map"));
 }
 
 // A turn that is too fast: front_tracker begins anew after it, the ruminator rebuilds what it lost.
