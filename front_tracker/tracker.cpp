@@ -55,8 +55,8 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   {
     const std::scoped_lock lock(map_mutex_);
     if (tracking) ++active().map.revision;
-    if (tracking && !track(&frame)) lose(frame);
-    const bool found = state_ == TrackingState::kTracking || recover(&frame) || begin_submap(&frame);
+    if (tracking && !track(&frame) && !look_again(&frame)) lose(frame);
+    const bool found = state_ == TrackingState::kTracking || (!tracking && recover(&frame)) || begin_submap(&frame);
     if (found) accept(std::move(frame), &result);
     result.state = state_;
   }
@@ -95,6 +95,18 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   result->state = state_;
   result->keypoints = static_cast<int>(frame.features->size());
   accept(std::move(frame), result);
+  return true;
+}
+
+// One rule for tracking and relocalization: what the latter would believe in this very image is not lost. It looks
+// farther than tracking does, and believes a pose that does not carry the scale on where much of what should be in view
+// is there. No motion is told of such a pose: patches and keyframes of fast motion, which would be built on it, wait.
+bool Tracker::look_again(Frame* frame) {
+  if (!relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) return false;
+  spdlog::debug("found by another look in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
+                frame->matches());
+  velocity_ = SE3();
+  velocity_dt_us_ = 0;
   return true;
 }
 

@@ -73,6 +73,7 @@ class Tracker {
 
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
   bool track(Frame* frame);
+  bool look_again(Frame* frame);
   void predict_pose(Frame* frame);
   void note_motion(const Frame& frame);
   bool match_last_frame(Frame* frame);
