@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rumi replay INPUT -o OUT
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -18,8 +19,10 @@
 #include "rumi/output_folder.h"
 #include "rumi/replay.h"
 #include "rumi/run_record.h"
+#include "rumi/run_summary.h"
 #include "rumi/window_report.h"
 #include "ruminator/spool.h"
+#include "ruminator/window_message.h"
 
 namespace rumi {
 namespace {
@@ -42,25 +45,33 @@ double peak_rss_mb() {
   return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
 }
 
-// One line on a terminal, over and over; nothing where it would fill a log.
+// On a terminal one line, over and over; elsewhere a line in the log now and then.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool quiet) : show_(!quiet && isatty(STDERR_FILENO)) {}
+  explicit ProgressLine(bool quiet) : quiet_(quiet) {}
   ~ProgressLine() {
-    if (shown_) fmt::print(stderr, "\n");
+    if (shown_) fmt::print(stderr, "\r\x1b[K");
   }
   void update(Replay& replay) {
-    if (!show_ || seconds_since(last_) < 0.5) return;
+    if (quiet_ || seconds_since(last_) < (terminal_ ? 0.5 : 10)) return;
     const ReplayProgress progress = replay.progress();
-    fmt::print(stderr, "\r{} frames, {:.1f} per second, {}\x1b[K", progress.frames,
-               static_cast<double>(progress.frames) / seconds_since(begin_), progress.state);
+    if (!terminal_ && progress.frames - told_ < kLeastShare * static_cast<double>(progress.total)) return;
+    const std::string text =
+        describe_progress(progress.frames, progress.total, seconds_since(begin_)) + "; " + progress.state;
+    if (terminal_)
+      fmt::print(stderr, "\r{}\x1b[K", text);
+    else
+      spdlog::info("{}", text);
     last_ = Clock::now();
-    shown_ = true;
+    told_ = progress.frames;
+    shown_ = terminal_;
   }
 
  private:
-  bool show_, shown_ = false;
+  static constexpr double kLeastShare = 0.05;  // of all images, between two lines in a log
+  bool quiet_, terminal_ = isatty(STDERR_FILENO), shown_ = false;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
+  int64_t told_ = 0;
 };
 
 // OUT/windows: the windows as files that `rumi ruminate` rebuilds, and in OUT/windows.csv what came of them here.
@@ -93,6 +104,14 @@ class WindowOutput {
     for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
     const std::string error = csv.commit();
     return error_.empty() ? error : error_;
+  }
+  // A line for each that gave nothing.
+  std::vector<std::string> failures() const {
+    std::vector<std::string> lines;
+    for (const WindowRow& row : rows_)
+      if (!row.ok)
+        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+    return lines;
   }
   ordered_json counts() const {
     return {{"complete", complete_},
@@ -144,6 +163,15 @@ std::string write_everything(Replay& replay, const std::string& out) {
   return replay.store().write_copy((std::filesystem::path(out) / "map.db").string());
 }
 
+void print_end(Replay& replay, const WindowOutput& windows, const std::string& out, double wall_s) {
+  std::vector<std::string> left_out = rumi::left_out(replay.atlas());
+  for (const std::string& line : windows.failures()) left_out.push_back(line);
+  if (const SkippedFrames& skipped = replay.skipped(); skipped.total() > 0)
+    left_out.push_back("of the recording: " + skipped.to_string());
+  print_summary(count(replay.atlas()), left_out, out);
+  fmt::print("{} images in {:.1f} s\n", replay.progress().frames, wall_s);
+}
+
 std::string begin_log(const Arguments& arguments, Replay* replay) {
   if (arguments.log.empty()) return {};
   std::error_code none;
@@ -185,10 +213,7 @@ int replay(const Arguments& arguments) {
     fmt::print(stderr, "rumi replay: {}\n", error);
     return 1;
   }
-  if (!arguments.quiet) {
-    print_summary(count(replay.atlas()), arguments.out);
-    fmt::print("{} images in {:.1f} s\n", replay.progress().frames, wall_s);
-  }
+  if (!arguments.quiet) print_end(replay, windows, arguments.out, wall_s);
   return 0;
 }
 
@@ -208,7 +233,7 @@ void add_replay_command(CLI::App& app, std::function<int()>* chosen) {
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")
       ->allow_extra_args(false);
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->add_flag("-v,--verbose", arguments->verbose, "log more");
+  command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
   // The flags that camera_driver has too are short for options of its section.
   const auto shorthand = [&](const char* flag, const char* key, const char* help) {
     command->add_option_function<std::string>(

@@ -14,6 +14,7 @@
 #include "rumi/map_file.h"
 #include "rumi/output_folder.h"
 #include "rumi/run_record.h"
+#include "rumi/run_summary.h"
 #include "rumi/snapshot.h"
 
 namespace rumi {
@@ -100,7 +101,7 @@ std::string take_snapshot(const Arguments& arguments) {
   error = write_run_outputs(atlas, arguments.out);
   if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, processes));
   if (error.empty()) {
-    print_summary(count(atlas), arguments.out);
+    print_summary(count(atlas), left_out(atlas), arguments.out);
     print_processes(processes);
   }
   return error;

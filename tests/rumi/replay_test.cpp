@@ -24,7 +24,10 @@ class ReplayTest : public testing::Test {
   static void TearDownTestSuite() { delete work_; }
 
   static Outcome replay(const fs::path& input, const fs::path& out, const std::string& flags = "") {
-    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' -q " + flags);
+    return replay_aloud(input, out, "-q " + flags);
+  }
+  static Outcome replay_aloud(const fs::path& input, const fs::path& out, const std::string& flags = "") {
+    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' " + flags);
   }
   // All files below a folder, but for run.json, which has times in it.
   static std::map<std::string, std::string> contents(const fs::path& folder) {
@@ -190,7 +193,7 @@ class ReplayOfALoss : public ReplayTest {
   static void SetUpTestSuite() {
     work_ = new WorkFolder;
     sequence_ = render(*work_, "--seconds 10 --hard rotation --at 4 --for 1.5");
-    outcome_ = replay(sequence_, work_->path / "out");
+    outcome_ = replay_aloud(sequence_, work_->path / "out");
   }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
   static int accepted_links(const fs::path& out) {
@@ -210,6 +213,23 @@ TEST_F(ReplayOfALoss, LeavesOneMap) {
   EXPECT_GE(figures["true_rate"], 0.97);
   EXPECT_LE(figures["ate_rmse_m"], 0.03);
   EXPECT_GE(accepted_links(out), 2);
+}
+
+// Each once: that the submap begins, the loss, the window, the map that comes of it; and what is where at the end.
+TEST_F(ReplayOfALoss, IsTold) {
+  const auto lines = [&](const std::string& words) {
+    std::istringstream text(outcome_.output);
+    int count = 0;
+    for (std::string line; std::getline(text, line);) count += line.find(words) != std::string::npos;
+    return count;
+  };
+  EXPECT_EQ(lines("submap 1 begins at"), 1) << outcome_.output;
+  EXPECT_EQ(lines("lost at 4."), 1) << outcome_.output;
+  EXPECT_EQ(lines("; submap 2 begins"), 1) << outcome_.output;
+  EXPECT_EQ(lines("window 1"), 1) << outcome_.output;
+  EXPECT_EQ(lines("are one map"), 1) << outcome_.output;
+  EXPECT_EQ(lines("rumi info"), 4 + lines(" per second")) << outcome_.output;
+  EXPECT_EQ(lines("have a pose in the map"), 1) << outcome_.output;
 }
 
 TEST_F(ReplayOfALoss, WithoutMergingTheMapIsTheLargestFrontSubmap) {
