@@ -14,7 +14,7 @@ namespace rumi {
 namespace {
 
 constexpr int kMaxPerTick = 8;                // so that a request to stop is heard while catching up
-constexpr int64_t kProgressUs = 5'000'000;    // clock
+constexpr int64_t kProgressUs = 10'000'000;   // clock
 constexpr int64_t kDegradedLateUs = 500'000;  // behind the pace
 
 std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const CameraOptions& options) {
@@ -103,9 +103,15 @@ void CameraNode::fetch() {
 void CameraNode::report_progress(int64_t now_us) {
   const int64_t elapsed_us = now_us - progress_us_;
   if (elapsed_us < kProgressUs && !done()) return;
-  const double rate_hz = static_cast<double>(published_ - progress_count_) * 1e6 / static_cast<double>(elapsed_us + 1);
-  log_info("{}{}{}", detail(), elapsed_us >= kProgressUs ? fmt::format(", {:.1f} Hz", rate_hz) : "",
-           done() ? ": the end" : "");
+  const auto since_s = 1e-6 * static_cast<double>(elapsed_us + 1);
+  const double rate_hz = static_cast<double>(published_ - progress_count_) / since_s;
+  std::string text = detail();
+  if (elapsed_us >= kProgressUs) text += fmt::format(", {:.1f} Hz", rate_hz);
+  if (done())
+    text += ": the end";
+  else if (source_->total() >= published_ && rate_hz > 0)
+    text += fmt::format(", about {:.0f} s left", static_cast<double>(source_->total() - published_) / rate_hz);
+  log_info("{}", text);
   progress_us_ = now_us;
   progress_count_ = published_;
 }

@@ -101,6 +101,7 @@ void FrontTrackerNode::begin_session(const Camera& camera) {
 void FrontTrackerNode::retire_session() {
   if (!tracker_) return;
   tracker_->wait_for_mapping();
+  tracker_->end();
   publisher_.publish(*tracker_, bus_.now_us(), true);
   retired_.push_back(std::move(tracker_));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/tracker.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "bus/log.h"
@@ -33,6 +35,7 @@ Tracker::Tracker(const Camera& camera, const FrontTrackerOptions& options, int64
 
 std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
   if (utime_us <= last_utime_us_) return std::nullopt;
+  if (last_utime_us_ == INT64_MIN) first_utime_us_ = utime_us;
   last_utime_us_ = utime_us;
   const bool keep = options_.mapping.keyframe_images > 0;
   const auto images = std::make_shared<const ImagePyramid>(extractor_.pyramid(keep ? grey.clone() : grey));
@@ -54,10 +57,11 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   {
     const std::scoped_lock lock(map_mutex_);
     if (tracking) ++active().map.revision;
-    if (tracking && !track(&frame)) lose(frame);
-    const bool found = state_ == TrackingState::kTracking || recover(&frame) || begin_submap(&frame);
+    if (tracking && !track(&frame) && !look_again(&frame)) lose(frame);
+    const bool found = state_ == TrackingState::kTracking || (!tracking && recover(&frame)) || begin_submap(&frame);
     if (found) accept(std::move(frame), &result);
     result.state = state_;
+    follow_loss(result);
   }
   for (const auto& [submap, keyframe] : tasks_) mapping_.post(submap, keyframe);
   tasks_.clear();
@@ -97,12 +101,48 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   return true;
 }
 
+// One rule for tracking and relocalization: what the latter would believe in this very image is not lost. It looks
+// farther than tracking does, and believes a pose that does not carry the scale on where much of what should be in view
+// is there. No motion is told of such a pose: patches and keyframes of fast motion, which would be built on it, wait.
+bool Tracker::look_again(Frame* frame) {
+  if (!relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) return false;
+  log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
+            frame->matches());
+  velocity_ = SE3();
+  velocity_dt_us_ = 0;
+  return true;
+}
+
 void Tracker::lose(const Frame& frame) {
   state_ = TrackingState::kRecentlyLost;
-  lost_since_us_ = frame.utime_us;
   initializer_.clear();
-  log_info("lost track of submap {} with {} keyframes at {}", active().map.key.id, active().map.keyframes.size(),
-           frame.utime_us);
+  const Submap& map = active().map;
+  loss_ = Loss{.first_utime_us = first_utime_us_,
+               .utime_us = frame.utime_us,
+               .submap_id = map.key.id,
+               .frames_before = map.frames.size()};
+}
+
+// One line for a loss, when it is over.
+void Tracker::follow_loss(const TrackResult& result) {
+  if (!loss_) return;
+  if (result.submap_id == kNoSubmap) {
+    ++loss_->images;
+    return;
+  }
+  loss_->posed_afterwards = static_cast<int>(posed_afterwards_.size());
+  loss_->withdrawn = static_cast<int>(withdrawn_.size());
+  log_line(loss_->is_hiccup() ? LogLevel::kDebug : LogLevel::kInfo, describe(*loss_, result.utime_us));
+  loss_.reset();
+}
+
+void Tracker::end() {
+  if (loss_) {
+    loss_->outcome = "not found again until the end";
+    log_info("{}", describe(*loss_, last_utime_us_));
+  } else if (submaps_.empty() && last_utime_us_ != INT64_MIN) {
+    log_warning("no submap began; the last try: {}", initializer_.refusal());
+  }
 }
 
 // Finds the camera again: first where it was last seen, then wherever it looks alike.
@@ -110,7 +150,7 @@ bool Tracker::recover(Frame* frame) {
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {
     if (relocalize(active_, last_.reference_keyframe, frame)) return true;
-    const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - lost_since_us_);
+    const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - loss_->utime_us);
     if (lost_s > options_.tracking.recently_lost_s) state_ = TrackingState::kLost;
   }
   for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame))
@@ -131,9 +171,10 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
   const int back_id = back->key.id;
   const FrontSubmap& submap = open_submap(std::move(*back));
   for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(submaps_.size() - 1, submap.map, kf);
-  log_info("submap {} goes on from back submap {}: {} keyframes, {} landmarks", submap.map.key.id, back_id,
-           submap.map.keyframes.size(), submap.map.landmarks.size());
   go_on_in(submaps_.size() - 1, frame);
+  if (loss_)
+    loss_->outcome =
+        fmt::format("found again in back submap {}: submap {} goes on from it", back_id, submap.map.key.id);
   return true;
 }
 
@@ -156,7 +197,7 @@ void Tracker::go_on_in(size_t submap_index, Frame* frame) {
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  log_info("relocalized in submap {} at {} with {} matches", active().map.key.id, frame->utime_us, frame->matches());
+  if (loss_) loss_->outcome = fmt::format("found again in submap {}", active().map.key.id);
 }
 
 // Do the newest keyframes before the loss contradict the place where the frame was found?
@@ -196,8 +237,8 @@ void Tracker::withdraw_torn_end(Frame* found) {
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !submap.map.landmark(id)) id = kNone;
-  log_info("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
-           first_us);
+  log_debug("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
+            first_us);
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {
@@ -224,8 +265,12 @@ bool Tracker::begin_submap(Frame* frame) {
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  log_info("submap {} begins at {} with {} keyframes, {} landmarks, {} frames", active().map.key.id, frame->utime_us,
-           active().map.keyframes.size(), active().map.landmarks.size(), active().map.frames.size());
+  if (loss_)
+    loss_->outcome = fmt::format("submap {} begins", active().map.key.id);
+  else
+    log_info("submap {} begins at {:.2f} s: {} images have a pose in it, {} landmarks", active().map.key.id,
+             1e-6 * static_cast<double>(frame->utime_us - first_utime_us_), active().map.frames.size(),
+             active().map.landmarks.size());
   return true;
 }
 

@@ -12,6 +12,7 @@
 #include "front_tracker/back_submaps.h"
 #include "front_tracker/front_submap.h"
 #include "front_tracker/initializer.h"
+#include "front_tracker/loss.h"
 #include "front_tracker/mapping_worker.h"
 #include "front_tracker/patch_templates.h"
 #include "front_tracker/relocalizer.h"
@@ -61,6 +62,8 @@ class Tracker {
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
   void wait_for_mapping() { mapping_.wait_until_idle(); }
+  // No more images come: says what is lost still.
+  void end();
   const Camera& camera() const { return camera_; }
 
  private:
@@ -73,6 +76,7 @@ class Tracker {
 
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
   bool track(Frame* frame);
+  bool look_again(Frame* frame);
   void predict_pose(Frame* frame);
   void note_motion(const Frame& frame);
   bool match_last_frame(Frame* frame);
@@ -99,6 +103,7 @@ class Tracker {
   void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed);
   void track_back(const Frame& found, std::deque<Frame> frames);
   void lose(const Frame& frame);
+  void follow_loss(const TrackResult& result);
   void accept(Frame frame, TrackResult* result);
   void record_pose(FrontSubmap* submap, const Frame& frame);
   void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result) const;
@@ -127,8 +132,9 @@ class Tracker {
   Frame last_;                  // last tracked frame
   SE3 velocity_;                // this_cam_from_last_cam
   int64_t velocity_dt_us_ = 0;
+  int64_t first_utime_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;
-  int64_t lost_since_us_ = 0;
+  std::optional<Loss> loss_;          // while it is not over
   int64_t found_us_ = INT64_MIN / 2;  // when it was last found again after it was LOST
   int64_t last_keyframe_us_ = 0;
   int64_t last_corners_us_ = 0;      // of the last image that corners were looked for in

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace rumi {
 namespace {
@@ -46,6 +47,19 @@ void check_placement(SubmapKey key, const Placement& placement, const std::funct
 }
 
 }  // namespace
+
+std::string describe(const std::set<SubmapKey>& submaps) {
+  constexpr size_t kNamed = 8;
+  if (submaps.size() > kNamed || submaps.begin()->session != submaps.rbegin()->session)
+    return fmt::format("{} submaps", submaps.size());
+  std::vector<int> ids;
+  for (const SubmapKey& key : submaps) ids.push_back(key.id);
+  // A back submap comes after the front submap of its number, which it begins in.
+  std::sort(ids.begin(), ids.end(),
+            [](int a, int b) { return std::pair(std::abs(a), -a) < std::pair(std::abs(b), -b); });
+  if (ids.size() == 1) return fmt::format("submap {}", ids[0]);
+  return fmt::format("submaps {} and {}", fmt::join(ids.begin(), ids.end() - 1, ", "), ids.back());
+}
 
 const char* to_string(FrameState state) {
   switch (state) {
@@ -168,6 +182,13 @@ bool Atlas::stands_for_itself(const AtlasSubmap& owner, int landmark_id) const {
   if (fused == owner.placement.fused.end()) return true;
   const AtlasSubmap* other = find(fused->second.submap);
   return !other || !other->in_map || !other->submap.landmark(fused->second.id);
+}
+
+std::set<SubmapKey> Atlas::in_map() const {
+  std::set<SubmapKey> keys;
+  for (const auto& [key, owner] : submaps_)
+    if (owner.in_map) keys.insert(key);
+  return keys;
 }
 
 int64_t Atlas::frames_in_map() const {

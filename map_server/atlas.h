@@ -49,6 +49,9 @@ struct LocatedFrame {
   SE3 cam_from_map() const { return owner->placement.cam_from_map(owner->submap, *frame); }
 };
 
+// "submap 3", "submaps 1, -1 and 2"; of many, or of several sessions, how many: "12 submaps". Not of none.
+std::string describe(const std::set<SubmapKey>& submaps);
+
 class Atlas {
  public:
   // Runs `change` on a submap (a new one if the key is new). It returns what is wrong, or an empty string; if something
@@ -71,6 +74,7 @@ class Atlas {
   void restore_revision(int64_t revision) { revision_ = revision; }
 
   const std::map<SubmapKey, AtlasSubmap>& submaps() const { return submaps_; }
+  std::set<SubmapKey> in_map() const;
   const std::vector<Link>& links() const { return links_; }
   const AtlasSubmap* find(SubmapKey key) const;
   const std::map<int64_t, FrameRecord>& frames() const { return frames_; }  // all ever heard of, by utime_us

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -149,24 +150,38 @@ void MapServerNode::absorb(MergeResult result) {
   result.links.insert(result.links.end(), fixed_links_.begin(), fixed_links_.end());
   atlas_.set_links(std::move(result.links));
   if (!result.placements.empty()) {
-    const int64_t frames_before = atlas_.frames_in_map();
     cull(result.culled);
-    const size_t submaps = result.placements.size() + result.unmoved.size();
+    const std::set<SubmapKey> before = atlas_.in_map();
     atlas_.place_map(std::move(result.placements), result.unmoved);
-    log_info("{} submaps are one map: {} images, {} points, {:.2f} px; {} frames have a pose in it ({:+}); {:.1f} s",
-             submaps, result.report.views, result.report.points, result.report.rmse, atlas_.frames_in_map(),
-             atlas_.frames_in_map() - frames_before, result.cpu_s);
+    tell_of_map(before);
+    log_debug("adjusted: {} images, {} points, {:.2f} px, {:.1f} s", result.report.views, result.report.points,
+              result.report.rmse, result.cpu_s);
     publish_map_status();
   }
   save();
 }
 
+// One line when it is made of other submaps than before; that it was adjusted again is no news.
+void MapServerNode::tell_of_map(const std::set<SubmapKey>& before) const {
+  const std::set<SubmapKey> now = atlas_.in_map();
+  const auto without = [](const std::set<SubmapKey>& some, const std::set<SubmapKey>& others) {
+    std::set<SubmapKey> rest;
+    std::set_difference(some.begin(), some.end(), others.begin(), others.end(), std::inserter(rest, rest.end()));
+    return rest;
+  };
+  const std::set<SubmapKey> come = without(now, before), gone = without(before, now);
+  if (come.empty() && gone.empty()) return;
+  log_info("{} {} one map: {} of {} frames{}{}", describe(now), now.size() == 1 ? "is" : "are", atlas_.frames_in_map(),
+           atlas_.frames().size(), come.empty() || before.empty() ? "" : fmt::format("; new in it: {}", describe(come)),
+           gone.empty() ? "" : fmt::format("; no longer in it: {}", describe(gone)));
+}
+
 void MapServerNode::cull(const CulledSubmaps& culled) {
   for (const auto& [key, left] : culled) {
     const Submap& all = atlas_.find(key)->submap;
-    log_info("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
-             all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
-             all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
+    log_debug("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
+              all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
+              all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
     atlas_.change_submap(key, [&left = left](Submap* submap) {
       if (submap->revision + 1 == left->revision) *submap = *left;
       return std::string();

@@ -41,6 +41,7 @@ class MapServerNode : public Node {
   void on_track(const track_t& track);
   void merge(int64_t now_us);
   void absorb(MergeResult result);
+  void tell_of_map(const std::set<SubmapKey>& before) const;
   void cull(const CulledSubmaps& culled);
   void on_request(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused

@@ -16,6 +16,7 @@
 #include "rumi/output_folder.h"
 #include "rumi/progress_line.h"
 #include "rumi/run_report.h"
+#include "rumi/run_summary.h"
 #include "rumi/synth/write_sequence.h"
 #include "rumi/window_picture.h"
 #include "rumi/window_scene.h"
@@ -91,7 +92,7 @@ class Demo {
     fs::remove_all(sequence());
     ProgressLine line(true);
     fail_if(write_sequence(arguments_.synth, sequence().string(), /*overwrite=*/false, [&](int done, int all) {
-      line.update([&] { return fmt::format("    image {} of {}", done, all); });
+      line.update(done, all, [&] { return fmt::format("    image {} of {}", done, all); });
       return true;
     }));
     line.erase();
@@ -102,7 +103,9 @@ class Demo {
     fail_if(set_options(arguments_, settings, &run));
     ProgressLine line(true);
     run.on_progress = [&line](const ReplayProgress& progress) {
-      line.update([&] { return fmt::format("    image {}, {}", progress.frames, progress.state); });
+      line.update(progress.frames, progress.total, [&] {
+        return "    " + describe_progress(progress.frames, progress.total, line.seconds()) + "; " + progress.state();
+      });
     };
     MeasuredRun measured;
     measured.outcome = run_replay(run);

@@ -2,10 +2,14 @@
 #include "rumi/output_folder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <regex>
+#include <vector>
 
 #include "bus/process.h"
 #include "map_server/output_file.h"
@@ -34,6 +38,35 @@ ordered_json to_json(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar() : "";
 }
 
+// Does a run write, or remove as left over from an earlier one, a file of this name (relative to its folder)?
+bool is_written_by_a_run(const std::string& name) {
+  static const std::regex kNames(
+      R"((run\.json|trajectory\.(txt|png|mp4)|frames\.csv|map\.(db|ply)|windows\.csv)"
+      R"(|submaps/(s-?\d+-)?b?\d{3,}\.txt|windows/.*\.window|pictures/(\d{6,}\.png|unfinished)))");
+  return std::regex_match(name, kNames);
+}
+
+std::vector<std::string> what_a_run_replaces(const fs::path& folder, std::error_code* error) {
+  std::vector<std::string> names;
+  for (const fs::path& below : {folder, folder / "submaps", folder / "windows", folder / "pictures"}) {
+    if (!fs::exists(below)) continue;
+    for (fs::directory_iterator it(below, *error), end; !*error && it != end; it.increment(*error)) {
+      const std::string name = it->path().lexically_relative(folder).string();
+      if (is_written_by_a_run(name)) names.push_back(name);
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// "a, b, c and 7 more".
+std::string list(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 3;
+  const auto end = names.begin() + static_cast<ptrdiff_t>(std::min(names.size(), kShown));
+  const std::string text = fmt::format("{}", fmt::join(names.begin(), end, ", "));
+  return names.size() <= kShown ? text : fmt::format("{} and {} more", text, names.size() - kShown);
+}
+
 }  // namespace
 
 ordered_json read_run_json(const std::string& folder) {
@@ -49,15 +82,14 @@ std::string check_output_folder(const std::string& folder) {
   if (error || !fs::is_directory(folder)) {
     return fmt::format("{}: cannot be made a folder: {}", folder, error ? error.message() : "it is a file");
   }
-  const bool empty = fs::is_empty(folder, error);
+  if (!read_run_json(folder).is_null()) return "";
+  const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);
   if (error) return fmt::format("{}: cannot be read: {}", folder, error.message());
-  if (!empty && read_run_json(folder).is_null()) {
-    return fmt::format(
-        "{}: holds files that are not of an earlier run of rumi (no run.json of ours): "
-        "choose another folder, or empty this one",
-        folder);
-  }
-  return "";
+  if (foreign.empty()) return "";
+  return fmt::format(
+      "{}: {} would be overwritten, and {} not of an earlier run of rumi (no run.json of ours): "
+      "choose another folder, or move {} away",
+      folder, list(foreign), foreign.size() == 1 ? "is" : "are", foreign.size() == 1 ? "it" : "them");
 }
 
 std::string prepare_output_folder(const std::string& folder) {

@@ -7,7 +7,8 @@
 
 namespace rumi {
 
-// Makes the folder, or finds that it is empty or holds an earlier run. Returns what is wrong, or nothing.
+// Makes the folder, or finds that it holds an earlier run or nothing that a run would overwrite. Other files are left
+// alone. Returns what is wrong, or nothing.
 std::string check_output_folder(const std::string& folder);
 // The same, and puts an unfinished run.json there: what cannot be written is to be known before an hour of work, not
 // after it.

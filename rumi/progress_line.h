@@ -7,25 +7,32 @@
 #include <chrono>
 #include <cstdio>
 
+#include "bus/log.h"
+
 namespace rumi {
 
-// One line on a terminal, over and over; nothing where it would fill a log.
+// How far long work is. On a terminal one line, over and over; elsewhere a line in the log now and then.
 class ProgressLine {
  public:
-  explicit ProgressLine(bool show) : show_(show && isatty(STDERR_FILENO)) {}
-  ~ProgressLine() { end(); }
+  explicit ProgressLine(bool show) : show_(show) {}
+  ~ProgressLine() { erase(); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
 
-  // make_text() is called twice a second at most.
+  // total: -1 if nobody knows. make_text() is called twice a second at most; on no terminal every ten seconds, and only
+  // once a twentieth of all is done since the last time.
   template <class MakeText>
-  void update(const MakeText& make_text) {
-    if (!show_ || Clock::now() - last_ < std::chrono::milliseconds(500)) return;
-    fmt::print(stderr, "\r{}\x1b[K", make_text());
+  void update(int64_t done, int64_t total, const MakeText& make_text) {
+    if (!show_ || Clock::now() - last_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
+      return;
+    if (!terminal_ && 20 * (done - told_) < total) return;
+    if (terminal_)
+      fmt::print(stderr, "\r{}\x1b[K", make_text());
+    else
+      log_info("{}", make_text());
     last_ = Clock::now();
-    shown_ = true;
-  }
-  void end() {
-    if (shown_) fmt::print(stderr, "\n");
-    shown_ = false;
+    told_ = done;
+    shown_ = terminal_;
   }
   // Takes the line away.
   void erase() {
@@ -36,8 +43,9 @@ class ProgressLine {
 
  private:
   using Clock = std::chrono::steady_clock;
-  bool show_, shown_ = false;
+  bool show_, terminal_ = isatty(STDERR_FILENO) != 0, shown_ = false;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
+  int64_t told_ = 0;
 };
 
 }  // namespace rumi

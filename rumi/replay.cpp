@@ -120,7 +120,9 @@ bool Replay::finish() {
   return all_finished;
 }
 
-ReplayProgress Replay::progress() { return {frames_, last_utime_us_, front_tracker_->status().detail}; }
+ReplayProgress Replay::progress() {
+  return {frames_, camera_->source().total(), last_utime_us_, [this] { return front_tracker_->status().detail; }};
+}
 
 const SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }
 

@@ -24,9 +24,10 @@ class MeteredBus;
 struct SkippedFrames;
 
 struct ReplayProgress {
-  int64_t frames = 0;    // images published
-  int64_t utime_us = 0;  // of the last one
-  std::string state;     // what front_tracker says of itself
+  int64_t frames = 0;                  // images published
+  int64_t total = -1;                  // that there are, where the input tells
+  int64_t utime_us = 0;                // of the last one
+  std::function<std::string()> state;  // what front_tracker says of itself
 };
 
 struct ReplayHooks {

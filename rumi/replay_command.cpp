@@ -11,6 +11,7 @@
 #include "rumi/progress_line.h"
 #include "rumi/replay_run.h"
 #include "rumi/run_record.h"
+#include "rumi/run_summary.h"
 
 namespace rumi {
 namespace {
@@ -36,20 +37,19 @@ int replay(Arguments& arguments) {
   run.options_yaml = table.to_yaml();
   ProgressLine line(!arguments.quiet);
   run.on_progress = [&line](const ReplayProgress& progress) {
-    line.update([&] {
-      return fmt::format("{} frames, {:.1f} per second, {}", progress.frames,
-                         static_cast<double>(progress.frames) / line.seconds(), progress.state);
+    line.update(progress.frames, progress.total, [&] {
+      return describe_progress(progress.frames, progress.total, line.seconds()) + "; " + progress.state();
     });
   };
   const ReplayOutcome outcome = run_replay(run);
-  line.end();
+  line.erase();
   if (!outcome.warning.empty()) fmt::print(stderr, "rumi replay: {}\n", outcome.warning);
   if (!outcome.error.empty()) {
     fmt::print(stderr, "rumi replay: {}\n", outcome.error);
     return 1;
   }
   if (!arguments.quiet) {
-    print_summary(outcome.counts, run.out);
+    print_summary(outcome.counts, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
   return 0;
@@ -62,12 +62,15 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command =
       app.add_command("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
   command->add_option("INPUT", arguments->run.input, "dataset folder, folder of images, video or lcm log")->required();
-  command->add_option("-o,--output", arguments->run.out, "folder: new, empty, or of an earlier run")->required();
+  command
+      ->add_option("-o,--output", arguments->run.out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
   command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
   command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->add_flag("-v,--verbose", arguments->verbose, "log more");
+  command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
   // The flags that camera_driver has too are short for options of its section.
   const auto shorthand = [&](const char* flag, const char* key, const char* help) {
     command->add_option(

@@ -13,7 +13,9 @@
 #include "rumi/metered_bus.h"
 #include "rumi/output_folder.h"
 #include "rumi/run_record.h"
+#include "rumi/run_summary.h"
 #include "ruminator/spool.h"
+#include "ruminator/window_message.h"
 
 namespace rumi {
 namespace {
@@ -60,6 +62,14 @@ class WindowOutput {
     for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
     const std::string error = csv.commit();
     return error_.empty() ? error : error_;
+  }
+  // A line for each that gave nothing.
+  std::vector<std::string> failures() const {
+    std::vector<std::string> lines;
+    for (const WindowRow& row : rows_)
+      if (!row.ok)
+        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+    return lines;
   }
   const std::vector<WindowRow>& rows() const { return rows_; }
   ordered_json counts() const {
@@ -128,6 +138,14 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
   if (!replay->finish()) outcome->warning = "not everything could be handed on at the end";
 }
 
+std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
+  std::vector<std::string> lines = left_out(replay.atlas());
+  for (const std::string& line : windows.failures()) lines.push_back(line);
+  if (const SkippedFrames& skipped = replay.skipped(); skipped.total() > 0)
+    lines.push_back("of the recording: " + skipped.to_string());
+  return lines;
+}
+
 }  // namespace
 
 ReplayOutcome run_replay(const ReplayRun& run) {
@@ -150,6 +168,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.wall_s = seconds_since(begin);
   if (error.empty()) error = write_run_json(run.out, run_record(run, replay, windows, outcome.wall_s));
   outcome.counts = count(replay.atlas());
+  outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
   return outcome;

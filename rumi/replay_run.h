@@ -26,7 +26,8 @@ struct ReplayOutcome {
   std::string error;    // empty: all is written
   std::string warning;  // what did not go as it should, though all is written
   AtlasCounts counts;
-  std::vector<WindowRow> windows;  // in the order in which they were rebuilt
+  std::vector<std::string> left_out;  // what the map lacks and why, a line each
+  std::vector<WindowRow> windows;     // in the order in which they were rebuilt
   int64_t images = 0;
   int64_t begin_us = 0;  // of the first image
   double wall_s = 0;

@@ -4,13 +4,14 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "rumi/map_file.h"
 
 namespace rumi {
 
 nlohmann::ordered_json counts_to_json(const AtlasCounts& counts);
-// Where everything is, for a person.
-void print_summary(const AtlasCounts& counts, const std::string& folder);
+// What came out, what was left out (a line each) and where everything is, for a person.
+void print_summary(const AtlasCounts& counts, const std::vector<std::string>& left_out, const std::string& folder);
 
 }  // namespace rumi

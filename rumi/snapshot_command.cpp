@@ -14,6 +14,7 @@
 #include "rumi/map_file.h"
 #include "rumi/output_folder.h"
 #include "rumi/run_record.h"
+#include "rumi/run_summary.h"
 #include "rumi/snapshot.h"
 
 namespace rumi {
@@ -100,7 +101,7 @@ std::string take_snapshot(const Arguments& arguments) {
   error = write_run_outputs(atlas, arguments.out);
   if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, processes));
   if (error.empty()) {
-    print_summary(count(atlas), arguments.out);
+    print_summary(count(atlas), left_out(atlas), arguments.out);
     print_processes(processes);
   }
   return error;
@@ -123,7 +124,10 @@ int run(const Arguments& arguments) {
 void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("snapshot", "Write what a live system has so far, as `rumi replay` would");
-  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier run")->required();
+  command
+      ->add_option("-o,--output", arguments->out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();

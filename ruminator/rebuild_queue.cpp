@@ -50,6 +50,12 @@ std::string describe(const BuildProgress& progress) {
   return text;
 }
 
+std::string describe_result(const RuminationWindow& window, const BuildResult& r) {
+  return fmt::format("{} of {} + {} of {} + {} of {} images rebuilt in {:.1f} s ({:.1f} s CPU), {:.2f} px", r.approach,
+                     window.approach.size(), r.gap, window.gap.size(), r.departure, window.departure.size(), r.wall_s,
+                     r.cpu_s, r.error_px);
+}
+
 // Also when the clock was set back by far.
 bool is_due(int64_t now_us, int64_t not_before_us) {
   constexpr int64_t kClockWentBackUs = 3'600'000'000;
@@ -112,8 +118,8 @@ void RebuildQueue::adopt_submap(JobName name) {
   entry.stage = Stage::kDelivering;
   entry.announced = window_t::MAPPING;
   entry.claim = std::move(claim);
+  entry.result = "rebuilt by an earlier ruminator, left in the spool";
   entries_.push_back(std::move(entry));
-  log_info("window {}: its back submap was left in the spool and is sent now", to_string(name));
 }
 
 void RebuildQueue::adopt_window(JobName name) {
@@ -159,8 +165,8 @@ void RebuildQueue::add(WindowJob job) {
   if (options_.build_thread && resumed_utime_us > 0 && frame_utime_us_ >= resumed_utime_us)
     entry.resumed_us = bus_.now_us() - (frame_utime_us_ - resumed_utime_us);
   if (added != Spool::Added::kAdded) entry.job = std::make_shared<const WindowJob>(std::move(job));
-  log_info("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
-           entry.window.reason.empty() ? "" : ", ", entry.window.reason);
+  log_debug("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
+            entry.window.reason.empty() ? "" : ", ", entry.window.reason);
   entries_.push_back(std::move(entry));
   announce(entries_.back(), window_t::QUEUED);
   limit();
@@ -304,6 +310,7 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
     if (!entry->job) spool_->forget_try(entry->name);
     return give_up(entry, "called off");
   }
+  entry->build_s += r.wall_s;
   if (built_handler_) built_handler_(entry->window, r);
   if (!report.unreadable.empty()) return fail(entry, report.unreadable);
   const std::string broken =
@@ -313,11 +320,9 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
     return r.retryable ? try_again_or_fail(entry, reason, now_us) : fail(entry, reason);
   }
   const RuminationWindow& w = entry->window;
-  log_info(
-      "window {}: {} of {} + {} of {} + {} of {} frames registered, {:.2f} px, {} landmarks, {:.1f} s ({:.1f} s "
-      "CPU){}{}{}",
-      w.id, r.approach, w.approach.size(), r.gap, w.gap.size(), r.departure, w.departure.size(), r.error_px,
-      r.submap->landmarks.size(), r.wall_s, r.cpu_s, r.origin.empty() ? "" : ", ", r.origin, broken);
+  entry->result = describe_result(w, r) + broken;
+  log_debug("window {}: {}, {} landmarks{}{}; on its way to map_server", w.id, entry->result,
+            r.submap->landmarks.size(), r.origin.empty() ? "" : ", ", r.origin);
   if (!r.warning.empty()) log_warning("window {}: {}", w.id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
     // The back submap has passed its own tests: it is the front's that is likely to be wrong.
@@ -358,7 +363,9 @@ void RebuildQueue::try_again_or_fail(Entries::iterator entry, const std::string&
 void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
   std::string kept;
   if (entry->claim) kept = spool_->fail(entry->name, reason);
-  log_warning("window {}: failed: {}{}{}", entry->window.id, reason, kept.empty() ? "" : "; kept as ", kept);
+  log_warning("window {}: {}: failed{}: {}{}{}", entry->window.id, describe(entry->window),
+              entry->build_s > 0 ? fmt::format(" after {:.1f} s", entry->build_s) : "", reason,
+              kept.empty() ? "" : "; kept as ", kept);
   announce(*entry, window_t::FAILED, reason);
   ++failed_;
   entries_.erase(entry);
@@ -422,7 +429,7 @@ void RebuildQueue::on_delivered(JobName name, const TransferResult& result) {
   if (entry->claim)
     if (const std::string error = spool_->complete(name); !error.empty()) log_error("{}", error);
   const std::optional<int64_t> resumed_us = entry->resumed_us;
-  log_info("window {}: published, map_server has submap {}{}", name.window_id, -name.window_id,
+  log_info("window {}: {}: map_server has it as submap {}{}", name.window_id, entry->result, -name.window_id,
            resumed_us ? fmt::format(", {:.1f} s after tracking resumed",
                                     1e-6 * static_cast<double>(bus_.now_us() - *resumed_us))
                       : "");

@@ -55,10 +55,12 @@ class RebuildQueue {
     Stage stage = Stage::kQueued;
     int8_t announced = window_t::QUEUED;
     std::string note;                      // announced as the reason
+    std::string result;                    // kDelivering: what rebuilding gave, for the log
     std::shared_ptr<const WindowJob> job;  // where it is not in the spool
     std::optional<Spool::Claim> claim;
     std::vector<uint8_t> submap;  // kDelivering, where it is not in the spool
     int tries = 0;
+    double build_s = 0;                 // that they took
     int64_t not_before_us = 0;          // of the next attempt to build or to deliver
     std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock; images may end, this goes on
     bool in_flight = false;

@@ -5,11 +5,9 @@ import re
 import statistics
 import sys
 
-BUILT = re.compile(r"ruminator info window (\d+): \d+ of \d+ \+ (\d+) of (\d+) \+ \d+ of \d+ frames registered, "
-                   r".* ([\d.]+) s \(([\d.]+) s CPU\)")
-PUBLISHED = re.compile(r"ruminator info window (\d+): published, .* ([\d.]+) s after tracking resumed")
-QUEUED = re.compile(r"ruminator info window \d+: .* frames between .*queued")
-FAILED = re.compile(r"ruminator warning window \d+: failed")
+DONE = re.compile(r"ruminator info window (\d+): \d+ of \d+ \+ (\d+) of (\d+) \+ \d+ of \d+ images rebuilt in "
+                  r"([\d.]+) s \(([\d.]+) s CPU\).*: map_server has it as submap -\d+(?:, ([\d.]+) s after tracking resumed)?")
+FAILED = re.compile(r"ruminator warning window \d+: .*: failed(?: after [\d.]+ s)?: ")
 
 
 def cell(values):
@@ -21,17 +19,17 @@ def cell(values):
 
 def main():
     out, recordings = pathlib.Path(sys.argv[1]), sys.argv[2:]
-    print("| recording | runs | windows queued | published | failed | frames of the gaps registered | wall s | CPU s "
+    print("| recording | runs | windows | published | failed | frames of the gaps registered | wall s | CPU s "
           "| published, s after tracking resumed |")
     print("|---" * 9 + "|")
     for recording in recordings:
         texts = [p.read_text(errors="replace") for p in sorted(out.glob(f"{recording}_[0-9]*.log"))]
         text = "\n".join(texts)
-        built, published = BUILT.findall(text), PUBLISHED.findall(text)
-        registered, of = sum(int(b[1]) for b in built), sum(int(b[2]) for b in built)
-        print(f"| {recording} | {len(texts)} | {len(QUEUED.findall(text))} | {len(published)} | {len(FAILED.findall(text))} "
-              f"| {registered} of {of} | {cell([float(b[3]) for b in built])} | {cell([float(b[4]) for b in built])} "
-              f"| {cell([float(p[1]) for p in published])} |")
+        done, failed = DONE.findall(text), FAILED.findall(text)
+        registered, of = sum(int(d[1]) for d in done), sum(int(d[2]) for d in done)
+        print(f"| {recording} | {len(texts)} | {len(done) + len(failed)} | {len(done)} | {len(failed)} "
+              f"| {registered} of {of} | {cell([float(d[3]) for d in done])} | {cell([float(d[4]) for d in done])} "
+              f"| {cell([float(d[5]) for d in done if d[5]])} |")
     print("\nTimes: median, 95 %, longest.")
 
 

@@ -26,6 +26,15 @@ TEST(Atlas, TheSubmapWithMostFramesIsTheMap) {
   EXPECT_EQ(atlas.frames().size(), 12 + 16);
 }
 
+TEST(Atlas, SubmapsAreNamedInOrderOrCounted) {
+  EXPECT_EQ(describe(std::set<SubmapKey>{{7, 3}}), "submap 3");
+  EXPECT_EQ(describe(std::set<SubmapKey>{{7, 2}, {7, -1}, {7, 1}}), "submaps 1, -1 and 2");
+  EXPECT_EQ(describe(std::set<SubmapKey>{{7, 1}, {8, 1}}), "2 submaps");
+  std::set<SubmapKey> many;
+  for (int id = 1; id <= 12; ++id) many.insert({7, id});
+  EXPECT_EQ(describe(many), "12 submaps");
+}
+
 TEST(Atlas, AmongEqualsTheEarliestIsTheMap) {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 3, 9'000'000));

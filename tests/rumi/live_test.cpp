@@ -82,7 +82,7 @@ TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
   ASSERT_EQ(outcome.exit_code, 0) << text;
   EXPECT_THAT(text, HasSubstr("ruminator was ended by signal 9"));
   EXPECT_THAT(text, HasSubstr("left in the spool"));
-  EXPECT_THAT(text, HasSubstr("window 1: published"));
+  EXPECT_THAT(text, HasSubstr("map_server has it as submap -1"));
   EXPECT_TRUE(fs::exists(out / "submaps/b001.txt"));
   for (const auto& entry : fs::directory_iterator(spool))
     EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();

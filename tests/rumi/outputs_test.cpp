@@ -6,13 +6,18 @@
 
 #include "rumi/map_file.h"
 #include "rumi/output_folder.h"
+#include "rumi/run_summary.h"
 #include "test_atlas.h"
 
 namespace rumi {
 namespace {
 
 namespace fs = std::filesystem;
+using namespace std::string_literals;
+using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing::ThrowsMessage;
 
 nlohmann::json read_json(const fs::path& file) {
@@ -28,15 +33,38 @@ TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
   EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
 }
 
-TEST(OutputFolder, ForeignFilesAreNotMixedWithOurs) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
-  std::ofstream(folder / "trajectory.txt") << "somebody's work\n";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
+TEST(OutputFolder, OtherFilesAreLeftAlone) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_beside");
+  fs::create_directories(folder / "submaps");
+  fs::create_directories(folder / "windows");
+  for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
+    std::ofstream(folder / name) << "somebody's work\n";
+  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
+  EXPECT_TRUE(fs::exists(folder / "log.txt"));
+}
+
+TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
+  for (const char* name :
+       {"trajectory.txt", "trajectory.png", "trajectory.mp4", "frames.csv", "map.db", "map.ply", "windows.csv",
+        "run.json", "submaps/001.txt", "submaps/s2-b012.txt", "windows/1-2.window", "pictures/000001.png"}) {
+    const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name) << "somebody's work\n";
+    std::ofstream(folder / "log.txt") << "and more of it\n";
+    const std::string error = prepare_output_folder(folder.string());
+    EXPECT_THAT(error, AllOf(HasSubstr(std::string(name) + " would be overwritten"), Not(HasSubstr("log.txt"))));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+  }
+}
+
+TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_many");
+  for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
+    std::ofstream(folder / name) << "somebody's work\n";
   std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
-  std::ofstream(folder / "run.json") << "no JSON";
-  EXPECT_THAT(prepare_output_folder(folder.string()), HasSubstr("choose another folder"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+  EXPECT_THAT(prepare_output_folder(folder.string()),
+              HasSubstr("frames.csv, map.db, map.ply and 3 more would be overwritten"));
 }
 
 TEST(OutputFolder, SaysWhyItCannotBeMade) {
@@ -122,6 +150,58 @@ TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
   EXPECT_EQ(shown.picture.submaps[0].submap->landmarks.at(3).position, 2 * raw + Eigen::Vector3d(10, 0, 0));
   EXPECT_EQ(shown.picture.submaps[1].submap->landmarks.at(3).position, raw);
   EXPECT_EQ(shown.picture.frames.size(), 5u);
+}
+
+TEST(DescribeProgress, TellsTheTimeLeftWhereTheEndIsKnown) {
+  EXPECT_EQ(describe_progress(512, 1000, 6.4), "512 of 1000 images, 80.0 per second, about 7 s left");
+  EXPECT_EQ(describe_progress(512, -1, 6.4), "512 images, 80.0 per second");
+  EXPECT_EQ(describe_progress(0, 1000, 0), "0 of 1000 images, 0.0 per second");
+}
+
+TEST(LeftOut, NothingOfAMapOfAllFrames) {
+  Atlas atlas;
+  const Submap submap = make_test_submap();
+  atlas.change_submap(submap.key, [&](Submap* target) {
+    *target = submap;
+    return std::string();
+  });
+  EXPECT_TRUE(left_out(atlas).empty());
+  EXPECT_TRUE(left_out(Atlas()).empty());
+}
+
+TEST(LeftOut, FramesWithoutAPoseByWhereTheyAre) {
+  Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
+  for (const int64_t utime_us : {700'000, 800'000, 1'140'000, 1'160'000, 1'250'000})
+    atlas.record_frame(utime_us, {1, FrameState::kNotInitialized, kNoSubmap});
+  EXPECT_THAT(left_out(atlas), ElementsAre("6 frames have no pose: 2 before the first submap, 3 in 2 gaps (the longest "
+                                           "0.06 s, from 0.44 s on), 1 at the end"));
+}
+
+TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
+  Atlas atlas = make_test_atlas();
+  for (int id = 2; id <= 4; ++id) {
+    Submap other = make_test_submap(3);
+    other.key = {1, id};
+    std::map<int64_t, FramePose> frames;
+    for (auto [utime_us, frame] : other.frames) {
+      frame.utime_us = utime_us + id * 10'000'000;
+      frames[frame.utime_us] = frame;
+    }
+    other.frames = frames;
+    atlas.change_submap(other.key, [&](Submap* submap) {
+      *submap = other;
+      return std::string();
+    });
+  }
+  const auto link = [](int a, int b, const std::string& doubt) {
+    return Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
+  };
+  atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")});
+  EXPECT_THAT(left_out(atlas),
+              ElementsAre("1 frame has no pose: 1 in a gap (19.60 s, from 0.40 s on)"s,
+                          "3 frames of submap 2: its link to submap 1 is refused: 3 of 10 shared keyframes agree"s,
+                          "3 frames of submap 3: it is linked to submap 4 only, which is not in the map either"s,
+                          "3 frames of submap 4: it is linked to submap 3 only, which is not in the map either"s));
 }
 
 }  // namespace

@@ -24,7 +24,10 @@ class ReplayTest : public testing::Test {
   static void TearDownTestSuite() { delete work_; }
 
   static Outcome replay(const fs::path& input, const fs::path& out, const std::string& flags = "") {
-    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' -q " + flags);
+    return replay_aloud(input, out, "-q " + flags);
+  }
+  static Outcome replay_aloud(const fs::path& input, const fs::path& out, const std::string& flags = "") {
+    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' " + flags);
   }
   // All files below a folder, but for run.json, which has times in it.
   static std::map<std::string, std::string> contents(const fs::path& folder) {
@@ -163,15 +166,25 @@ TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(refused(sequence_, "--config /no/such.yaml"), HasSubstr("/no/such.yaml"));
 }
 
-TEST_F(ReplayTest, WritesNowhereElse) {
+TEST_F(ReplayTest, OverwritesNothingButItsOwn) {
   const fs::path foreign = work_->path / "foreign";
   fs::create_directories(foreign);
-  std::ofstream(foreign / "thesis.txt") << "the only copy";
+  std::ofstream(foreign / "trajectory.txt") << "the only copy";
   const Outcome mixed = replay(sequence_, foreign);
   EXPECT_EQ(mixed.exit_code, 1);
-  EXPECT_THAT(mixed.output, HasSubstr("choose another folder"));
+  EXPECT_THAT(mixed.output, HasSubstr("trajectory.txt would be overwritten"));
   EXPECT_EQ(std::distance(fs::directory_iterator(foreign), {}), 1);
   EXPECT_EQ(replay(sequence_, "/proc/rumi").exit_code, 1);
+}
+
+TEST_F(ReplayTest, WhatItSaysMayGoIntoItsFolder) {
+  const fs::path out = work_->path / "with_log";
+  fs::create_directories(out);
+  const std::string command = "$RUMI/rumi replay '" + sequence_.string() + "' -o '" + out.string() + "' --duration 2";
+  const Outcome outcome = shell(command + " > '" + (out / "log.txt").string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+  EXPECT_THAT(read_file(out / "log.txt"), HasSubstr("frames have a pose in the map"));
 }
 
 // A turn that is too fast: front_tracker begins anew after it, the ruminator rebuilds what it lost.
@@ -180,7 +193,7 @@ class ReplayOfALoss : public ReplayTest {
   static void SetUpTestSuite() {
     work_ = new WorkFolder;
     sequence_ = render(*work_, "--seconds 10 --hard rotation --at 4 --for 1.5");
-    outcome_ = replay(sequence_, work_->path / "out");
+    outcome_ = replay_aloud(sequence_, work_->path / "out");
   }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
   static int accepted_links(const fs::path& out) {
@@ -200,6 +213,23 @@ TEST_F(ReplayOfALoss, LeavesOneMap) {
   EXPECT_GE(figures["true_rate"], 0.97);
   EXPECT_LE(figures["ate_rmse_m"], 0.03);
   EXPECT_GE(accepted_links(out), 2);
+}
+
+// Each once: that the submap begins, the loss, the window, the map that comes of it; and what is where at the end.
+TEST_F(ReplayOfALoss, IsTold) {
+  const auto lines = [&](const std::string& words) {
+    std::istringstream text(outcome_.output);
+    int count = 0;
+    for (std::string line; std::getline(text, line);) count += line.find(words) != std::string::npos;
+    return count;
+  };
+  EXPECT_EQ(lines("submap 1 begins at"), 1) << outcome_.output;
+  EXPECT_EQ(lines("lost at 4."), 1) << outcome_.output;
+  EXPECT_EQ(lines("; submap 2 begins"), 1) << outcome_.output;
+  EXPECT_EQ(lines("window 1"), 1) << outcome_.output;
+  EXPECT_EQ(lines("are one map"), 1) << outcome_.output;
+  EXPECT_EQ(lines("rumi info"), 4 + lines(" per second")) << outcome_.output;
+  EXPECT_EQ(lines("have a pose in the map"), 1) << outcome_.output;
 }
 
 TEST_F(ReplayOfALoss, WithoutMergingTheMapIsTheLargestFrontSubmap) {

@@ -209,6 +209,8 @@ TEST_F(RebuildQueueTest, SaysHowLongAfterTheResumptionItPublishedAlsoWhenTheImag
   const std::string text = said.str();
   ASSERT_TRUE(std::regex_search(text, seconds, std::regex("([0-9.]+) s after tracking resumed"))) << text;
   EXPECT_GE(std::stod(seconds[1]), 7.5);
+  EXPECT_THAT(text, HasSubstr(" images rebuilt in "));
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << "a window is one line, when it is done: " << text;
 }
 
 TEST_F(RebuildQueueTest, AFailureSaysWhyAndIsKept) {

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/loss.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <sstream>
+
+#include "front_tracker/tracker.h"
+#include "tests/front_tracker/rendered_walk.h"
+
+namespace rumi {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+TEST(Loss, IsDescribedInOneLine) {
+  Loss loss{.first_utime_us = 1'400'000'000'000'000,
+            .utime_us = 1'400'000'011'230'000,
+            .submap_id = 1,
+            .frames_before = 512,
+            .images = 34,
+            .outcome = "found again in submap 1"};
+  EXPECT_EQ(describe(loss, 1'400'000'013'130'000),
+            "lost at 11.23 s (utime 1400000011230000) after 512 images in submap 1: 34 images, 1.9 s; "
+            "found again in submap 1");
+  loss.posed_afterwards = 12;
+  loss.withdrawn = 3;
+  EXPECT_THAT(
+      describe(loss, 1'400'000'013'130'000),
+      HasSubstr("34 images, 1.9 s, 12 of them with a pose by now; the poses of 3 images before contradict where "
+                "it was found: withdrawn; found again"));
+}
+
+// What the tracker says of the walk at this level and above. The lens is covered for so many images in its middle.
+std::string said(spdlog::level::level_enum level, const FrontTrackerOptions& options, size_t covered, size_t end) {
+  const testing::RenderedWalk& walk = testing::rendered_walk();
+  std::ostringstream said;
+  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said);
+  const std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+  spdlog::set_level(level);
+  Tracker tracker(walk.camera, options, 1);
+  const cv::Mat black(walk.images[0].size(), CV_8U, cv::Scalar(0));
+  const size_t cover = walk.images.size() / 2;
+  for (size_t i = 0; i < end; ++i) {
+    const bool is_covered = i >= cover && i < cover + covered;
+    tracker.process(walk.utime_us[i], is_covered ? black : walk.images[i]);
+  }
+  tracker.end();
+  spdlog::set_default_logger(before);
+  return said.str();
+}
+
+std::string said_when_covered(size_t covered, size_t end) {
+  return said(spdlog::level::info, testing::replay_options(), covered, end);
+}
+
+size_t count(const std::string& text, const std::string& word) {
+  size_t n = 0;
+  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
+  return n;
+}
+
+TEST(Loss, IsOneLineHoweverManyImagesItTakes) {
+  const std::string text = said_when_covered(10, testing::rendered_walk().images.size());
+  EXPECT_EQ(count(text, "lost at"), 1u) << text;
+  EXPECT_THAT(text, HasSubstr("; found again in submap 1"));
+  EXPECT_EQ(count(text, "\n"), 2u) << "and that the submap began: " << text;
+}
+
+TEST(Loss, ASingleImageIsNotWorthALine) {
+  const std::string text = said_when_covered(1, testing::rendered_walk().images.size());
+  EXPECT_THAT(text, AllOf(HasSubstr("submap 1 begins at"), Not(HasSubstr("lost"))));
+}
+
+TEST(Loss, ThatIsNotOverIsSaidAtTheEnd) {
+  const size_t cover = testing::rendered_walk().images.size() / 2;
+  EXPECT_THAT(said_when_covered(100, cover + 5), HasSubstr("5 images, 0.2 s; not found again until the end"));
+}
+
+// Nothing carries the scale on once the submap is not young any more.
+TEST(Loss, WhatRelocalizationWouldFindInTheSameImageIsNone) {
+  FrontTrackerOptions options = testing::replay_options();
+  options.tracking.min_established = 1000;
+  const std::string text = said(spdlog::level::debug, options, 0, testing::rendered_walk().images.size());
+  EXPECT_GT(count(text, "found by another look"), 5u) << "the test shows nothing";
+  EXPECT_EQ(count(text, ": 0 images"), 0u) << text;
+}
+
+}  // namespace
+}  // namespace rumi
