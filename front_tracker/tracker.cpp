@@ -105,12 +105,7 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
 // farther than tracking does, and believes a pose that does not carry the scale on where much of what should be in view
 // is there. No motion is told of such a pose: patches and keyframes of fast motion, which would be built on it, wait.
 bool Tracker::look_again(Frame* frame) {
-  if (!relocalizer_.relocalize(active().map, last_.reference_keyframe, frame)) return false;
-  log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
-            frame->matches());
-  velocity_ = SE3();
-  velocity_dt_us_ = 0;
-  return true;
+  return relocalize(active_, last_.reference_keyframe, frame) || relocalize_anywhere(frame);
 }
 
 void Tracker::lose(const Frame& frame) {
@@ -153,6 +148,10 @@ bool Tracker::recover(Frame* frame) {
     const double lost_s = 1e-6 * static_cast<double>(frame->utime_us - loss_->utime_us);
     if (lost_s > options_.tracking.recently_lost_s) state_ = TrackingState::kLost;
   }
+  return relocalize_anywhere(frame);
+}
+
+bool Tracker::relocalize_anywhere(Frame* frame) {
   for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame))
     if (relocalize(c.submap_index, c.keyframe_id, frame)) return true;
   return false;
@@ -197,7 +196,11 @@ void Tracker::go_on_in(size_t submap_index, Frame* frame) {
   state_ = TrackingState::kTracking;
   velocity_ = SE3();
   velocity_dt_us_ = 0;
-  if (loss_) loss_->outcome = fmt::format("found again in submap {}", active().map.key.id);
+  if (loss_)
+    loss_->outcome = fmt::format("found again in submap {}", active().map.key.id);
+  else
+    log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, frame->utime_us,
+              frame->matches());
 }
 
 // Do the newest keyframes before the loss contradict the place where the frame was found?
@@ -237,8 +240,9 @@ void Tracker::withdraw_torn_end(Frame* found) {
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !submap.map.landmark(id)) id = kNone;
-  log_debug("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id, withdrawn_.size(),
-            first_us);
+  log_line(loss_ ? LogLevel::kDebug : LogLevel::kInfo,  // else the loss tells it
+           fmt::format("submap {} is torn: {} frames from {} on have no pose any more", submap.map.key.id,
+                       withdrawn_.size(), first_us));
 }
 
 FrontSubmap& Tracker::open_submap(Submap known) {

@@ -85,6 +85,7 @@ class Tracker {
   bool match_local_map(Frame* frame);
   int support_by_epipolar_matches(Frame* frame);
   bool relocalize(size_t submap_index, int keyframe_id, Frame* frame);
+  bool relocalize_anywhere(Frame* frame);
   bool is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us);
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;

@@ -57,7 +57,7 @@ class Demo {
   explicit Demo(const Arguments& arguments) : arguments_(arguments), out_(arguments.out) {}
 
   void run() {
-    fail_if(prepare_output_folder(out_.string()));
+    fail_if(prepare_folder());
     render();
     say("Following the camera by the front alone (no rebuilding)");
     const MeasuredRun front = replay("front_alone", {"ruminator.rebuild=false"}, "");
@@ -78,6 +78,17 @@ class Demo {
   fs::path sequence() const { return out_ / "sequence"; }
   fs::path truth() const { return sequence() / "groundtruth.txt"; }
   fs::path log() const { return out_ / "rumi" / "messages.lcm"; }
+
+  // What is in it is removed: it must be empty, or of an earlier demo.
+  std::string prepare_folder() const {
+    std::error_code error;
+    fs::create_directories(out_, error);
+    if (!fs::is_directory(out_)) return fmt::format("{}: cannot be made a folder", out_.string());
+    if (!fs::is_empty(out_, error) && read_run_json(out_.string()).value("command", "") != "demo")
+      return fmt::format("{}: holds files that are not of an earlier demo: choose another folder, or empty this one",
+                         out_.string());
+    return write_run_json(out_.string(), {{"finished", false}, {"command", "demo"}});
+  }
 
   void say(const std::string& what) {
     fmt::print("{}/4 {}\n", ++step_, what);
