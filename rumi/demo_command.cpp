@@ -84,7 +84,8 @@ class Demo {
     std::error_code error;
     fs::create_directories(out_, error);
     if (!fs::is_directory(out_)) return fmt::format("{}: cannot be made a folder", out_.string());
-    if (!fs::is_empty(out_, error) && read_run_json(out_.string()).value("command", "") != "demo")
+    const ordered_json earlier = read_run_json(out_.string());
+    if (!fs::is_empty(out_, error) && (earlier.is_null() || earlier.value("command", "") != "demo"))
       return fmt::format("{}: holds files that are not of an earlier demo: choose another folder, or empty this one",
                          out_.string());
     return write_run_json(out_.string(), {{"finished", false}, {"command", "demo"}});
