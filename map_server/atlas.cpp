@@ -53,6 +53,7 @@ std::string describe(const std::set<SubmapKey>& submaps) {
   if (submaps.size() > kNamed || submaps.begin()->session != submaps.rbegin()->session)
     return fmt::format("{} submaps", submaps.size());
   std::vector<int> ids;
+  ids.reserve(submaps.size());
   for (const SubmapKey& key : submaps) ids.push_back(key.id);
   // A back submap comes after the front submap of its number, which it begins in.
   std::sort(ids.begin(), ids.end(),
