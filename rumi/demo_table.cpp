@@ -28,8 +28,8 @@ std::string tell(const WindowRow& row, int64_t begin_us) {
                                  seconds(window.resumed_utime_us - window.lost_utime_us));
   const BuildResult& result = row.result;
   if (!row.ok) return text + fmt::format("; what was lost could not be rebuilt: {}.\n", result.failure);
-  return text + fmt::format("; {} of the {} of that time were rebuilt by COLMAP in {:.1f} s.\n", result.gap,
-                            count_of(static_cast<int64_t>(window.gap.size()), "image"), result.wall_s);
+  return text + fmt::format("; of {} that were kept of it COLMAP rebuilt {} in {:.1f} s.\n",
+                            count_of(static_cast<int64_t>(window.gap.size()), "image"), result.gap, result.wall_s);
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(DemoStory, TellsOfALossThatWasRebuilt) {
   whole.windows = {window(1'011'200'000, 1'013'100'000, 34, 33)};
   whole.counts.front_submaps = whole.counts.front_submaps_in_map = 2;
   EXPECT_EQ(demo_story(whole),
-            "Tracking was lost at 11.2 s for 1.9 s; 33 of the 34 images of that time were rebuilt by COLMAP in 6.0 s.\n"
+            "Tracking was lost at 11.2 s for 1.9 s; of 34 images that were kept of it COLMAP rebuilt 33 in 6.0 s.\n"
             "2 submaps of the front became one map.\n");
 }
 
