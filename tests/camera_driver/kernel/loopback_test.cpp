@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <fstream>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <thread>
@@ -69,7 +70,7 @@ class LoopbackTest : public CameraSourceTest {
   }
   void begin_feeding(uint32_t fourcc) {
     feeder_.reset();
-    feeder_.emplace(fourcc, kWidth, kHeight, kRateHz);
+    feeder_ = std::make_unique<CameraFeeder>(fourcc, kWidth, kHeight, kRateHz);
   }
   std::string open() { return CameraSourceTest::open(kFedDevice); }
   // The image that comes of this frame.
@@ -78,7 +79,7 @@ class LoopbackTest : public CameraSourceTest {
     std::vector<image_t> images = take(1, 5 * kSecondUs);
     return images.empty() ? std::nullopt : std::optional(std::move(images[0]));
   }
-  std::optional<CameraFeeder> feeder_;
+  std::unique_ptr<CameraFeeder> feeder_;
 };
 
 TEST_F(LoopbackTest, MjpegPassesByteForByte) {
@@ -244,7 +245,7 @@ TEST_F(LoopbackTest, TheProcessOnLcm) {
   });
   bus->subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& message) { status = message; });
   const auto until = [&bus](const std::function<bool()>& condition) { return hear_until(*bus, condition); };
-  std::optional<Feeding> feeding(frames);
+  auto feeding = std::make_unique<Feeding>(frames);
   Process process({kFedDevice, "--camera", "/run/fed_camera.yaml", "--set", "camera_driver.stall=1"});
   ASSERT_TRUE(until([&] { return images >= 45; }));
   feeding.reset();
