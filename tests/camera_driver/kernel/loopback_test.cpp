@@ -252,7 +252,7 @@ TEST_F(LoopbackTest, TheProcessOnLcm) {
   EXPECT_TRUE(until([&] { return status.state == process_status_t::DEGRADED; }));
   EXPECT_THAT(status.detail, HasSubstr("no images now"));
   const int64_t before = images;
-  feeding.emplace(frames);
+  feeding = std::make_unique<Feeding>(frames);
   EXPECT_TRUE(until([&] { return images > before + 30 && status.state == process_status_t::RUNNING; }));
   EXPECT_EQ(others, 0);
   EXPECT_LE(too_long, 2) << "v4l2loopback forgets how long its images are when it is opened";
