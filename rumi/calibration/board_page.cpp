@@ -77,6 +77,7 @@ std::string pdf(const Board& board, const Page& page) {
   const Surface surface(
       cairo_pdf_surface_create_for_stream(append, &bytes, page.width_mm * kPointsPerMm, page.height_mm * kPointsPerMm),
       cairo_surface_destroy);
+  cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);  // which every printer reads
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, board.to_string().c_str());
   draw_page(surface.get(), kPointsPerMm, board, page);
   cairo_surface_finish(surface.get());
