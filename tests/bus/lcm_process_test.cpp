@@ -21,6 +21,7 @@
 namespace rumi {
 namespace {
 
+using testing::AnyOf;
 using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
@@ -115,10 +116,12 @@ TEST(RunProcessTest, HelpShowsEveryFlagAndDefault) {
   Child child({"-h"});
   EXPECT_EQ(child.wait(), 0);
   for (const char* text :
-       {"--lcm-url", "--channel-prefix", "--channel TEXT=CAMERA", "--config FILE", "--set KEY=VALUE", "--version",
+       {"--lcm-url", "--channel-prefix", "--channel TEXT", "--config FILE", "--set KEY=VALUE", "--version",
         "LCM_DEFAULT_URL", "test_process.step = 1", "added to the request id (0 .. 1000)",
         "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152", "--never-finished"})
     EXPECT_THAT(child.output(), HasSubstr(text));
+  // A default, as CLI11 2.1 or 2.4 writes it.
+  EXPECT_THAT(child.output(), AnyOf(HasSubstr("--channel TEXT=CAMERA"), HasSubstr("--channel TEXT [CAMERA]")));
 }
 
 TEST(RunProcessTest, Version) {
