@@ -111,7 +111,7 @@ class Demo {
   }
 
   MeasuredRun replay(const char* name, const std::vector<std::string>& settings, const std::string& log) {
-    ReplayRun run{.input = sequence().string(), .out = (out_ / name).string(), .log = log};
+    ReplayRun run{.input = sequence().string(), .out = (out_ / name).string(), .log = log, .is_only_one = false};
     fail_if(set_options(arguments_, settings, &run));
     ProgressLine line(true);
     run.on_progress = [&line](const ReplayProgress& progress) {

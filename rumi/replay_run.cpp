@@ -8,6 +8,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "bus/cpu_clock.h"
 #include "camera_driver/image_source.h"
 #include "map_server/output_file.h"
 #include "rumi/metered_bus.h"
@@ -85,7 +86,8 @@ class WindowOutput {
 };
 
 // All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
-ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, double wall_s) {
+ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, double run_cpu_s,
+                        double wall_s) {
   const int64_t frames = replay.progress().frames;
   ordered_json run{{"finished", true},
                    {"command", "replay"},
@@ -110,9 +112,9 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
     run["cpu_ms_per_frame"][name] =
         frames > 0 ? ordered_json(cpu_s * 1e3 / static_cast<double>(frames)) : ordered_json();
   }
-  run["cpu_s"] = process_cpu_s();
+  run["cpu_s"] = run_cpu_s;
   run["wall_s"] = wall_s;
-  run["peak_rss_mb"] = peak_rss_mb();
+  if (what.is_only_one) run["peak_rss_mb"] = peak_rss_mb();
   return run;
 }
 
@@ -151,6 +153,7 @@ std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& wi
 ReplayOutcome run_replay(const ReplayRun& run) {
   ReplayOutcome outcome;
   const auto begin = Clock::now();
+  const double begin_cpu_s = process_cpu_s();
   WindowOutput windows(run.out);
   AllOptions options = run.options;
   options.viewer_offscreen.output = run.out;
@@ -166,7 +169,8 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   if (error.empty()) error = windows.finish();
   if (error.empty()) error = write_everything(replay, run.out);
   outcome.wall_s = seconds_since(begin);
-  if (error.empty()) error = write_run_json(run.out, run_record(run, replay, windows, outcome.wall_s));
+  const double cpu_s = process_cpu_s() - begin_cpu_s;
+  if (error.empty()) error = write_run_json(run.out, run_record(run, replay, windows, cpu_s, outcome.wall_s));
   outcome.counts = count(replay.atlas());
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();

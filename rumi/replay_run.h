@@ -18,7 +18,8 @@ struct ReplayRun {
   std::string input, out;
   std::string log = {};  // lcm log to write; empty: none
   AllOptions options = {};
-  std::string options_yaml = {};                                // as the user asked for them, for run.json
+  std::string options_yaml = {};  // as the user asked for them, for run.json
+  bool is_only_one = true;        // in this process: then the peak of its memory is this run's
   std::function<void(const ReplayProgress&)> on_progress = {};  // after every image
 };
 
