@@ -8,7 +8,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <regex>
+#include <set>
+#include <string_view>
 #include <vector>
 
 #include "bus/process.h"
@@ -38,12 +39,32 @@ ordered_json to_json(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar() : "";
 }
 
+bool is_number(std::string_view text, size_t min_digits) {
+  return text.size() >= min_digits && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// 001, b001, s1700000000000000-001: names of submaps (writers.h).
+bool is_submap_name(std::string_view stem) {
+  if (const size_t dash = stem.rfind('-'); dash != std::string_view::npos) {
+    std::string_view session = stem.substr(0, dash);
+    if (!session.starts_with('s')) return false;
+    session.remove_prefix(session.starts_with("s-") ? 2 : 1);
+    if (!is_number(session, 1)) return false;
+    stem.remove_prefix(dash + 1);
+  }
+  if (stem.starts_with('b')) stem.remove_prefix(1);
+  return is_number(stem, 3);
+}
+
 // Does a run write, or remove as left over from an earlier one, a file of this name (relative to its folder)?
-bool is_written_by_a_run(const std::string& name) {
-  static const std::regex kNames(
-      R"((run\.json|trajectory\.(txt|png|mp4)|frames\.csv|map\.(db|ply)|windows\.csv)"
-      R"(|submaps/(s-?\d+-)?b?\d{3,}\.txt|windows/.*\.window|pictures/(\d{6,}\.png|unfinished)))");
-  return std::regex_match(name, kNames);
+bool is_written_by_a_run(const fs::path& name) {
+  static const std::set<std::string> kNames = {"run.json",       "trajectory.txt", "trajectory.png",
+                                               "trajectory.mp4", "frames.csv",     "map.db",
+                                               "map.ply",        "windows.csv",    "pictures/unfinished"};
+  const std::string folder = name.parent_path().string(), extension = name.extension().string();
+  return kNames.contains(name.string()) || (folder == "windows" && extension == ".window") ||
+         (folder == "submaps" && extension == ".txt" && is_submap_name(name.stem().string())) ||
+         (folder == "pictures" && extension == ".png" && is_number(name.stem().string(), 6));
 }
 
 std::vector<std::string> what_a_run_replaces(const fs::path& folder, std::error_code* error) {
