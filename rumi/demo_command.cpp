@@ -56,7 +56,7 @@ class Demo {
   explicit Demo(const Arguments& arguments) : arguments_(arguments), out_(arguments.out) {}
 
   void run() {
-    fail_if(prepare_output_folder(out_.string()));
+    prepare_folder();
     render();
     say("Following the camera by the front alone (no rebuilding)");
     const MeasuredRun front = replay("front_alone", {"ruminator.rebuild=false"}, "");
@@ -77,6 +77,16 @@ class Demo {
   fs::path sequence() const { return out_ / "sequence"; }
   fs::path truth() const { return sequence() / "groundtruth.txt"; }
   fs::path log() const { return out_ / "rumi" / "messages.lcm"; }
+
+  // What is in it is replaced, so it must be of a demo.
+  void prepare_folder() {
+    const std::string folder = out_.string();
+    fail_if(check_output_folder(folder));
+    const ordered_json earlier = read_run_json(folder);
+    if (!earlier.is_null() && earlier.value("command", "") != "demo")
+      throw std::runtime_error(fmt::format("{}: holds a run that is no demo: choose another folder", folder));
+    fail_if(write_run_json(folder, {{"finished", false}, {"command", "demo"}}));
+  }
 
   void say(const std::string& what) {
     fmt::print("{}/4 {}\n", ++step_, what);
