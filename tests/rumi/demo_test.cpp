@@ -99,7 +99,7 @@ TEST(DemoCommand, SaysWhatIsWrong) {
   std::ofstream(work.path / "run.json") << R"({"program": "rumi", "command": "replay"})";
   const Outcome other = shell("$RUMI/rumi demo -o '" + work.path.string() + "'");
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_THAT(other.output, HasSubstr("no demo"));
+  EXPECT_THAT(other.output, HasSubstr("not of an earlier demo"));
   const Outcome setting = shell("$RUMI/rumi demo --set front_tracker.keypoint=5 -o '" + work.path.string() + "/d'");
   EXPECT_EQ(setting.exit_code, 2);
   EXPECT_THAT(setting.output, HasSubstr("front_tracker.keypoints"));
