@@ -37,9 +37,9 @@ template Flag CommandLine::add_option(const std::string&, std::optional<double>&
 template Flag CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&);
 template Flag CommandLine::add_option(const std::string&, std::vector<double>&, const std::string&);
 
-Flag CommandLine::add_option(const std::string& names, std::function<void(const std::string&)> take,
+Flag CommandLine::add_option(const std::string& names, const std::function<void(const std::string&)>& take,
                              const std::string& help) {
-  return Flag(app_->add_option_function<std::string>(names, std::move(take), help));
+  return Flag(app_->add_option_function<std::string>(names, take, help));
 }
 
 Flag CommandLine::add_flag(const std::string& names, bool& value, const std::string& help) {

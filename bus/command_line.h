@@ -53,7 +53,8 @@ class CommandLine {
   // uint64_t, double, an optional of these but uint64_t, a vector of strings or doubles.
   template <class T>
   Flag add_option(const std::string& names, T& value, const std::string& help);
-  Flag add_option(const std::string& names, std::function<void(const std::string&)> take, const std::string& help);
+  Flag add_option(const std::string& names, const std::function<void(const std::string&)>& take,
+                  const std::string& help);
   Flag add_flag(const std::string& names, bool& value, const std::string& help);
   // Does something and ends the program well, as --help does.
   void add_action(const std::string& names, std::function<void()> act, const std::string& help);
