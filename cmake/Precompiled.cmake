@@ -12,8 +12,7 @@ set(common_libraries Eigen3::Eigen opencv_core fmt::fmt)
 # GCC takes a precompiled header only with the options that it was made with: libraries are position independent, tests
 # are executables and have options of their own (rumi_test_options).
 if(RUMI_PRECOMPILED)
-  file(WRITE ${CMAKE_BINARY_DIR}/precompiled/main.cpp.new "int main() { return 0; }\n")
-  file(COPY_FILE ${CMAKE_BINARY_DIR}/precompiled/main.cpp.new ${CMAKE_BINARY_DIR}/precompiled/main.cpp ONLY_IF_DIFFERENT)
+  file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled/main.cpp CONTENT "int main() { return 0; }\n")
   add_library(rumi_precompiled OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/precompiled/main.cpp)
   target_link_libraries(rumi_precompiled PRIVATE ${common_libraries})
   target_precompile_headers(rumi_precompiled PRIVATE ${common_headers})
