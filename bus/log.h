@@ -15,21 +15,27 @@ enum class LogLevel { kDebug, kInfo, kWarning, kError };
 void log_line(LogLevel level, const std::string& text);
 bool is_logged(LogLevel level);
 
+// What is not logged is not formatted either.
+template <class... Args>
+void log_at(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
+  if (is_logged(level)) log_line(level, fmt::format(format, std::forward<Args>(args)...));
+}
+
 template <class... Args>
 void log_debug(fmt::format_string<Args...> format, Args&&... args) {
-  if (is_logged(LogLevel::kDebug)) log_line(LogLevel::kDebug, fmt::format(format, std::forward<Args>(args)...));
+  log_at(LogLevel::kDebug, format, std::forward<Args>(args)...);
 }
 template <class... Args>
 void log_info(fmt::format_string<Args...> format, Args&&... args) {
-  log_line(LogLevel::kInfo, fmt::format(format, std::forward<Args>(args)...));
+  log_at(LogLevel::kInfo, format, std::forward<Args>(args)...);
 }
 template <class... Args>
 void log_warning(fmt::format_string<Args...> format, Args&&... args) {
-  log_line(LogLevel::kWarning, fmt::format(format, std::forward<Args>(args)...));
+  log_at(LogLevel::kWarning, format, std::forward<Args>(args)...);
 }
 template <class... Args>
 void log_error(fmt::format_string<Args...> format, Args&&... args) {
-  log_line(LogLevel::kError, fmt::format(format, std::forward<Args>(args)...));
+  log_at(LogLevel::kError, format, std::forward<Args>(args)...);
 }
 
 }  // namespace rumi
