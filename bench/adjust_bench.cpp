@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "bus/cpu_clock.h"
-#include "map_server/map_store.h"
+#include "base/cpu_clock.h"
 #include "map_server/options.h"
+#include "map_server/store/map_store.h"
 
 int main(int argc, char** argv) {
   CLI::App app{"CPU time of an adjustment of a stored map"};
@@ -15,15 +15,15 @@ int main(int argc, char** argv) {
   app.add_option("MAP.db", file)->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
   try {
-    rumi::MapStore store = rumi::MapStore::copy_in_memory(file);
-    const rumi::Atlas atlas = store.load();
-    rumi::MapBuilder::Submaps submaps;
+    rumi::map_server::MapStore store = rumi::map_server::MapStore::copy_in_memory(file);
+    const rumi::map_server::Atlas atlas = store.load();
+    rumi::map_server::MapBuilder::Submaps submaps;
     for (const auto& [key, owner] : atlas.submaps()) submaps[key] = &owner.submap;
-    rumi::MapBuilder builder(rumi::MapServerOptions().merge.builder);
+    rumi::map_server::MapBuilder builder(rumi::map_server::MapServerOptions().merge.builder);
     const double start_s = rumi::thread_cpu_s();
     builder.find_links(submaps);
     const double linked_s = rumi::thread_cpu_s();
-    const rumi::MapBuildReport report = builder.build(submaps, {}).report;
+    const rumi::map_server::MapBuildReport report = builder.build(submaps, {}).report;
     fmt::print("{} submaps, {} images, {} points, {} observations ({} by association), rmse {:.4f} sigma\n",
                report.members, report.views, report.points, report.observations, report.observed, report.rmse);
     fmt::print("links {:.2f}, adjustment {:.2f} CPU s\n", linked_s - start_s, rumi::thread_cpu_s() - linked_s);

@@ -14,12 +14,12 @@
 #include <limits>
 #include <numbers>
 
-#include "bus/bus.h"
-#include "bus/cpu_clock.h"
-#include "bus/submap_update.h"
+#include "base/cpu_clock.h"
+#include "bus/transport/bus.h"
+#include "bus/wire/submap_update.h"
 #include "map_server/map_messages.h"
-#include "map_server/map_store.h"
 #include "map_server/options.h"
+#include "map_server/store/map_store.h"
 #include "tests/map_server/synthetic_submaps.h"
 #include "tests/temporary_folder.h"
 
@@ -79,7 +79,7 @@ std::vector<Image> film_two_rounds(const Corridor& corridor, int images) {
   constexpr int kAtOnce = 30;
   std::vector<Image> filmed;
   for (int begin = 0; begin < images; begin += kAtOnce) {
-    CameraPath path;
+    testing::CameraPath path;
     for (int i = begin; i < std::min(images, begin + kAtOnce); ++i) {
       const double along_m = i * kStepM, angle = along_m / corridor.radius();
       const Eigen::Vector3d center = corridor.at(along_m, 2 * i < images ? 0 : 0.3, 0.2 * std::sin(along_m));
@@ -132,7 +132,7 @@ double memory_mb(const char* field) {
 
 class Server {
  public:
-  explicit Server(const std::string& file) : store_(file), builder_(MergeOptions{}.builder) {}
+  explicit Server(const std::string& file) : store_(file), builder_(map_server::MergeOptions{}.builder) {}
 
   void arrive(const Submap& made) {
     times_.clear();
@@ -142,18 +142,18 @@ class Server {
       atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
     });
     time("store it", [&] { save(); });
-    std::map<SubmapKey, Placement> placed;
+    std::map<SubmapKey, map_server::Placement> placed;
     time("copy", [&] { placed = copy(); });
     time("search", [&] { builder_.find_links(submaps_); });
     time("search, no news", [&] { builder_.find_links(submaps_); });
-    time("weld", [&] { built_ = builder_.build(submaps_, placed, MapBuilder::Scope::kWeld); });
+    time("weld", [&] { built_ = builder_.build(submaps_, placed, map_server::MapBuilder::Scope::kWeld); });
     welded_views_ = built_.report.adjusted_views;
     absorb("");
   }
 
   void adjust() {
-    const std::map<SubmapKey, Placement> placed = copy();
-    time("adjust all", [&] { built_ = builder_.build(submaps_, placed, MapBuilder::Scope::kAll); });
+    const std::map<SubmapKey, map_server::Placement> placed = copy();
+    time("adjust all", [&] { built_ = builder_.build(submaps_, placed, map_server::MapBuilder::Scope::kAll); });
     absorb(" all");
   }
 
@@ -182,8 +182,8 @@ class Server {
   }
 
   // As MapMerger does.
-  std::map<SubmapKey, Placement> copy() {
-    std::map<SubmapKey, Placement> placed;
+  std::map<SubmapKey, map_server::Placement> copy() {
+    std::map<SubmapKey, map_server::Placement> placed;
     for (const auto& [key, owner] : atlas_.submaps()) {
       std::shared_ptr<const Submap>& copy = copies_[key];
       if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
@@ -204,16 +204,16 @@ class Server {
         });
       if (!built_.placements.empty()) atlas_.place_map(std::move(built_.placements), built_.unmoved);
     });
-    time("tell", [&] { make_map_status(atlas_, 0); });
+    time("tell", [&] { map_server::make_map_status(atlas_, 0); });
     time("store" + which, [&] { save(); });
   }
 
-  Atlas atlas_;
-  MapStore store_;
-  MapBuilder builder_;
+  map_server::Atlas atlas_;
+  map_server::MapStore store_;
+  map_server::MapBuilder builder_;
   std::map<SubmapKey, std::shared_ptr<const Submap>> copies_;
-  MapBuilder::Submaps submaps_;
-  BuiltMap built_;
+  map_server::MapBuilder::Submaps submaps_;
+  map_server::BuiltMap built_;
   int welded_views_ = 0;
   std::vector<std::pair<std::string, double>> times_;
 };

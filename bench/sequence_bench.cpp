@@ -14,13 +14,15 @@
 #include <opencv2/features2d.hpp>
 #include <random>
 
+#include "base/cpu_clock.h"
+#include "base/options.h"
 #include "bench/rendered_images.h"
-#include "bus/cpu_clock.h"
-#include "bus/image_codec.h"
-#include "bus/options.h"
-#include "camera_driver/image_source.h"
-#include "front_tracker/tracker.h"
-#include "rumi/metrics.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
+#include "camera_driver/source/image_source.h"
+#include "front_tracker/options.h"
+#include "front_tracker/tracking/tracker.h"
+#include "rumi/evaluation/metrics.h"
 
 namespace rumi {
 namespace {
@@ -35,12 +37,12 @@ struct Recording {
   Camera camera;
   std::vector<int64_t> utime_us;
   std::vector<cv::Mat> grey;
-  std::vector<TimedPose> truth;
+  std::vector<tool::TimedPose> truth;
 };
 
-Recording read_recording(const std::string& folder, const CameraOptions& options) {
+Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options) {
   Recording r;
-  OpenedSource opened = open_image_source(folder, options);
+  camera_driver::OpenedSource opened = camera_driver::open_image_source(folder, options);
   if (!opened.ok()) throw std::runtime_error(opened.error);
   r.camera = opened.source->camera();
   while (const auto image = opened.source->next()) {
@@ -49,7 +51,7 @@ Recording read_recording(const std::string& folder, const CameraOptions& options
     if (r.grey.back().empty()) throw std::runtime_error(error);
     r.utime_us.push_back(image->utime);
   }
-  TrajectoryFile truth = read_groundtruth(folder + "/groundtruth.txt");
+  tool::TrajectoryFile truth = tool::read_groundtruth(folder + "/groundtruth.txt");
   if (!truth.ok()) throw std::runtime_error(truth.error);
   r.truth = std::move(truth.poses);
   return r;
@@ -68,27 +70,27 @@ struct SubmapResult {
   double scale_drift = 1;  // of the halves' scales to the truth, the larger over the smaller
 };
 
-std::vector<TimedPose> poses_of(const Submap& map) {
-  std::vector<TimedPose> poses;
+std::vector<tool::TimedPose> poses_of(const Submap& map) {
+  std::vector<tool::TimedPose> poses;
   for (const auto& [utime, frame] : map.frames) poses.push_back({utime, map.cam_from_submap(frame).inverse()});
   return poses;
 }
 
-SubmapResult evaluate(const Submap& map, const std::vector<TimedPose>& truth) {
-  const std::vector<TimedPose> estimate = poses_of(map);
+SubmapResult evaluate(const Submap& map, const std::vector<tool::TimedPose>& truth) {
+  const std::vector<tool::TimedPose> estimate = poses_of(map);
   SubmapResult result;
   result.frames = estimate.size();
-  const TrajectoryMetrics metrics = evaluate_trajectory(estimate, truth);
+  const tool::TrajectoryMetrics metrics = tool::evaluate_trajectory(estimate, truth);
   if (!metrics.ate_rmse_m) return result;
   result.ate_m = *metrics.ate_rmse_m;
   result.path_m = metrics.path_m;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const PoseError& e : metrics.errors) mean += e.truth_m / static_cast<double>(metrics.errors.size());
-  for (const PoseError& e : metrics.errors) result.spread_m += (e.truth_m - mean).squaredNorm();
+  for (const tool::PoseError& e : metrics.errors) mean += e.truth_m / static_cast<double>(metrics.errors.size());
+  for (const tool::PoseError& e : metrics.errors) result.spread_m += (e.truth_m - mean).squaredNorm();
   result.spread_m = std::sqrt(result.spread_m / static_cast<double>(metrics.errors.size()));
   const auto middle = estimate.begin() + static_cast<std::ptrdiff_t>(estimate.size() / 2);
-  const auto first = evaluate_trajectory({estimate.begin(), middle}, truth).truth_from_estimate;
-  const auto second = evaluate_trajectory({middle, estimate.end()}, truth).truth_from_estimate;
+  const auto first = tool::evaluate_trajectory({estimate.begin(), middle}, truth).truth_from_estimate;
+  const auto second = tool::evaluate_trajectory({middle, estimate.end()}, truth).truth_from_estimate;
   if (first && second) result.scale_drift = std::exp(std::abs(std::log(first->scale / second->scale)));
   return result;
 }
@@ -103,9 +105,9 @@ struct Run {
   std::vector<SubmapResult> submaps;
 };
 
-Run run(const Recording& r, const FrontTrackerOptions& options, size_t first, size_t last) {
+Run run(const Recording& r, const front_tracker::FrontTrackerOptions& options, size_t first, size_t last) {
   Run result;
-  Tracker tracker(r.camera, options, 1);
+  front_tracker::Tracker tracker(r.camera, options, 1);
   const double before_all_s = process_cpu_s();
   bool tracking = false;
   for (size_t i = first; i < last; ++i) {
@@ -134,7 +136,7 @@ double orb_ms_per_frame(const Recording& r) {
   return 1e3 * (process_cpu_s() - before_s) / static_cast<double>(r.grey.size());
 }
 
-void bench_whole(const Recording& r, const FrontTrackerOptions& options) {
+void bench_whole(const Recording& r, const front_tracker::FrontTrackerOptions& options) {
   const Run whole = run(r, options, 0, r.grey.size());
   const double cpu_ms = whole.cpu_ms / whole.frames, orb_ms = orb_ms_per_frame(r);
   fmt::print("{} frames, CPU per frame {:.2f} ms (all threads), cv::ORB(1000) {:.2f} ms, ratio {:.2f}\n", whole.frames,
@@ -156,7 +158,8 @@ void bench_whole(const Recording& r, const FrontTrackerOptions& options) {
              whole.submaps.size(), std::sqrt(squares_m2 / static_cast<double>(posed)), whole.begun_after);
 }
 
-void bench_starts(const Recording& r, const FrontTrackerOptions& options, int starts, size_t frames, bool verbose) {
+void bench_starts(const Recording& r, const front_tracker::FrontTrackerOptions& options, int starts, size_t frames,
+                  bool verbose) {
   std::mt19937 rng(7);
   std::vector<double> after, error, ate, drift, ms;
   int diverged = 0;
@@ -200,9 +203,9 @@ void bench_starts(const Recording& r, const FrontTrackerOptions& options, int st
 }
 
 // Maps the whole recording, then carries the camera off to random places of it, one after the other, for a second each.
-void bench_kidnaps(const Recording& r, const FrontTrackerOptions& options, int jumps) {
+void bench_kidnaps(const Recording& r, const front_tracker::FrontTrackerOptions& options, int jumps) {
   constexpr double kWrong_m = 0.3;
-  Tracker tracker(r.camera, options, 1);
+  front_tracker::Tracker tracker(r.camera, options, 1);
   int64_t utime_us = 0;
   const int64_t period_us = (r.utime_us.back() - r.utime_us.front()) / static_cast<int64_t>(r.utime_us.size() - 1);
   const auto give = [&](size_t frame) {
@@ -210,17 +213,17 @@ void bench_kidnaps(const Recording& r, const FrontTrackerOptions& options, int j
     tracker.wait_for_mapping();
     return result;
   };
-  std::vector<TimedPose> truth;  // at the times given
+  std::vector<tool::TimedPose> truth;  // at the times given
   for (size_t i = 0; i < r.grey.size(); ++i) {
     give(i);
     const auto at = std::lower_bound(r.truth.begin(), r.truth.end(), r.utime_us[i] - period_us / 2,
-                                     [](const TimedPose& pose, int64_t utime) { return pose.utime_us < utime; });
+                                     [](const tool::TimedPose& pose, int64_t utime) { return pose.utime_us < utime; });
     if (at == r.truth.end()) throw std::runtime_error("the truth ends before the recording");
     truth.push_back({utime_us, at->map_from_cam});
   }
   std::map<int, Sim3> truth_from_submap;
   for (const auto& submap : tracker.submaps())
-    if (const auto aligned = evaluate_trajectory(poses_of(submap->map), truth).truth_from_estimate)
+    if (const auto aligned = tool::evaluate_trajectory(poses_of(submap->map), truth).truth_from_estimate)
       truth_from_submap[submap->map.key.id] = *aligned;
 
   const size_t second = static_cast<size_t>(1'000'000 / period_us);
@@ -262,8 +265,8 @@ int main_of(int argc, char** argv) {
   int starts = 0, jumps = 0;
   size_t frames = 120;
   bool verbose = false;
-  FrontTrackerOptions options;
-  CameraOptions part;
+  front_tracker::FrontTrackerOptions options;
+  camera_driver::CameraOptions part;
   OptionTable table;
   describe(table, options);
   std::vector<std::string> settings;

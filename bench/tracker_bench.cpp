@@ -4,18 +4,19 @@
 #include <spdlog/spdlog.h>
 
 #include "bench/rendered_images.h"
-#include "front_tracker/tracker.h"
+#include "front_tracker/options.h"
+#include "front_tracker/tracking/tracker.h"
 
 namespace rumi {
 namespace {
 
 void BM_TrackerPerImage(benchmark::State& state) {
   spdlog::set_level(spdlog::level::warn);
-  FrontTrackerOptions options;
+  front_tracker::FrontTrackerOptions options;
   options.mapping_thread = false;
   const RenderedImages& images = rendered_images();
   for (auto _ : state) {
-    Tracker tracker(images.camera, options, 1);
+    front_tracker::Tracker tracker(images.camera, options, 1);
     for (size_t i = 0; i < images.grey.size(); ++i)
       benchmark::DoNotOptimize(tracker.process(images.utime_us[i], images.grey[i]));
   }

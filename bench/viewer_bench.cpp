@@ -5,10 +5,10 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/jpeg_image.h"
+#include "bus/wire/jpeg_image.h"
 #include "tests/viewer_offscreen/test_map.h"
-#include "viewer_offscreen/draw_map.h"
-#include "viewer_offscreen/renderer.h"
+#include "viewer_offscreen/picture/draw_map.h"
+#include "viewer_offscreen/picture/renderer.h"
 
 namespace rumi {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr int kLandmarks = 100'000, kKeypoints = 800, kTrack = 8;  // a landmark is seen by so many keyframes
 
 Submap large_submap() {
-  Submap submap = make_test_submap(1, 0, 10'000 / 30.0, test_circle, kLandmarks);
+  Submap submap = viewer_offscreen::make_test_submap(1, 0, 10'000 / 30.0, viewer_offscreen::test_circle, kLandmarks);
   std::map<int, int> used;
   for (auto& [id, keyframe] : submap.keyframes) {
     auto features = std::make_shared<Features>();
@@ -38,40 +38,41 @@ const Submap& shared_submap() {
   return submap;
 }
 
-MapPicture shared_picture() {
-  MapPicture picture{.submaps = {{&shared_submap(), true}}, .frames = test_frames(0, 10'000 / 30.0)};
+viewer_offscreen::MapPicture shared_picture() {
+  viewer_offscreen::MapPicture picture{.submaps = {{&shared_submap(), true}},
+                                       .frames = viewer_offscreen::test_frames(0, 10'000 / 30.0)};
   picture.camera_view.image = cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(120));
   return picture;
 }
 
 void BM_Scene(benchmark::State& state) {
-  const MapPicture picture = shared_picture();
-  for (auto _ : state) benchmark::DoNotOptimize(make_scene(picture));
+  const viewer_offscreen::MapPicture picture = shared_picture();
+  for (auto _ : state) benchmark::DoNotOptimize(viewer_offscreen::make_scene(picture));
 }
 
 void BM_Draw(benchmark::State& state) {
-  const Scene scene = make_scene(shared_picture());
-  Renderer renderer;
+  const viewer_offscreen::Scene scene = viewer_offscreen::make_scene(shared_picture());
+  viewer_offscreen::Renderer renderer;
   for (auto _ : state) benchmark::DoNotOptimize(renderer.draw(scene));
 }
 
 void BM_Jpeg(benchmark::State& state) {
-  const cv::Mat image = draw_map(shared_picture());
+  const cv::Mat image = viewer_offscreen::draw_map(shared_picture());
   for (auto _ : state) benchmark::DoNotOptimize(make_jpeg_image(0, image, 90));
 }
 
 void BM_Png(benchmark::State& state) {
-  const cv::Mat image = draw_map(shared_picture());
-  for (auto _ : state) benchmark::DoNotOptimize(encode_png(image));
+  const cv::Mat image = viewer_offscreen::draw_map(shared_picture());
+  for (auto _ : state) benchmark::DoNotOptimize(viewer_offscreen::encode_png(image));
 }
 
 void BM_WholePicture(benchmark::State& state) {
-  const MapPicture picture = shared_picture();
-  Renderer renderer;
+  const viewer_offscreen::MapPicture picture = shared_picture();
+  viewer_offscreen::Renderer renderer;
   for (auto _ : state) {
-    const cv::Mat image = renderer.draw(make_scene(picture));
+    const cv::Mat image = renderer.draw(viewer_offscreen::make_scene(picture));
     benchmark::DoNotOptimize(make_jpeg_image(0, image, 90));
-    benchmark::DoNotOptimize(encode_png(image));
+    benchmark::DoNotOptimize(viewer_offscreen::encode_png(image));
   }
   state.counters["pictures/s"] =
       benchmark::Counter(static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);

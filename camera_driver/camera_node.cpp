@@ -7,10 +7,11 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "bus/image_codec.h"
-#include "bus/log.h"
+#include "base/log.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int kMaxPerTick = 8;                // so that a request to stop is heard while catching up
@@ -156,4 +157,4 @@ void CameraNode::publish_next() {
   fetch();
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

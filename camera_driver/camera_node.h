@@ -5,10 +5,10 @@
 
 #include <memory>
 
-#include "bus/process.h"
-#include "camera_driver/image_source.h"
+#include "bus/process/process.h"
+#include "camera_driver/source/image_source.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 class CameraNode : public Node {
  public:
@@ -55,4 +55,4 @@ class CameraNode : public Node {
   int64_t loads_ = 0;
 };
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

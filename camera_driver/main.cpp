@@ -3,8 +3,9 @@
 
 #include <optional>
 
-#include "bus/command_line.h"
+#include "base/command_line.h"
 #include "camera_driver/camera_node.h"
+#include "camera_driver/options.h"
 #include "camera_driver/v4l2/video_device.h"
 
 namespace {
@@ -17,7 +18,7 @@ struct Flags {
   std::optional<double> start_s, duration_s, rate_hz, speed;
   bool loop = false, live_stamps = false;
 
-  void apply(rumi::CameraOptions* o) const {
+  void apply(rumi::camera_driver::CameraOptions* o) const {
     o->camera_file = camera_file.value_or(o->camera_file);
     o->encoding = encoding.value_or(o->encoding);
     o->every = every.value_or(o->every);
@@ -37,7 +38,7 @@ void add_flags(rumi::CommandLine& app, Flags* flags) {
          "rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, a video, or an lcm log")
       ->required();
   app.add_action(
-      "--list", [] { fmt::print("{}", rumi::list_cameras(rumi::kernel_video_system())); },
+      "--list", [] { fmt::print("{}", rumi::camera_driver::list_cameras(rumi::camera_driver::kernel_video_system())); },
       "show the cameras with their formats, sizes, rates and controls, and end");
   app.add_option(
          "--camera", flags->camera_file,
@@ -64,7 +65,7 @@ void add_flags(rumi::CommandLine& app, Flags* flags) {
 
 int main(int argc, char** argv) {
   Flags flags;
-  rumi::CameraOptions options;
+  rumi::camera_driver::CameraOptions options;
   rumi::ProcessDescription process;
   process.name = "camera_driver";
   process.summary =
@@ -74,12 +75,12 @@ int main(int argc, char** argv) {
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&](rumi::Bus& bus) {
     flags.apply(&options);
-    return std::make_unique<rumi::CameraNode>(bus, flags.input, options);
+    return std::make_unique<rumi::camera_driver::CameraNode>(bus, flags.input, options);
   };
   process.on_reload = [&](rumi::Node& node) {
     flags.apply(&options);
-    const std::string problem = options.check();
-    if (problem.empty()) static_cast<rumi::CameraNode&>(node).set_controls(options);
+    const std::string problem = check(options);
+    if (problem.empty()) static_cast<rumi::camera_driver::CameraNode&>(node).set_controls(options);
     return problem;
   };
   return rumi::run_process(argc, argv, process);

@@ -11,7 +11,7 @@
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int kMaxEvery = 1'000'000;
@@ -67,20 +67,20 @@ std::string check_camera_options(const CameraOptions& o) {
 
 }  // namespace
 
-std::string CameraOptions::check() const {
+std::string check(const CameraOptions& o) {
   static constexpr std::array kEncodings = {"auto", "grey", "rgb", "jpeg"};
-  if (every < 1 || every > kMaxEvery) return fmt::format("every is {}: must be 1 to {}", every, kMaxEvery);
-  if (!within(start_s, 0, kMaxSeconds)) return fmt::format("start is {}: must be 0 or more seconds", start_s);
-  if (!within(duration_s, 0, kMaxSeconds))
-    return fmt::format("duration is {}: must be 0 (all) or more seconds", duration_s);
-  if (!within(rate_hz, 0, kMaxRateHz))
-    return fmt::format("rate is {}: must be 0 (as recorded) to {} Hz", rate_hz, kMaxRateHz);
-  if (!within(speed, kMinSpeed, kMaxSpeed))
-    return fmt::format("speed is {}: must be {} to {}", speed, kMinSpeed, kMaxSpeed);
-  if (!within(jpeg_quality, 1, 100)) return fmt::format("jpeg_quality is {}: must be 1 to 100", jpeg_quality);
-  if (std::find(kEncodings.begin(), kEncodings.end(), encoding) == kEncodings.end())
-    return fmt::format("encoding is '{}': must be {}", encoding, fmt::join(kEncodings, ", "));
-  return check_camera_options(*this);
+  if (o.every < 1 || o.every > kMaxEvery) return fmt::format("every is {}: must be 1 to {}", o.every, kMaxEvery);
+  if (!within(o.start_s, 0, kMaxSeconds)) return fmt::format("start is {}: must be 0 or more seconds", o.start_s);
+  if (!within(o.duration_s, 0, kMaxSeconds))
+    return fmt::format("duration is {}: must be 0 (all) or more seconds", o.duration_s);
+  if (!within(o.rate_hz, 0, kMaxRateHz))
+    return fmt::format("rate is {}: must be 0 (as recorded) to {} Hz", o.rate_hz, kMaxRateHz);
+  if (!within(o.speed, kMinSpeed, kMaxSpeed))
+    return fmt::format("speed is {}: must be {} to {}", o.speed, kMinSpeed, kMaxSpeed);
+  if (!within(o.jpeg_quality, 1, 100)) return fmt::format("jpeg_quality is {}: must be 1 to 100", o.jpeg_quality);
+  if (std::find(kEncodings.begin(), kEncodings.end(), o.encoding) == kEncodings.end())
+    return fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "));
+  return check_camera_options(o);
 }
 
 void describe(OptionTable& table, CameraOptions& o) {
@@ -119,4 +119,4 @@ void describe(OptionTable& table, CameraOptions& o) {
             kMaxStallS);
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -1,47 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of a recording or a camera is published, when, and in which form.
 #pragma once
 
 #include <string>
 
-#include "bus/options.h"
+#include "base/options.h"
+#include "camera_driver/source/camera_options.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
-// Of a camera, and what may change while it runs. Empty leaves a control as it is.
-struct CameraControls {
-  std::string exposure;       // auto, or ms
-  std::string gain;           // auto, or the camera's number
-  std::string white_balance;  // auto, or kelvin
-  std::string focus;          // auto, or the camera's number
-  std::string power_line;     // off, 50, 60 (Hz) or auto
-  std::string controls;       // any others by name: "brightness=10, sharpness=0"
-  double lock_auto_s = 0;     // exposure, gain and white balance stay as they are so long after the start, 0: never
-};
-
-struct CameraOptions : CameraControls {
-  std::string camera_file;  // calibration; empty: beside the data, or in the log
-  int every = 1;            // frames: publish every Nth
-  double start_s = 0;       // skipped at the beginning
-  double duration_s = 0;    // of the recording from there on, 0: all
-  bool loop = false;        // again and again; times keep rising
-  double rate_hz =
-      0;  // recording: new times at this rate, 0: as recorded; camera: asked for, 0: the calibration's fps, else 30
-  double speed = 1;               // live only: pace relative to the times
-  bool live_stamps = false;       // live only: utime is when the image is published
-  std::string encoding = "auto";  // auto: JPEG files as they are, all else grey; or grey, rgb, jpeg
-  int jpeg_quality = 90;
-  std::string log_channel = "CAMERA";  // of the images in an lcm log
-
-  // Cameras only.
-  int width = 0, height = 0;    // pixels, 0: those of the calibration, without one 640 x 480
-  std::string format = "auto";  // see pixel_formats(); auto: what reaches the rate with least work and loss
-  double stall_s = 3;           // without an image: the camera is opened again
-
-  // What is wrong with it, naming the field and its value; empty if nothing.
-  std::string check() const;
-};
+// What is wrong with them, naming the field and its value; empty if nothing.
+std::string check(const CameraOptions& options);
 
 void describe(OptionTable& table, CameraOptions& options);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -57,6 +57,15 @@ function(rumi_executable name)
   install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endfunction()
 
+# rumi_component(NAME [EXCEPT sources...] LINK libs...): a folder that is a process: main.cpp, and a library of all else.
+function(rumi_component name)
+  cmake_parse_arguments(arg "" "" "EXCEPT;LINK" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp ${arg_EXCEPT})
+  rumi_library(${name} SOURCES ${sources} LINK ${arg_LINK})
+  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name})
+endfunction()
+
 # What tests is not what is tested: compiled quickly.
 add_library(rumi_test_options INTERFACE)
 target_link_libraries(rumi_test_options INTERFACE GTest::gtest GTest::gmock)

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "bus/log.h"
-#include "bus/submap_update.h"
+#include "base/log.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
@@ -108,4 +108,4 @@ void BackSubmapFetcher::refuse(const std::string& why) {
   log_warning("not used for relocalization: {}", why);
 }
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -7,11 +7,11 @@
 #include <map>
 #include <string>
 
-#include "bus/chunked_transfer.h"
+#include "bus/transfer/chunked_transfer.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "slam/map/submap.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 class BackSubmapFetcher {
  public:
@@ -53,4 +53,4 @@ class BackSubmapFetcher {
   std::string problem_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

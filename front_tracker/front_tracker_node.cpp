@@ -7,14 +7,15 @@
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
-#include "bus/camera_file.h"
-#include "bus/cpu_clock.h"
-#include "bus/image_codec.h"
-#include "bus/log.h"
-#include "bus/submap_update.h"
-#include "bus/working_image.h"
+#include "base/cpu_clock.h"
+#include "base/log.h"
+#include "base/process_name.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
+#include "bus/wire/working_image.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 // Images waiting while one is worked on: two seconds at 30 Hz. Beginning a submap takes up to a second (its buffered
@@ -22,20 +23,6 @@ namespace {
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // So many images in a row older than what was seen: a recording that was started again, not a hiccup.
 constexpr int kBackwardImagesOfNewSession = 10;
-
-const char* name_of(TrackingState state) {
-  switch (state) {
-    case TrackingState::kNotInitialized:
-      return "NOT_INITIALIZED";
-    case TrackingState::kTracking:
-      return "TRACKING";
-    case TrackingState::kRecentlyLost:
-      return "RECENTLY_LOST";
-    case TrackingState::kLost:
-      return "LOST";
-  }
-  return "";
-}
 
 // From publication to pose where the driver says when it published, else from capture.
 float latency_ms(const image_t& image, int64_t now_us) {
@@ -253,7 +240,7 @@ NodeStatus FrontTrackerNode::status() {
   s.processing_ms = cpu_count_ ? cpu_ms_ / cpu_count_ : 0;
   cpu_ms_ = 0;
   cpu_count_ = 0;
-  s.detail = fmt::format("{}, {} submaps", name_of(state_), tracker_ ? tracker_->submaps().size() : 0);
+  s.detail = fmt::format("{}, {} submaps", to_string(state_), tracker_ ? tracker_->submaps().size() : 0);
   if (tracker_ && tracker_->back_submaps().submaps() > 0)
     s.detail += fmt::format(", {} back submaps to relocalize in", tracker_->back_submaps().submaps());
   if (back_submaps_ && back_submaps_->refused() > 0)
@@ -270,4 +257,4 @@ NodeStatus FrontTrackerNode::status() {
   return s;
 }
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

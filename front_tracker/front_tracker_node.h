@@ -7,15 +7,16 @@
 #include <string>
 #include <vector>
 
-#include "bus/process.h"
+#include "bus/process/process.h"
 #include "front_tracker/back_submap_fetcher.h"
+#include "front_tracker/options.h"
 #include "front_tracker/submap_publisher.h"
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 // CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_SUBMAP and
 // RUMI_MAP_REQUEST out. The calibration comes
@@ -74,4 +75,4 @@ class FrontTrackerNode : public Node {
   int cpu_count_ = 0;
 };
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

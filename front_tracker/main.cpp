@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/command_line.h"
-#include "bus/process.h"
+#include "base/command_line.h"
+#include "bus/process/process.h"
 #include "front_tracker/front_tracker_node.h"
 
 int main(int argc, char** argv) {
-  rumi::FrontTrackerOptions options;
+  rumi::front_tracker::FrontTrackerOptions options;
   rumi::ProcessDescription process;
   process.name = "front_tracker";
   process.summary =
@@ -13,7 +13,9 @@ int main(int argc, char** argv) {
   process.add_flags = [&options](rumi::CommandLine& app) {
     app.add_option("--camera", options.camera_file, "calibration (default: the one that comes with the images)");
   };
-  process.add_options = [&options](rumi::OptionTable& table) { rumi::describe(table, options); };
-  process.make_node = [&options](rumi::Bus& bus) { return std::make_unique<rumi::FrontTrackerNode>(bus, options); };
+  process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
+  process.make_node = [&options](rumi::Bus& bus) {
+    return std::make_unique<rumi::front_tracker::FrontTrackerNode>(bus, options);
+  };
   return rumi::run_process(argc, argv, process);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/options.h"
 
-#include "bus/options.h"
+#include "base/options.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 void describe(OptionTable& t, FrontTrackerOptions& o) {
   const std::string s = "front_tracker.";
@@ -118,4 +118,4 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "publish_interval_s", &o.publish_interval_s, "s", "between two updates of a submap, at least", 0.0, 60.0);
 }
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

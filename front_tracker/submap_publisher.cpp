@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "bus/log.h"
-#include "bus/submap_update.h"
+#include "base/log.h"
+#include "bus/wire/submap_update.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 SubmapPublisher::SubmapPublisher(Bus& bus, const std::string& sender_name, double interval_s)
     : sender_(bus, channels::kSubmap, channels::kSubmapAck, sender_name), interval_s_(interval_s) {}
@@ -54,4 +54,4 @@ void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
   });
 }
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

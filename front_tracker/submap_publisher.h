@@ -4,10 +4,10 @@
 #include <map>
 #include <string>
 
-#include "bus/chunked_transfer.h"
-#include "front_tracker/tracker.h"
+#include "bus/transfer/chunked_transfer.h"
+#include "front_tracker/tracking/tracker.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 // Keeps map_server's copies of the submaps up to date: sends what changed since the revision that the server has
 // stored, one update per submap at a time.
@@ -38,4 +38,4 @@ class SubmapPublisher {
   std::string failure_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bus/submap_update.h"
+#include "bus/wire/submap_update.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 submap_summary_t summarize(const AtlasSubmap& owner) {
@@ -106,4 +106,4 @@ map_region_t make_map_region(const Atlas& atlas, const Eigen::Vector3d& center, 
   return region;
 }
 
-}  // namespace rumi
+}  // namespace rumi::map_server

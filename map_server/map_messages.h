@@ -5,9 +5,9 @@
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
-#include "map_server/atlas.h"
+#include "map_server/atlas/atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 
 // All but database_bytes, which the atlas does not know.
 map_status_t make_map_status(const Atlas& atlas, int64_t utime_us);
@@ -17,4 +17,4 @@ trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us);
 // What lies within `radius` (above 0) of `center`, in the map's unit and frame of reference.
 map_region_t make_map_region(const Atlas& atlas, const Eigen::Vector3d& center, double radius, int64_t utime_us);
 
-}  // namespace rumi
+}  // namespace rumi::map_server

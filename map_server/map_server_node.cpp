@@ -10,12 +10,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bus/cpu_clock.h"
-#include "bus/log.h"
-#include "bus/submap_update.h"
+#include "base/cpu_clock.h"
+#include "base/log.h"
+#include "base/process_name.h"
+#include "bus/wire/submap_update.h"
 #include "map_server/map_messages.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
@@ -111,7 +112,7 @@ void MapServerNode::on_track(const track_t& track) {
     return;
   }
   const FrameRecord record{
-      .session = track.session, .state = static_cast<FrameState>(track.state), .submap_id = track.submap_id};
+      .session = track.session, .state = static_cast<TrackingState>(track.state), .submap_id = track.submap_id};
   if (atlas_.record_frame(track.utime, record)) unsaved_frames_.insert(track.utime);
   last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
@@ -341,4 +342,4 @@ void MapServerNode::refuse(const map_request_t& request, const std::string& why)
   answer(request, chunk_t::REFUSED, {why.begin(), why.end()});
 }
 
-}  // namespace rumi
+}  // namespace rumi::map_server

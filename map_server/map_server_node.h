@@ -7,17 +7,17 @@
 #include <utility>
 #include <vector>
 
-#include "bus/bus.h"
-#include "bus/chunked_transfer.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transfer/chunked_transfer.h"
+#include "bus/transport/bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
-#include "map_server/atlas.h"
-#include "map_server/map_merger.h"
-#include "map_server/map_store.h"
+#include "map_server/atlas/atlas.h"
+#include "map_server/merging/map_merger.h"
 #include "map_server/options.h"
+#include "map_server/store/map_store.h"
 
-namespace rumi {
+namespace rumi::map_server {
 
 class MapServerNode : public Node {
  public:
@@ -81,4 +81,4 @@ class MapServerNode : public Node {
   int64_t handled_ = 0;
 };
 
-}  // namespace rumi
+}  // namespace rumi::map_server

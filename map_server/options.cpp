@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/options.h"
 
-namespace rumi {
+namespace rumi::map_server {
 
 void describe(OptionTable& table, MergeOptions& o) {
   AlignmentOptions& a = o.builder.alignment;
@@ -55,4 +55,4 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.add("map_server.place_min_apart_s", &p.min_apart_s, "s", "between two keyframes of a loop", 0, 1e6);
 }
 
-}  // namespace rumi
+}  // namespace rumi::map_server

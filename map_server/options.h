@@ -3,21 +3,10 @@
 
 #include <string>
 
-#include "bus/options.h"
-#include "map_server/map_builder.h"
+#include "base/options.h"
+#include "map_server/merging/map_merger.h"
 
-namespace rumi {
-
-// When the map is built (see map_merger.h).
-struct MergeOptions {
-  MapBuilderOptions builder;
-  bool enabled = true;                  // false: the map is the largest front submap
-  bool thread = true;                   // false: at once, as replay does
-  double interval_s = 2;                // from one look at what is new to the next
-  double adjustment_interval_s = 20;    // from one adjustment of the whole map to the next, and ...
-  double adjustment_s_per_view = 0.25;  // ... the same for each image of it
-  int nice = 10;                        // of the thread
-};
+namespace rumi::map_server {
 
 struct MapServerOptions {
   MergeOptions merge;
@@ -46,4 +35,4 @@ inline void describe(OptionTable& table, MapServerOptions& o) {
   describe(table, o.merge);
 }
 
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -4,32 +4,32 @@
 
 #include <exception>
 
-#include "bus/command_line.h"
-#include "bus/process.h"
-#include "rumi/commands.h"
+#include "base/command_line.h"
+#include "base/process_name.h"
+#include "rumi/commands/commands.h"
 
 int main(int argc, char** argv) {
   rumi::CommandLine app("Monocular visual SLAM of small LCM processes.", "rumi");
   app.set_version(rumi::version());
   std::function<int()> chosen;
-  rumi::add_demo_command(app, &chosen);
-  rumi::add_replay_command(app, &chosen);
-  rumi::add_up_command(app, &chosen);
-  rumi::add_snapshot_command(app, &chosen);
-  rumi::add_status_command(app, &chosen);
-  rumi::add_ruminate_command(app, &chosen);
-  rumi::add_evaluate_command(app, &chosen);
-  rumi::add_report_command(app, &chosen);
-  rumi::add_view_command(app, &chosen);
-  rumi::add_cut_window_command(app, &chosen);
-  rumi::add_draw_window_command(app, &chosen);
-  rumi::add_export_map_command(app, &chosen);
-  rumi::add_draw_board_command(app, &chosen);
-  rumi::add_calibrate_command(app, &chosen);
-  rumi::add_synth_command(app, &chosen);
-  rumi::add_export_command(app, &chosen);
-  rumi::add_import_command(app, &chosen);
-  rumi::add_config_command(app, &chosen);
+  rumi::tool::add_demo_command(app, &chosen);
+  rumi::tool::add_replay_command(app, &chosen);
+  rumi::tool::add_up_command(app, &chosen);
+  rumi::tool::add_snapshot_command(app, &chosen);
+  rumi::tool::add_status_command(app, &chosen);
+  rumi::tool::add_ruminate_command(app, &chosen);
+  rumi::tool::add_evaluate_command(app, &chosen);
+  rumi::tool::add_report_command(app, &chosen);
+  rumi::tool::add_view_command(app, &chosen);
+  rumi::tool::add_cut_window_command(app, &chosen);
+  rumi::tool::add_draw_window_command(app, &chosen);
+  rumi::tool::add_export_map_command(app, &chosen);
+  rumi::tool::add_draw_board_command(app, &chosen);
+  rumi::tool::add_calibrate_command(app, &chosen);
+  rumi::tool::add_synth_command(app, &chosen);
+  rumi::tool::add_export_command(app, &chosen);
+  rumi::tool::add_import_command(app, &chosen);
+  rumi::tool::add_config_command(app, &chosen);
   const rumi::CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return 0;
   if (!parsed.error.empty()) {

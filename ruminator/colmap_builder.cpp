@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ruminator/colmap_builder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 
 Builder colmap_builder(const BuildOptions& options) {
   return [options](const WindowJob& job, const std::string& work_folder,
@@ -10,4 +10,4 @@ Builder colmap_builder(const BuildOptions& options) {
   };
 }
 
-}  // namespace rumi
+}  // namespace rumi::ruminator

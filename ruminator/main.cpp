@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/process.h"
+#include "bus/process/process.h"
 #include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
 
 int main(int argc, char** argv) {
-  rumi::RuminatorOptions options;
+  rumi::ruminator::RuminatorOptions options;
   rumi::ProcessDescription process;
   process.name = "ruminator";
   process.summary =
@@ -12,11 +12,11 @@ int main(int argc, char** argv) {
       "back "
       "submap of them, sends it to map_server (RUMI_SUBMAP), and says on RUMI_WINDOW how far it is. SIGINT and SIGTERM "
       "end it at once and leave what is not done in the spool; SIGUSR1 ends it when all is done.";
-  process.add_options = [&options](rumi::OptionTable& table) { rumi::describe(table, options); };
+  process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&options](rumi::Bus& bus) {
-    rumi::RuminatorHooks hooks;
-    hooks.builder = rumi::colmap_builder(options.build);
-    return std::make_unique<rumi::RuminatorNode>(bus, options, std::move(hooks));
+    rumi::ruminator::RuminatorHooks hooks;
+    hooks.builder = rumi::ruminator::colmap_builder(options.build);
+    return std::make_unique<rumi::ruminator::RuminatorNode>(bus, options, std::move(hooks));
   };
   return rumi::run_process(argc, argv, process);
 }

@@ -3,41 +3,17 @@
 
 #include <string>
 
-#include "bus/options.h"
-#include "ruminator/build_options.h"
+#include "base/options.h"
+#include "ruminator/queue/rebuild_queue.h"
+#include "ruminator/window/window_options.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 
-// How the frames of a rumination window are chosen (paper, section IV.B).
-struct WindowOptions {
-  int stride = 5;                   // frames from one sample to the next while tracked (paper: inter), at most
-  double max_turn_deg = 5;          // the same as an angle: at a low frame rate a stride may leave nothing in common
-  int window_length = 15;           // samples before the loss (paper: len); keyframes beyond it see shared_keyframes
-  int shared_keyframes = 10;        // wanted on each side; a merge is the more accurate the more there are, up to that
-  int departure_min_keyframes = 8;  // of the new submap (paper: Th_S3); lost again with fewer, it died young
-  int departure_max_samples = 40;   // complete the window anyway, for a camera that stands still
-  int gap_max_frames = 120;         // samples of the gap; beyond it they are thinned
-  int gap_dense_frames = 120;       // samples of the gap that are kept whatever the motion: a small window costs little
-  double gap_motion_px = 12;        // set point of the motion between samples of a thinned gap
-  double gap_min_motion_px = 1.5;   // beyond, frames that moved less since the last sample add nothing
-  double gap_max_step = 3;          // set points that dropping a blurred frame may leave between its neighbours
-  double min_sharpness = 0.5;       // of the neighbours' median; frames below it are the first to be thinned out
-};
-
-struct RuminatorOptions {
+struct RuminatorOptions : RebuildQueueOptions {
   WindowOptions window;
-  BuildOptions build;
-  int ring_mb = 256;                 // images kept in memory
-  int jpeg_quality = 95;             // of kept images that came uncompressed
-  int max_queued_windows = 16;       // complete windows that wait; beyond it the oldest is dropped
-  double match_wait_s = 0.5;         // how long the state of a frame waits for its image
-  std::string camera_file;           // overrides the calibration that comes with the images
-  bool rebuild = true;               // false: windows are announced only
-  bool build_thread = true;          // false: rebuild at once, as replay does
-  std::string spool = "rumi-spool";  // folder; empty: windows wait in memory
-  int failed_mb = 500;               // kept in the spool of windows that could not be rebuilt
-  int build_tries = 3;               // of one window
-  double retry_s = 30;               // to the next try, of rebuilding or of sending to map_server
+  int jpeg_quality = 95;      // of kept images that came uncompressed
+  double match_wait_s = 0.5;  // how long the state of a frame waits for its image
+  std::string camera_file;    // overrides the calibration that comes with the images
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {
@@ -81,4 +57,4 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
   table.add("ruminator.match_wait_s", &o.match_wait_s, "s", "how long the state of a frame waits for its image", 0, 60);
 }
 
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -7,13 +7,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/log.h"
-#include "bus/submap_update.h"
-#include "ruminator/window_message.h"
+#include "base/log.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
+#include "ruminator/window/window_message.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 constexpr int64_t kAnnouncePeriodUs = 1'000'000;
@@ -191,4 +191,4 @@ NodeStatus RuminatorNode::status() {
   return status;
 }
 
-}  // namespace rumi
+}  // namespace rumi::ruminator

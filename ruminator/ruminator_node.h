@@ -8,18 +8,18 @@
 #include <set>
 #include <string>
 
-#include "bus/bus.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transport/bus.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "lcmtypes/rumi/window_t.hpp"
-#include "ruminator/frame_ring.h"
-#include "ruminator/image_motion.h"
 #include "ruminator/options.h"
-#include "ruminator/rebuild_queue.h"
-#include "ruminator/window_sampler.h"
+#include "ruminator/queue/rebuild_queue.h"
+#include "ruminator/window/frame_ring.h"
+#include "ruminator/window/image_motion.h"
+#include "ruminator/window/window_sampler.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 
 struct RuminatorHooks {
   Builder builder;                               // required with options.rebuild
@@ -75,4 +75,4 @@ class RuminatorNode : public Node {
   RebuildQueue queue_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "bus/options.h"
+#include "base/options.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 
 struct ViewerOptions {
   std::string output;     // folder for trajectory.png and the series; empty: only VIEWER_IMAGE
@@ -30,4 +30,4 @@ inline void describe(OptionTable& table, ViewerOptions& o) {
   table.add("viewer_offscreen.video_fps", &o.video_fps, "Hz", "pictures in a second of trajectory.mp4", 0.1, 120);
 }
 
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

@@ -8,13 +8,14 @@
 #include <chrono>
 #include <filesystem>
 
-#include "bus/jpeg_image.h"
-#include "bus/log.h"
-#include "bus/submap_update.h"
+#include "base/log.h"
+#include "base/process_name.h"
+#include "bus/wire/jpeg_image.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
-#include "viewer_offscreen/draw_map.h"
+#include "viewer_offscreen/picture/draw_map.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
@@ -232,4 +233,4 @@ NodeStatus ViewerNode::status() {
   return status;
 }
 
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

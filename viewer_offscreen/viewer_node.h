@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "bus/chunked_transfer.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transfer/chunked_transfer.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "slam/map/submap.h"
-#include "viewer_offscreen/camera_images.h"
 #include "viewer_offscreen/options.h"
-#include "viewer_offscreen/picture_series.h"
-#include "viewer_offscreen/renderer.h"
+#include "viewer_offscreen/picture/camera_images.h"
+#include "viewer_offscreen/picture/picture_series.h"
+#include "viewer_offscreen/picture/renderer.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 
 class ViewerNode : public Node {
  public:
@@ -84,4 +84,4 @@ class ViewerNode : public Node {
   std::string trouble_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

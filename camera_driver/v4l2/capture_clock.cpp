@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int64_t kOldestUs = 10'000'000;  // before dequeuing
@@ -49,4 +49,4 @@ std::optional<int64_t> CaptureClock::take_step_us() {
   return step;
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

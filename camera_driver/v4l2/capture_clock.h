@@ -7,7 +7,7 @@
 
 #include "camera_driver/v4l2/video_system.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 // What is known of a frame's time when it is dequeued.
 struct FrameStamps {
@@ -42,4 +42,4 @@ class CaptureClock {
   std::optional<int64_t> step_us_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -12,10 +12,10 @@
 #include <cerrno>
 #include <filesystem>
 
-#include "camera_driver/file_list.h"
+#include "base/natural_order.h"
 #include "camera_driver/v4l2/video_system.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ VideoSystem& kernel_video_system() {
   return system;
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -5,7 +5,7 @@
 #include "camera_driver/v4l2/video_controls.h"
 #include "camera_driver/v4l2/video_device.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 std::string list_rates(const VideoDevice& device, uint32_t fourcc, const SizeRange& size) {
@@ -63,4 +63,4 @@ std::string list_cameras(VideoSystem& system) {
   return text.empty() ? "no camera: there is no /dev/video*\n" : text;
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -6,9 +6,9 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 cv::Mat view(const RawImage& raw, int type, size_t offset = 0) {
@@ -155,4 +155,4 @@ std::optional<image_t> to_image(const PixelFormat& format, const RawImage& raw, 
   return make_grey_image(0, grey_pixels(format, raw));
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -11,7 +11,7 @@
 
 #include "lcmtypes/rumi/image_t.hpp"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 enum class PixelLayout {
   kGrey,
@@ -52,4 +52,4 @@ std::optional<int64_t> frame_bytes(const PixelFormat& format, int width, int hei
 // *error, if the data is too short or, for JPEG, broken or of another size.
 std::optional<image_t> to_image(const PixelFormat& format, const RawImage& raw, bool colour, std::string* error);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

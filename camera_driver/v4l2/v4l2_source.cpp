@@ -7,13 +7,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/log.h"
-#include "camera_driver/encode_as.h"
+#include "base/log.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/source/encode_as.h"
 #include "camera_driver/v4l2/video_controls.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int kWaitMs = 20;  // so that a request to stop is heard
@@ -277,4 +277,4 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   return {std::move(source), ""};
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

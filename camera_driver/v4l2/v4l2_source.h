@@ -4,12 +4,12 @@
 
 #include <memory>
 
-#include "camera_driver/image_source.h"
-#include "camera_driver/recorded_source.h"
+#include "camera_driver/source/frame_selector.h"
+#include "camera_driver/source/image_source.h"
 #include "camera_driver/v4l2/capture_clock.h"
 #include "camera_driver/v4l2/video_stream.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 class V4l2Source : public ImageSource {
  public:
@@ -66,4 +66,4 @@ class V4l2Source : public ImageSource {
 // Opens a camera: options.camera_file is its calibration, and may be missing.
 OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int kMostControls = 1000, kMostMenuItems = 256;
@@ -207,4 +207,4 @@ std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::strin
   return list;
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

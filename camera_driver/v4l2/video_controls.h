@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "camera_driver/options.h"
+#include "camera_driver/source/camera_options.h"
 #include "camera_driver/v4l2/video_device.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 struct VideoControl {
   uint32_t id = 0;
@@ -31,4 +31,4 @@ std::string lock_automatic(const VideoDevice& device);
 // "brightness=10, sharpness=0" -> pairs; *error says what is wrong.
 std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::string& text, std::string* error);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 // A broken driver must not keep us for ever.
@@ -178,4 +178,4 @@ FoundDevice find_camera_device(VideoSystem& system, const std::string& input) {
                           fmt::join(found, ", "))};
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

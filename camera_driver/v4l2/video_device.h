@@ -10,7 +10,7 @@
 
 #include "camera_driver/v4l2/video_system.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 // An open device; closed with the object.
 class VideoDevice {
@@ -79,4 +79,4 @@ FoundDevice find_camera_device(VideoSystem& system, const std::string& input);
 // Cameras with their formats, sizes, rates and controls, for a person.
 std::string list_cameras(VideoSystem& system);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

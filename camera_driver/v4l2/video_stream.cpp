@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr uint32_t kBuffers = 4;  // enough for 100 ms of not looking at 30 Hz
@@ -240,4 +240,4 @@ OpenedStream open_stream(std::unique_ptr<VideoDevice> device, const StreamReques
   return opened;
 }
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

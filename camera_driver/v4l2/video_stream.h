@@ -11,7 +11,7 @@
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_device.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 struct StreamRequest {
   int width = 0, height = 0;  // pixels
@@ -80,4 +80,4 @@ struct OpenedStream {
 };
 OpenedStream open_stream(std::unique_ptr<VideoDevice> device, const StreamRequest& request);
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace rumi {
+namespace rumi::camera_driver {
 
 class VideoSystem {
  public:
@@ -42,4 +42,4 @@ class VideoSystem {
 // Linux. Has no state.
 VideoSystem& kernel_video_system();
 
-}  // namespace rumi
+}  // namespace rumi::camera_driver

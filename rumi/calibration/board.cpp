@@ -9,7 +9,7 @@
 
 #include "rumi/calibration/opencv_aruco.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr int kMinSquares = 3, kMaxSquares = 50;
@@ -185,4 +185,4 @@ const std::vector<BoardDictionary>& board_dictionaries() {
 
 int dictionary_number(const std::string& name) { return find_dictionary(name)->number; }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace rumi {
+namespace rumi::tool {
 
 struct Board {
   enum class Kind {
@@ -54,4 +54,4 @@ int dictionary_number(const std::string& name);
 
 inline constexpr const char* kBoardSyntax = "KIND:COLUMNSxROWS:SQUARE_MM[:MARKER_MM[:DICTIONARY]]";
 
-}  // namespace rumi
+}  // namespace rumi::tool

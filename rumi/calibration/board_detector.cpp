@@ -9,9 +9,9 @@
 #include <set>
 
 #include "rumi/calibration/opencv_aruco.h"
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr int kMinCorners = 8;           // of a board that is seen in part
@@ -225,4 +225,4 @@ BoardDetection BoardDetector::detect_charuco(const cv::Mat& grey) const {
   return detection;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -10,7 +10,7 @@
 
 #include "rumi/calibration/board.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // A board as one image shows it.
 struct BoardView {
@@ -50,4 +50,4 @@ class BoardDetector {
   std::unique_ptr<Markers> markers_;  // of a ChArUco board
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

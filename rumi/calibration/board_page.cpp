@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "map_server/output_file.h"
+#include "base/whole_file.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr double kMmPerInch = 25.4;
@@ -141,9 +141,9 @@ std::string write_board_page(const Board& board, const Paper& paper, double png_
   if (!problem.empty()) return problem;
   const std::string bytes = ending == ".pdf" ? pdf(board, page) : png(board, page, png_dpi);
   if (bytes.empty()) return file + ": the picture could not be made";
-  OutputFile out(file);
+  WholeFile out(file);
   out.write(bytes);
   return out.commit();
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

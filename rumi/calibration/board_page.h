@@ -7,7 +7,7 @@
 
 #include "rumi/calibration/board.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 struct Paper {
   const char* name;
@@ -20,4 +20,4 @@ const std::vector<Paper>& papers();
 // wrong, such as a board that is too large for the paper, or an empty string. Precondition: board.check() is empty.
 std::string write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file);
 
-}  // namespace rumi
+}  // namespace rumi::tool

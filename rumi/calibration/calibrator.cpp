@@ -10,13 +10,13 @@
 
 #include "rumi/calibration/coverage.h"
 #include "rumi/calibration/lens_solver.h"
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
-Correspondences correspondences(const Board& board, const BoardView& view) {
-  Correspondences out;
+CornerPairs correspondences(const Board& board, const BoardView& view) {
+  CornerPairs out;
   for (size_t i = 0; i < view.corners.size(); ++i) {
     const cv::Point2d mm = board.corner_mm(view.corners[i]);
     out.board_mm.emplace_back(mm.x, mm.y, 0);
@@ -25,8 +25,8 @@ Correspondences correspondences(const Board& board, const BoardView& view) {
   return out;
 }
 
-std::vector<Correspondences> correspondences(const Board& board, const std::vector<BoardView>& views) {
-  std::vector<Correspondences> out;
+std::vector<CornerPairs> correspondences(const Board& board, const std::vector<BoardView>& views) {
+  std::vector<CornerPairs> out;
   out.reserve(views.size());
   for (const BoardView& view : views) out.push_back(correspondences(board, view));
   return out;
@@ -69,7 +69,7 @@ std::string check_tilts(const std::vector<Eigen::Vector3d>& normals, const Calib
 }
 
 LensSolution solve(const std::vector<BoardView>& views, const Board& board, cv::Size image, Camera::Model model) {
-  const std::vector<Correspondences> data = correspondences(board, views);
+  const std::vector<CornerPairs> data = correspondences(board, views);
   return model == Camera::Model::kPinhole ? solve_pinhole(data, image) : solve_fisheye(data, image);
 }
 
@@ -194,4 +194,4 @@ Calibration calibrate(const Board& board, const std::vector<BoardView>& taken, c
   return calibration;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -9,7 +9,7 @@
 #include "rumi/calibration/board_detector.h"
 #include "slam/geometry/camera.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 struct CalibratorOptions {
   size_t min_views = 8;
@@ -50,4 +50,4 @@ struct Calibration {
 Calibration calibrate(const Board& board, const std::vector<BoardView>& taken, const std::vector<BoardView>& spare,
                       cv::Size image, Camera::Model model, const CalibratorOptions& options);
 
-}  // namespace rumi
+}  // namespace rumi::tool

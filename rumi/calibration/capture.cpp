@@ -3,22 +3,23 @@
 
 #include <fmt/format.h>
 
-#include "camera_driver/image_source.h"
+#include "camera_driver/open_source.h"
+#include "camera_driver/source/image_source.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 std::string collect_from_recording(const std::string& input, const std::string& log_channel, int every,
                                    const std::function<bool()>& go_on, ViewCollector* collector) {
-  if (is_camera(input))
+  if (camera_driver::is_camera(input))
     return fmt::format(
         "{}: is a camera: start `camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE", input,
         input);
-  CameraOptions options;
+  camera_driver::CameraOptions options;
   options.log_channel = log_channel;
   options.rate_hz = 1;  // of a folder of images; their times are not used
-  const OpenedReader opened = open_frames(input, options);
+  const camera_driver::OpenedReader opened = camera_driver::open_frames(input, options);
   if (!opened.error.empty()) return opened.error;
-  for (int64_t number = 0; const std::optional<FrameStamp> stamp = opened.reader->advance(); ++number) {
+  for (int64_t number = 0; const std::optional<camera_driver::FrameStamp> stamp = opened.reader->advance(); ++number) {
     if (number % every != 0) continue;
     std::string error;
     std::optional<image_t> image = opened.reader->load(/*colour=*/false, &error);
@@ -39,4 +40,4 @@ void collect_from_bus(Bus& bus, ViewCollector* collector) {
   });
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -5,10 +5,10 @@
 #include <functional>
 #include <string>
 
-#include "bus/bus.h"
+#include "bus/transport/bus.h"
 #include "rumi/calibration/view_collector.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // All images of a recording (whatever camera_driver reads; no calibration is needed), every Nth if `every` is more than
 // 1. `go_on` is asked after each image. Returns what is wrong, or an empty string.
@@ -19,4 +19,4 @@ std::string collect_from_recording(const std::string& input, const std::string& 
 // but for the latest. The collector must outlive the bus.
 void collect_from_bus(Bus& bus, ViewCollector* collector);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -9,7 +9,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
@@ -146,4 +146,4 @@ std::string Coverage::to_text() const {
   return text + "+" + std::string(2 * kColumns, '-') + "+\n";
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

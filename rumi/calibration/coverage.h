@@ -8,7 +8,7 @@
 
 #include "rumi/calibration/board_detector.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // How a board lies in an image, told without knowing the camera.
 struct ViewShape {
@@ -67,4 +67,4 @@ class Coverage {
   std::vector<ViewShape> shapes_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

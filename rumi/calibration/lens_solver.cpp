@@ -7,7 +7,7 @@
 #include <limits>
 #include <opencv2/calib3d.hpp>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr double kSignificant = 3;  // standard deviations
@@ -34,11 +34,11 @@ Eigen::Vector3d normal_of(const cv::Mat& rotation) {
   return {turn(0, 2), turn(1, 2), turn(2, 2)};
 }
 
-LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size image, bool with_k3) {
+LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image, bool with_k3) {
   // This function of OpenCV wants floats.
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> pixels;
-  for (const Correspondences& view : views) {
+  for (const CornerPairs& view : views) {
     board.emplace_back(view.board_mm.begin(), view.board_mm.end());
     pixels.emplace_back(view.pixels.begin(), view.pixels.end());
   }
@@ -57,7 +57,7 @@ LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size i
 }
 
 // Pose of a board by its rays; false if there is none.
-bool find_pose(const Camera& camera, const Correspondences& view, cv::Vec3d* rotation, cv::Vec3d* translation) {
+bool find_pose(const Camera& camera, const CornerPairs& view, cv::Vec3d* rotation, cv::Vec3d* translation) {
   std::vector<cv::Point2d> rays;
   for (const cv::Point2d& pixel : view.pixels) {
     const Eigen::Vector3d ray = camera.unproject({pixel.x, pixel.y});
@@ -72,7 +72,7 @@ bool find_pose(const Camera& camera, const Correspondences& view, cv::Vec3d* rot
 
 // cv::fisheye::calibrate() does not come back from a start that is far off: the focal length of a fisheye without
 // distortion that fits some of the views best.
-Camera first_fisheye(const std::vector<Correspondences>& views, cv::Size image) {
+Camera first_fisheye(const std::vector<CornerPairs>& views, cv::Size image) {
   constexpr double kNarrowest = 1.5, kWidest = 0.2, kStep = 0.9;  // focal length / width of the image
   constexpr size_t kViews = 8;
   Camera best, camera;
@@ -98,8 +98,8 @@ struct FisheyeView {
   Eigen::VectorXd residuals;
 };
 
-FisheyeView linearize(const Correspondences& view, const cv::Matx33d& k, const cv::Mat& distortion,
-                      const cv::Mat& rotation, const cv::Mat& translation) {
+FisheyeView linearize(const CornerPairs& view, const cv::Matx33d& k, const cv::Mat& distortion, const cv::Mat& rotation,
+                      const cv::Mat& translation) {
   std::vector<cv::Point2d> projected;
   cv::Mat jacobian;  // columns: f 2, c 2, k 4, rotation 3, translation 3, skew
   cv::fisheye::projectPoints(view.board_mm, projected, rotation, translation, k, distortion, 0, jacobian);
@@ -142,16 +142,16 @@ void assess_fisheye(const std::vector<FisheyeView>& views, LensSolution* solutio
 
 }  // namespace
 
-LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size image) {
+LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image) {
   LensSolution solution = solve_pinhole(views, image, true);
   if (std::abs(solution.camera.k3) < kSignificant * solution.stddev[8]) solution = solve_pinhole(views, image, false);
   return solution;
 }
 
-LensSolution solve_fisheye(const std::vector<Correspondences>& views, cv::Size image) {
+LensSolution solve_fisheye(const std::vector<CornerPairs>& views, cv::Size image) {
   std::vector<std::vector<cv::Point3d>> board;
   std::vector<std::vector<cv::Point2d>> pixels;
-  for (const Correspondences& view : views) {
+  for (const CornerPairs& view : views) {
     board.push_back(view.board_mm);
     pixels.push_back(view.pixels);
   }
@@ -173,7 +173,7 @@ LensSolution solve_fisheye(const std::vector<Correspondences>& views, cv::Size i
   return solution;
 }
 
-double view_error_px(const Camera& camera, const Correspondences& view) {
+double view_error_px(const Camera& camera, const CornerPairs& view) {
   cv::Vec3d rotation, translation;
   if (!find_pose(camera, view, &rotation, &translation)) return -1;
   cv::Matx33d turn;
@@ -188,4 +188,4 @@ double view_error_px(const Camera& camera, const Correspondences& view) {
   return std::sqrt(sum / static_cast<double>(view.pixels.size()));
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

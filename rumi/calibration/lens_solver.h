@@ -7,10 +7,10 @@
 
 #include "slam/geometry/camera.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // Corners of one view: where they are on the board (z = 0) and in the image.
-struct Correspondences {
+struct CornerPairs {
   std::vector<cv::Point3d> board_mm;
   std::vector<cv::Point2d> pixels;
 };
@@ -25,11 +25,11 @@ struct LensSolution {
 };
 
 // k3 is left 0 where it is not told from 0 by the data. Throws cv::Exception if there is no solution.
-LensSolution solve_pinhole(const std::vector<Correspondences>& views, cv::Size image);
-LensSolution solve_fisheye(const std::vector<Correspondences>& views, cv::Size image);
+LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image);
+LensSolution solve_fisheye(const std::vector<CornerPairs>& views, cv::Size image);
 
 // Reprojection error of a view with a given camera, its pose being chosen for it: root mean square per corner; negative
 // if there is no pose.
-double view_error_px(const Camera& camera, const Correspondences& view);
+double view_error_px(const Camera& camera, const CornerPairs& view);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 #include <opencv2/core/version.hpp>
 #include <vector>
 
-namespace rumi {
+namespace rumi::tool {
 
 using MarkerDictionary = cv::Ptr<cv::aruco::Dictionary>;
 using CharucoBoard = cv::Ptr<cv::aruco::CharucoBoard>;
@@ -56,4 +56,4 @@ inline cv::Mat board_picture(const CharucoBoard& board, cv::Size size_px) {
 
 #endif
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <ctime>
 
-#include "bus/camera_file.h"
-#include "bus/process.h"
+#include "base/process_name.h"
+#include "bus/process/process.h"
+#include "bus/wire/camera_file.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 std::string error_line(const Calibration& calibration) {
@@ -86,4 +87,4 @@ std::string calibration_to_yaml(const Calibration& calibration, const ViewCollec
   return text + camera_to_yaml(calibration.camera);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 std::string ImageCounts::to_string() const {
   std::string text = fmt::format("{} images: {} views taken", images, taken);
@@ -88,4 +88,4 @@ Coverage ViewCollector::coverage() const {
   return coverage;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -10,7 +10,7 @@
 #include "lcmtypes/rumi/image_t.hpp"
 #include "rumi/calibration/coverage.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 struct CollectorOptions {
   double min_difference = 0.1;  // to every view taken, see ViewShape::difference()
@@ -67,4 +67,4 @@ class ViewCollector {
   std::vector<ViewShape> shapes_;  // of taken_
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -11,7 +11,7 @@
 
 #include "rumi/synth/handheld.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 bool parse_pose(const std::string& line, double* time_s, SE3* pose) {
@@ -124,4 +124,4 @@ CameraPath CameraPath::cut(double begin_s, double end_s) const {
   return path;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

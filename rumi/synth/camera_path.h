@@ -9,7 +9,7 @@
 
 #include "slam/geometry/transform.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 class CameraPath {
  public:
@@ -35,4 +35,4 @@ class CameraPath {
   std::vector<SE3> poses_;       // map_from_cam
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

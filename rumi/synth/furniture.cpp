@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -213,4 +213,4 @@ void add_pillar(MeshBuilder& b, const SE3& f, double width, double height) {
            {0, 0, -width}, b.look(Material::kPoster));
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

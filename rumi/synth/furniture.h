@@ -5,7 +5,7 @@
 
 #include "rumi/synth/mesh.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 void add_bookcase(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height);
 // Legs, top, and on it whatever gathers on tables; `clutter_height` limits it.
@@ -19,4 +19,4 @@ void add_plant(MeshBuilder& b, const SE3& room_from_local, double width, double 
 void add_floor_lamp(MeshBuilder& b, const SE3& room_from_local, double width, double height);
 void add_pillar(MeshBuilder& b, const SE3& room_from_local, double width, double height);
 
-}  // namespace rumi
+}  // namespace rumi::tool

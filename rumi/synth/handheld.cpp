@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace rumi {
+namespace rumi::tool {
 
 Wobble::Wobble(cv::RNG& rng, std::vector<double> frequencies_hz) : frequencies_hz_(std::move(frequencies_hz)) {
   for (size_t i = 0; i < frequencies_hz_.size(); ++i) phases_.push_back(rng.uniform(0.0, 2 * M_PI));
@@ -25,4 +25,4 @@ SE3 look(const Eigen::Vector3d& position, double yaw_rad, double pitch_rad, doub
   return SE3(Eigen::Matrix3d(r * Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix()), position);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

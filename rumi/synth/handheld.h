@@ -8,7 +8,7 @@
 
 #include "slam/geometry/transform.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // Sum of a few sines with random phases: repeatable, smooth, never the same twice.
 class Wobble {
@@ -24,4 +24,4 @@ class Wobble {
 // map_from_cam of a camera at `position` that looks along yaw (about z, up) and pitch (upwards).
 SE3 look(const Eigen::Vector3d& position, double yaw_rad, double pitch_rad, double roll_rad);
 
-}  // namespace rumi
+}  // namespace rumi::tool

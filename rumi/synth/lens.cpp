@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr double kSupersampling = 1.15;  // of a picture that is resampled by the lens
@@ -103,4 +103,4 @@ cv::Mat Sensor::expose(const cv::Mat& image, double gain, uint64_t seed) const {
   return out;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

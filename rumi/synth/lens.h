@@ -7,7 +7,7 @@
 
 #include "slam/geometry/camera.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // An ideal pinhole camera whose picture, sampled along the lens's rays, gives the real camera's picture.
 class Lens {
@@ -34,4 +34,4 @@ class Sensor {
   double noise_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 
 #include "rumi/synth/room.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -145,4 +145,4 @@ void bake_light(Mesh& mesh, const RoomShape& shape) {
   });
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

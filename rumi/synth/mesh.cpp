@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 void copy_colour(const cv::Vec3b& from, uint8_t* to) {
@@ -122,4 +122,4 @@ Mesh MeshBuilder::finish() {
   return std::move(mesh_);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

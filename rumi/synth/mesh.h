@@ -10,7 +10,7 @@
 #include "rumi/synth/texture_atlas.h"
 #include "slam/geometry/transform.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 struct Vertex {
   float position[3];
@@ -79,4 +79,4 @@ class MeshBuilder {
   double px_per_m_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

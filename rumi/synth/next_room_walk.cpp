@@ -6,7 +6,7 @@
 
 #include "rumi/synth/handheld.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using Eigen::Vector2d;
@@ -133,4 +133,4 @@ Walk walk_to_next_room(double seconds, uint64_t seed) {
   return walk;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -12,7 +12,7 @@
 #include "rumi/synth/options.h"
 #include "rumi/synth/room.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // What a camera does, and what of the building and of the images belongs to it.
 struct Walk {
@@ -26,4 +26,4 @@ inline constexpr double kMinNextRoomSeconds = 14, kMaxNextRoomSeconds = 60;
 // The doorway is at the map's origin, the wall that it is in along y, z is up.
 Walk walk_to_next_room(double seconds, uint64_t seed);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 
 #include "rumi/synth/next_room_walk.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 std::string range(const char* field, double value, double low, double high, const char* unit) {
@@ -77,4 +77,4 @@ std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind) {
   return fmt::format("--hard {}: must be blur, dark, textureless or rotation", name);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 
 #include "slam/geometry/camera.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // A stretch of the sequence that is hard to track.
 struct HardPassage {
@@ -58,4 +58,4 @@ std::string parse_walk_kind(const std::string& name, WalkKind* kind);
 // "blur", "dark", "textureless", "rotation"; empty error on success.
 std::string parse_hard_kind(const std::string& name, HardPassage::Kind* kind);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -4,7 +4,7 @@
 
 #include "rumi/synth/painter.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 cv::Rect inside(const Canvas& c, double fraction) {
@@ -239,4 +239,4 @@ void paint_print(Material material, Canvas& c) {
   poster(c);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -4,7 +4,7 @@
 
 #include "rumi/synth/painter.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 void fill(Canvas& c, int tone, double coarse_m, double strength) {
@@ -324,4 +324,4 @@ void paint_thing(Material material, Canvas& c) {
   boards(c, 0.4);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

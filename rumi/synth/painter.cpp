@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 // Inks and dyes as they are sold: mostly muted, few greens and purples.
@@ -150,4 +150,4 @@ Palette random_palette(Material material, cv::RNG& rng) {
   return {};
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

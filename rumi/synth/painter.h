@@ -4,7 +4,7 @@
 
 #include <opencv2/core.hpp>
 
-namespace rumi {
+namespace rumi::tool {
 
 enum class Material {
   // walls
@@ -65,4 +65,4 @@ std::string random_word(cv::RNG& rng);
 // A line of made-up words, `height_px` high, from x = left up to right.
 void draw_text_line(cv::Mat& image, int left, int right, int baseline_y, int height_px, int tone, cv::RNG& rng);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -4,9 +4,12 @@
 #include <array>
 #include <cstddef>
 
-#include "viewer_offscreen/gl.h"
+#include "viewer_offscreen/gl/gl.h"
 
-namespace rumi {
+namespace rumi::tool {
+
+using namespace viewer_offscreen;  // OpenGL's functions
+
 namespace {
 
 constexpr double kNear_m = 0.05, kFar_m = 80;
@@ -82,7 +85,7 @@ void attribute(GLuint location, GLint components, GLenum type, bool normalized, 
 
 Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
     : context_(pinhole.width, pinhole.height, 4), camera_(pinhole), parts_(std::move(mesh.parts)) {
-  program_ = compile_program(kVertexShader, kFragmentShader);
+  program_ = viewer_offscreen::compile_program(kVertexShader, kFragmentShader);
   glGenVertexArrays(1, &vertex_array_);
   glBindVertexArray(vertex_array_);
   glGenBuffers(1, &vertex_buffer_);
@@ -146,4 +149,4 @@ void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba)
   context_.read(rgba);
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

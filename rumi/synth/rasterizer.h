@@ -8,9 +8,9 @@
 
 #include "rumi/synth/mesh.h"
 #include "slam/geometry/camera.h"
-#include "viewer_offscreen/offscreen_context.h"
+#include "viewer_offscreen/gl/offscreen_context.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 class Rasterizer {
  public:
@@ -24,11 +24,11 @@ class Rasterizer {
 
  private:
   bool in_sight(const Part& part, const SE3& cam_from_room) const;
-  OffscreenContext context_;
+  viewer_offscreen::OffscreenContext context_;
   Camera camera_;
   std::vector<Part> parts_;
   std::vector<Eigen::Vector3d> frustum_;  // inward normals in the camera's frame
   unsigned program_ = 0, vertex_array_ = 0, vertex_buffer_ = 0, index_buffer_ = 0, texture_ = 0;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 
 #include "rumi/synth/furniture.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -341,4 +341,4 @@ Mesh build_room(const RoomShape& shape, uint64_t seed, double focal_px) {
   return Furnisher(shape, seed, focal_px).build();
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

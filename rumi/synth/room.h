@@ -9,7 +9,7 @@
 #include "rumi/synth/camera_path.h"
 #include "rumi/synth/mesh.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // An opening to walk through, in a wall along y that parts a building in two rooms.
 struct Doorway {
@@ -43,4 +43,4 @@ Mesh build_room(const RoomShape& shape, uint64_t seed, double focal_px);
 // Sets every vertex's light: lamps, the windows' light, shadows and ambient occlusion.
 void bake_light(Mesh& mesh, const RoomShape& shape);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -14,7 +14,7 @@
 #include "rumi/synth/rasterizer.h"
 #include "rumi/synth/room.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr double kRamp_s = 0.25;                // a hard passage comes and goes in this time
@@ -164,4 +164,4 @@ cv::Mat SequenceRenderer::render(int frame) {
   return s.sensor.expose(sum, gain, s.options.seed * 1000033 + static_cast<uint64_t>(frame));
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

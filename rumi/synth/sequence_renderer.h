@@ -9,7 +9,7 @@
 #include "rumi/synth/options.h"
 #include "slam/geometry/transform.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 class SequenceRenderer {
  public:
@@ -30,4 +30,4 @@ class SequenceRenderer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace rumi {
+namespace rumi::tool {
 
 TextureAtlas::Shelf* TextureAtlas::find_shelf(cv::Size size) {
   for (Shelf& shelf : shelves_)
@@ -32,4 +32,4 @@ TextureAtlas::Patch TextureAtlas::add(const cv::Mat& picture) {
   return {shelf->layer, {where.x + gutter, where.y + gutter, picture.cols, picture.rows}};
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

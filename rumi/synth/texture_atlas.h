@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace rumi {
+namespace rumi::tool {
 
 class TextureAtlas {
  public:
@@ -30,4 +30,4 @@ class TextureAtlas {
   std::vector<Shelf> shelves_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -9,10 +9,10 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/camera_file.h"
+#include "bus/wire/camera_file.h"
 #include "rumi/synth/sequence_renderer.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -76,4 +76,4 @@ std::string write_sequence(const SynthOptions& options, const std::string& folde
   }
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -6,7 +6,7 @@
 
 #include "rumi/synth/options.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 // Called after each frame with the number written and the number in all; false stops.
 using SynthProgress = std::function<bool(int, int)>;
@@ -17,4 +17,4 @@ using SynthProgress = std::function<bool(int, int)>;
 std::string write_sequence(const SynthOptions& options, const std::string& folder, bool overwrite,
                            const SynthProgress& progress);
 
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "slam/map/submap.h"
+#include "slam/features/features.h"
 
 namespace rumi {
 

@@ -8,8 +8,8 @@
 #include <opencv2/features2d.hpp>
 #include <vector>
 
+#include "slam/features/features.h"
 #include "slam/features/image_pyramid.h"
-#include "slam/map/submap.h"
 
 namespace rumi {
 

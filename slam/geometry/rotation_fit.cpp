@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 
 namespace rumi {
 

@@ -7,9 +7,9 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 
-#include "slam/geometry/median.h"
 #include "slam/geometry/relative_pose.h"
 #include "slam/geometry/triangulation.h"
+#include "slam/numeric/median.h"
 
 namespace rumi {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "slam/features/orb_extractor.h"
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 
 namespace rumi {
 namespace {

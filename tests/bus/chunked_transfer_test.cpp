@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/chunked_transfer.h"
+#include "bus/transfer/chunked_transfer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LcmBus on real multicast; run by tests/run_in_netns.sh.
-#include "bus/lcm_bus.h"
+#include "bus/transport/lcm_bus.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,9 @@
 #include <functional>
 #include <stdexcept>
 
-#include "bus/chunked_transfer.h"
-#include "bus/process.h"
+#include "base/process_name.h"
+#include "bus/process/process.h"
+#include "bus/transfer/chunked_transfer.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/map_request_t.hpp"
 

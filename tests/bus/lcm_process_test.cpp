@@ -13,8 +13,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "bus/lcm_bus.h"
-#include "bus/process.h"
+#include "base/process_name.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
 

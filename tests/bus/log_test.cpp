@@ -8,7 +8,7 @@
 #include <fstream>
 #include <random>
 
-#include "bus/log_bus.h"
+#include "bus/transport/log_bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
 namespace rumi {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/memory_bus.h"
+#include "bus/transport/memory_bus.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/options.h"
+#include "base/options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What of process.h needs no network; the rest is in lcm_process_test.cpp.
-#include "bus/process.h"
+#include "bus/process/process.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bus/lcm_bus.h"
-#include "bus/memory_bus.h"
+#include "base/process_name.h"
+#include "bus/transport/lcm_bus.h"
+#include "bus/transport/memory_bus.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
 namespace rumi {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/submap_update.h"
+#include "bus/wire/submap_update.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "bus/bus.h"
+#include "bus/transport/bus.h"
 #include "tests/bus/submap_editor.h"
 
 namespace rumi {

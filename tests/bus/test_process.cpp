@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "bus/command_line.h"
-#include "bus/process.h"
+#include "base/command_line.h"
+#include "bus/process/process.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <random>
 
-#include "bus/chunked_transfer.h"
-#include "bus/memory_bus.h"
+#include "bus/transfer/chunked_transfer.h"
+#include "bus/transport/memory_bus.h"
 
 namespace rumi {
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "bus/memory_bus.h"
+#include "bus/transport/memory_bus.h"
 #include "lcmtypes/rumi/chunk_ack_t.hpp"
 #include "lcmtypes/rumi/chunk_t.hpp"
 #include "lcmtypes/rumi/image_t.hpp"

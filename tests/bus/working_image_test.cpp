@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/working_image.h"
+#include "bus/wire/working_image.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 
 namespace rumi {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/camera_file.h"
+#include "bus/wire/camera_file.h"
 
 #include <gmock/gmock.h>
 
 #include "recording.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using ::testing::AllOf;
@@ -139,4 +139,4 @@ TEST(CameraFile, ShippedCalibrationsAreRight) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

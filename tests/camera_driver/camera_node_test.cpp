@@ -3,14 +3,15 @@
 
 #include <gmock/gmock.h>
 
-#include "bus/image_codec.h"
-#include "bus/log_file.h"
-#include "bus/memory_bus.h"
+#include "bus/transport/log_file.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
 #include "recording.h"
-#include "rumi/export_log.h"
-#include "rumi/import_log.h"
+#include "rumi/recordings/export_log.h"
+#include "rumi/recordings/import_log.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
@@ -104,8 +105,8 @@ TEST(LogConversion, ThereAndBackIsTheSame) {
     const TempFolder folder;
     write_tum(folder / "data", 4, extension);
     const std::string log = folder / "x.lcm";
-    ASSERT_EQ(run_export({(folder / "data").string(), log, "CAMERA", {}}), 0);
-    ASSERT_EQ(run_import({log, folder / "back", {}}), 0);
+    ASSERT_EQ(tool::run_export({(folder / "data").string(), log, "CAMERA", {}}), 0);
+    ASSERT_EQ(tool::run_import({log, folder / "back", {}}), 0);
     const std::vector<image_t> first = all_images(folder / "data"), in_log = all_images(log),
                                back = all_images(folder / "back");
     ASSERT_EQ(first.size(), 4u);
@@ -124,15 +125,15 @@ TEST(LogConversion, BadInputAndOutput) {
   const TempFolder folder;
   write_tum(folder / "data", 2);
   const std::string data = folder / "data", log = folder / "x.lcm";
-  EXPECT_EQ(run_export({folder / "missing", log, "CAMERA", {}}), 1);
+  EXPECT_EQ(tool::run_export({folder / "missing", log, "CAMERA", {}}), 1);
   EXPECT_FALSE(fs::exists(log));
-  EXPECT_EQ(run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}}), 1);
-  ASSERT_EQ(run_export({data, log, "CAMERA", {}}), 0);
+  EXPECT_EQ(tool::run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}}), 1);
+  ASSERT_EQ(tool::run_export({data, log, "CAMERA", {}}), 0);
   const std::string bytes = read(log);
-  EXPECT_EQ(run_export({data, log, "CAMERA", {}}), 1);  // never replaced
+  EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}}), 1);  // never replaced
   EXPECT_EQ(read(log), bytes);
-  EXPECT_EQ(run_import({log, data, {}}), 1);  // not empty
-  EXPECT_EQ(run_import({data + "/rgb.txt", folder / "out", {}}), 1);
+  EXPECT_EQ(tool::run_import({log, data, {}}), 1);  // not empty
+  EXPECT_EQ(tool::run_import({data + "/rgb.txt", folder / "out", {}}), 1);
   EXPECT_FALSE(fs::exists(folder / "out"));
   CameraOptions other;
   other.log_channel = "OTHER";
@@ -142,4 +143,4 @@ TEST(LogConversion, BadInputAndOutput) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int64_t kOffsetUs = 1'700'000'000'000'000, kSecondUs = 1'000'000;
@@ -66,4 +66,4 @@ TEST(CaptureClock, StampsThatCannotBeAreReplaced) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

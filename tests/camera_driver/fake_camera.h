@@ -15,6 +15,7 @@
 #include "camera_driver/v4l2/video_system.h"
 
 namespace rumi::testing {
+using namespace rumi::camera_driver;
 
 // What comes next out of VIDIOC_DQBUF.
 struct FakeFrame {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
 #include <gmock/gmock.h>
 
 #include <random>
 
-#include "bus/bus.h"
-#include "bus/jpeg_image.h"
+#include "bus/transport/bus.h"
+#include "bus/wire/jpeg_image.h"
 #include "recording.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using ::testing::AllOf;
@@ -156,4 +156,4 @@ TEST(ImageCodec, ReducedImagesLookLikeTheWhole) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

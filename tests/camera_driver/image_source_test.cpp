@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_driver/image_source.h"
+#include "camera_driver/source/image_source.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/videoio.hpp>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
 #include "recording.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
@@ -230,4 +231,4 @@ TEST(ImageSource, RealDatasetsOpen) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

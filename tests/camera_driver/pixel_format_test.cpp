@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <linux/videodev2.h>
 
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 constexpr int kWidth = 8, kHeight = 6;
@@ -150,4 +150,4 @@ TEST(PixelFormat, NamesThatCannotBePrinted) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

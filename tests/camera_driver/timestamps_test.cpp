@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_driver/timestamps.h"
+#include "camera_driver/source/timestamps.h"
 
 #include <gtest/gtest.h>
 
-#include "camera_driver/file_list.h"
+#include "base/natural_order.h"
+#include "camera_driver/recording/file_list.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 TEST(Timestamps, SecondsAreExact) {
@@ -41,4 +42,4 @@ TEST(FileList, NaturalOrder) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -4,14 +4,14 @@
 
 #include <gmock/gmock.h>
 
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
-#include "bus/memory_bus.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 #include "camera_driver/camera_node.h"
 #include "fake_camera.h"
 #include "recording.h"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
@@ -466,4 +466,4 @@ TEST_F(V4l2SourceTest, EndsAfterTheDuration) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

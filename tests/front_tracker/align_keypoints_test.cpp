@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keypoints of rendered images against the true epipolar geometry.
-#include "front_tracker/align_keypoints.h"
+#include "front_tracker/patches/align_keypoints.h"
 
 #include <gtest/gtest.h>
 
-#include "front_tracker/projection_search.h"
+#include "front_tracker/matching/projection_search.h"
 #include "slam/geometry/epipolar.h"
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 #include "tests/front_tracker/walk_submap.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::frame_of;
@@ -143,4 +143,4 @@ TEST(KeyframeAligner, FeaturesOfAKeyframeThatChangedAreSentAgainOnceTheyAreFinal
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

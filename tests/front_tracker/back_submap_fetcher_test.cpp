@@ -6,12 +6,12 @@
 #include <limits>
 #include <random>
 
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/submap_update.h"
 #include "feature_scene.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 constexpr int64_t kSession = 7;
@@ -230,4 +230,4 @@ TEST_F(BackSubmapFetcherTest, ANewSessionBeginsAfresh) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/back_submaps.h"
+#include "front_tracker/relocalization/back_submaps.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "feature_scene.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 constexpr int kMostKeyframes = 12;
@@ -187,4 +187,4 @@ TEST_F(BackSubmapsTest, AnEmptyOneIsNoPlace) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/epipolar_matches.h"
+#include "front_tracker/matching/epipolar_matches.h"
 
 #include <gtest/gtest.h>
 
 #include "feature_scene.h"
 #include "slam/geometry/epipolar.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 struct Case {
@@ -57,4 +57,4 @@ TEST(MatchEpipolar, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

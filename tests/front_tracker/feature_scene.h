@@ -4,12 +4,12 @@
 
 #include <random>
 
-#include "front_tracker/front_submap.h"
+#include "front_tracker/frame/front_submap.h"
 #include "slam/features/orb_extractor.h"
 #include "slam/map/landmark_view.h"
 #include "tests/slam/synthetic_scene.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 
 inline std::vector<double> test_octave_scales() { return octave_scales({}); }
 
@@ -79,4 +79,4 @@ class FeatureScene {
   std::vector<Descriptor> descriptors_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -2,10 +2,10 @@
 // A camera that is carried off in the dark, and comes back to what it knows from where it has not been.
 #include <gtest/gtest.h>
 
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 #include "tests/front_tracker/rendered_walk.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 const testing::RenderedWalk& walk() { return testing::rendered_walk(); }
@@ -75,4 +75,4 @@ TEST(FoundAgain, ImagesBeforeAreTrackedBack) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

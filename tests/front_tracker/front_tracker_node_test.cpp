@@ -7,17 +7,17 @@
 #include <random>
 #include <utility>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/synth/sequence_renderer.h"
 #include "tests/front_tracker/rendered_walk.h"
 #include "tests/front_tracker/slip.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 // A front_tracker on a bus, with a stand-in for map_server that applies every update.
@@ -65,7 +65,7 @@ class Fixture : public ::testing::Test {
   ChunkReceiver receiver_;
   std::unique_ptr<FrontTrackerNode> node_;
   std::vector<track_t> tracks_;
-  Camera camera_ = default_synth_camera(320, 240);
+  Camera camera_ = tool::default_synth_camera(320, 240);
   const cv::Mat grey_ = cv::Mat(240, 320, CV_8U, cv::Scalar(99));
 };
 
@@ -110,7 +110,7 @@ TEST_F(Fixture, AnImageThatCannotBeUsedBeginsNoSession) {
   const cv::Mat large(480, 640, CV_8U, cv::Scalar(9));
   give(image(1000, large));  // calibrated for another size, until somebody puts that right
   EXPECT_FALSE(node_->tracker());
-  camera_ = default_synth_camera(640, 480);
+  camera_ = tool::default_synth_camera(640, 480);
   give(image(2000, large));
   ASSERT_EQ(tracks_.size(), 1u);
   EXPECT_EQ(node_->tracker()->camera().width, 640);
@@ -158,13 +158,13 @@ TEST_F(Fixture, ACameraFileThatIsNoGoodStopsItAtTheStart) {
 }
 
 TEST_F(Fixture, TheServersCopyIsComplete) {
-  SynthOptions options;
+  tool::SynthOptions options;
   options.seconds = 2.5;
   options.rate_hz = 20;
   options.grey = true;
   options.camera = camera_;
   options.exposure_s = 0;
-  SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(options);
   std::mt19937 rng(3);
   // A bus that loses a fifth of what passes between the two.
   bus_.set_tap([&rng](const std::string& channel, auto) {
@@ -203,13 +203,13 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
 }
 
 TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
-  SynthOptions options;
+  tool::SynthOptions options;
   options.seconds = 2;
   options.rate_hz = 20;
   options.grey = true;
   options.camera = camera_;
   options.exposure_s = 0;
-  SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(options);
   for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));
   ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
   std::map<int64_t, std::vector<track_t>> told;  // by utime
@@ -310,4 +310,4 @@ TEST_F(Fixture, GarbageOnItsChannelsDoesNoHarm) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -6,10 +6,10 @@
 #include <functional>
 #include <opencv2/imgproc.hpp>
 
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 #include "tests/front_tracker/rendered_walk.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::render_walk;
@@ -123,4 +123,4 @@ TEST(HardInput, TimeJumps) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

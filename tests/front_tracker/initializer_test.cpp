@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/initializer.h"
+#include "front_tracker/initialization/initializer.h"
 
 #include <gtest/gtest.h>
 
 #include "feature_scene.h"
 #include "slam/geometry/alignment.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using Motion = std::function<SE3(int)>;
@@ -179,4 +179,4 @@ TEST(Initializer, KeepsImagesOnlyOfWhatMayBecomeAKeyframe) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/loss.h"
+#include "front_tracker/tracking/loss.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 
 #include <sstream>
 
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 #include "tests/front_tracker/rendered_walk.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using ::testing::AllOf;
@@ -93,4 +93,4 @@ TEST(Loss, WhatRelocalizationWouldFindInTheSameImageIsNone) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

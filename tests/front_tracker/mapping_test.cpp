@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <map>
 
-#include "bus/submap_update.h"
+#include "bus/wire/submap_update.h"
 #include "feature_scene.h"
-#include "front_tracker/mapper.h"
-#include "front_tracker/projection_search.h"
-#include "front_tracker/relocalizer.h"
+#include "front_tracker/mapping/mapper.h"
+#include "front_tracker/matching/projection_search.h"
+#include "front_tracker/relocalization/relocalizer.h"
 #include "tests/front_tracker/slip.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 std::vector<SE3> walk(int count) {
@@ -269,4 +269,4 @@ TEST(Relocalizer, ForgetsKeyframesThatWereCulled) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

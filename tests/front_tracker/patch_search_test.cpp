@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/patch_search.h"
+#include "front_tracker/patches/patch_search.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 #include "tests/front_tracker/walk_submap.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::expect_consistent;
@@ -96,4 +96,4 @@ TEST(PatchSearch, FindsNothingElsewhere) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/patch_tracking.h"
+#include "front_tracker/patches/patch_tracking.h"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 #include "tests/front_tracker/walk_submap.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::expect_consistent;
@@ -195,4 +195,4 @@ TEST(PatchTracking, CornersAreSoughtOnceTheImagesHaveMovedFar) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

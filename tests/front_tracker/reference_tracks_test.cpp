@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/reference_tracks.h"
+#include "front_tracker/matching/reference_tracks.h"
 
 #include <gtest/gtest.h>
 
 #include "feature_scene.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 struct Followed {
@@ -53,4 +53,4 @@ TEST(ReferenceTracks, MeasuresMotionBeyondARotation) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

@@ -2,15 +2,15 @@
 // The tracker is lost, comes back to a place that only rumination has rebuilt, and goes on there.
 #include <gtest/gtest.h>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/front_tracker/rendered_walk.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::render_walk;
@@ -261,4 +261,4 @@ TEST_F(NodeWithoutBackSubmaps, AsksForNone) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

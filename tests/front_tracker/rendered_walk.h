@@ -15,6 +15,7 @@
 #include "slam/map/submap.h"
 
 namespace rumi::testing {
+using namespace rumi::front_tracker;
 
 struct RenderedWalk {
   std::vector<cv::Mat> images;
@@ -25,16 +26,17 @@ struct RenderedWalk {
 };
 
 // seed: of the room and the path.
-inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1, std::vector<HardPassage> hard = {}) {
-  SynthOptions options;
+inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1,
+                                std::vector<tool::HardPassage> hard = {}) {
+  tool::SynthOptions options;
   options.hard = std::move(hard);
   options.seed = seed;
   options.seconds = seconds;
   options.rate_hz = rate_hz;
   options.grey = true;
-  options.camera = default_synth_camera(320, 240);
+  options.camera = tool::default_synth_camera(320, 240);
   options.exposure_s = 0;
-  SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(options);
   RenderedWalk made;
   made.camera = renderer.camera();
   for (int i = 0; i < renderer.frames(); ++i) {

@@ -5,9 +5,10 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "front_tracker/front_submap.h"
+#include "front_tracker/frame/front_submap.h"
 
 namespace rumi::testing {
+using namespace rumi::front_tracker;
 
 // Keyframes from `utime_us` on, and what no others have seen, are elsewhere than they should be: tracking has slipped.
 inline void slip(FrontSubmap* s, int64_t utime_us) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The tracker on rendered images of a room, with the camera's true path.
-#include "front_tracker/tracker.h"
+#include "front_tracker/tracking/tracker.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "tests/front_tracker/rendered_walk.h"
 #include "tests/front_tracker/slip.h"
 
-namespace rumi {
+namespace rumi::front_tracker {
 namespace {
 
 using testing::Error;
@@ -214,7 +214,8 @@ TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
 
 // Five images a second while the camera turns by 110 degrees in three seconds, and back.
 const testing::RenderedWalk& turning_walk() {
-  static const testing::RenderedWalk walk = testing::render_walk(12, 5, 8, {{HardPassage::Kind::kRotation, 2, 6}});
+  static const testing::RenderedWalk walk =
+      testing::render_walk(12, 5, 8, {{tool::HardPassage::Kind::kRotation, 2, 6}});
   return walk;
 }
 
@@ -266,4 +267,4 @@ TEST(Tracker, NothingToSeeIsNoSubmap) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::front_tracker

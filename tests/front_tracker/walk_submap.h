@@ -7,15 +7,16 @@
 #include <memory>
 #include <vector>
 
-#include "front_tracker/front_submap.h"
+#include "front_tracker/frame/front_submap.h"
 #include "slam/features/matching.h"
 #include "slam/features/orb_extractor.h"
-#include "slam/geometry/median.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/map/landmark_view.h"
+#include "slam/numeric/median.h"
 #include "tests/front_tracker/rendered_walk.h"
 
 namespace rumi::testing {
+using namespace rumi::front_tracker;
 
 inline const RenderedWalk& walk() { return rendered_walk(); }
 

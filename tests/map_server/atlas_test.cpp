@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/atlas.h"
+#include "map_server/atlas/atlas.h"
 
 #include <cmath>
 #include <stdexcept>
 
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 using testing::make_placement;
@@ -70,16 +70,16 @@ TEST(Atlas, ARejectedChangeLeavesNoTrace) {
 
 TEST(Atlas, PosesMayComeLaterAndStatesMayComeLate) {
   Atlas atlas;
-  EXPECT_TRUE(atlas.record_frame(1'000'000, {.session = 7, .state = FrameState::kNotInitialized}));
-  EXPECT_FALSE(atlas.record_frame(1'000'000, {.session = 7, .state = FrameState::kNotInitialized}));
+  EXPECT_TRUE(atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kNotInitialized}));
+  EXPECT_FALSE(atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kNotInitialized}));
   EXPECT_FALSE(atlas.locate(1'000'000));
   update_atlas(&atlas, make_submap({7, 1}, 1, 1));
-  EXPECT_EQ(atlas.frames().at(1'000'000).state, FrameState::kNotInitialized);
+  EXPECT_EQ(atlas.frames().at(1'000'000).state, TrackingState::kNotInitialized);
   ASSERT_TRUE(atlas.locate(1'000'000));
   EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, 1);
-  EXPECT_EQ(atlas.frames().at(1'033'333).state, FrameState::kUnknown);
-  EXPECT_TRUE(atlas.record_frame(1'033'333, {.session = 7, .state = FrameState::kTracking, .submap_id = 1}));
-  EXPECT_EQ(atlas.frames().at(1'033'333).state, FrameState::kTracking);
+  EXPECT_EQ(atlas.frames().at(1'033'333).state, TrackingState::kUnknown);
+  EXPECT_TRUE(atlas.record_frame(1'033'333, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1}));
+  EXPECT_EQ(atlas.frames().at(1'033'333).state, TrackingState::kTracking);
 }
 
 TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
@@ -87,7 +87,7 @@ TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
   update_atlas(&atlas, make_submap({7, -1}, 1, 2));
   update_atlas(&atlas, make_submap({7, 2}, 2, 3));
   update_atlas(&atlas, make_submap({7, 3}, 3, 9));
-  atlas.record_frame(1'000'000, {.session = 7, .state = FrameState::kTracking, .submap_id = 2});
+  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
   EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, 3);
   Atlas without_big;
   update_atlas(&without_big, make_submap({7, -1}, 1, 2));
@@ -95,7 +95,7 @@ TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
   update_atlas(&without_big, make_submap({7, 9}, 3, 9, 800'000'000));
   EXPECT_EQ(without_big.locate(1'000'000)->owner->submap.key.id, 2);  // front before back
   update_atlas(&without_big, make_submap({7, -2}, 1, 2));
-  without_big.record_frame(1'000'000, {.session = 7, .state = FrameState::kTracking, .submap_id = -2});
+  without_big.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = -2});
   EXPECT_EQ(without_big.locate(1'000'000)->owner->submap.key.id, -2);
 }
 
@@ -192,7 +192,7 @@ TEST(Atlas, InTheMapAPlacedKeyframeIsBelievedBeforeOneThatFollows) {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 3));
   update_atlas(&atlas, make_submap({7, -1}, 2, 3));
-  atlas.record_frame(1'000'000, {.session = 7, .state = FrameState::kTracking, .submap_id = 1});
+  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
   std::map<SubmapKey, Placement> placements;
   for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{7, -1}})
     for (const auto& [id, keyframe] : atlas.find(key)->submap.keyframes)
@@ -224,4 +224,4 @@ TEST(Atlas, AFusedLandmarkIsThereOnceAsLongAsTheOtherIs) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "map_server/submap_alignment.h"
+#include "map_server/alignment/submap_alignment.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 constexpr int kEvery = 3;

@@ -4,13 +4,14 @@
 
 #include <cstdio>
 
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/submap_update.h"
 #include "map_server/map_server_node.h"
 #include "tests/map_server/place_scene.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 using ::testing::HasSubstr;

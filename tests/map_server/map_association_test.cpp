@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_association.h"
+#include "map_server/model/map_association.h"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,11 @@
 #include <cstdio>
 #include <set>
 
-#include "map_server/map_bundle.h"
+#include "map_server/model/map_bundle.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 // Two submaps that walked the same way at different times, and have no image in common.

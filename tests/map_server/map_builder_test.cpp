@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_builder.h"
+#include "map_server/merging/map_builder.h"
 
 #include <gtest/gtest.h>
 
@@ -12,6 +12,7 @@
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 using Placements = std::map<SubmapKey, Placement>;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_bundle.h"
+#include "map_server/model/map_bundle.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 // A model of a front and a back submap that share images, at the truth.

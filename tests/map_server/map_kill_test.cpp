@@ -13,12 +13,13 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "map_server/map_builder.h"
-#include "map_server/map_store.h"
+#include "map_server/merging/map_builder.h"
+#include "map_server/store/map_store.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 // The calls by which SQLite changes files, counted; the one with this number is done by half and is the last.

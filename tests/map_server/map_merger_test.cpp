@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_merger.h"
+#include "map_server/merging/map_merger.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +11,7 @@
 #include "tests/map_server/synthetic_chain.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 using Scope = MapBuilder::Scope;

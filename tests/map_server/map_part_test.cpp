@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_part.h"
+#include "map_server/merging/map_part.h"
 
 #include <gmock/gmock.h>
 
@@ -8,11 +8,12 @@
 #include <numeric>
 #include <set>
 
-#include "map_server/covisible_pieces.h"
-#include "map_server/point_cells.h"
+#include "map_server/model/covisible_pieces.h"
+#include "map_server/model/point_cells.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 using ::testing::ElementsAre;

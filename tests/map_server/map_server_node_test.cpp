@@ -9,14 +9,14 @@
 #include <limits>
 #include <random>
 
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 using testing::expect_same;
@@ -285,7 +285,7 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   MapStore store(folder / "map.db");
   const Atlas loaded = store.load();
   expect_same(node_->atlas(), loaded);
-  EXPECT_EQ(loaded.frames().at(900'000).state, FrameState::kLost);
+  EXPECT_EQ(loaded.frames().at(900'000).state, TrackingState::kLost);
 }
 
 TEST_F(MapServerNodeTest, RefusesWithAReason) {
@@ -524,7 +524,7 @@ TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
   MemoryBus next;
   MapServerNode successor(next, options_);
   expect_same(before, successor.atlas());
-  EXPECT_EQ(successor.atlas().frames().at(900'000).state, FrameState::kNotInitialized);
+  EXPECT_EQ(successor.atlas().frames().at(900'000).state, TrackingState::kNotInitialized);
 }
 
 TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
@@ -618,4 +618,4 @@ TEST(MapServerNodeStart, AnUnusableDatabaseIsAReasonToEnd) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

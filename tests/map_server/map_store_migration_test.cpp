@@ -2,12 +2,12 @@
 // Files of older schema versions are brought to ours, whole or not at all.
 #include <gmock/gmock.h>
 
-#include "map_server/blob.h"
-#include "map_server/map_store.h"
-#include "map_server/map_store_schema.h"
+#include "map_server/store/blob.h"
+#include "map_server/store/map_store.h"
+#include "map_server/store/map_store_schema.h"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 using testing::expect_same;
@@ -135,7 +135,7 @@ Atlas old_atlas() {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 12));
   update_atlas(&atlas, make_submap({7, 2}, 2, 5, 9'000'000));
-  atlas.record_frame(500'000, {.session = 7, .state = FrameState::kNotInitialized});
+  atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
   return atlas;
 }
 
@@ -229,4 +229,4 @@ TEST(MapStoreMigration, WhatCannotBeBroughtOverIsLeftAsItIs) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/map_store.h"
+#include "map_server/store/map_store.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -7,10 +7,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "map_server/map_store_schema.h"
+#include "map_server/store/map_store_schema.h"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 using ::testing::AllOf;
@@ -37,8 +37,8 @@ Atlas full_atlas() {
   update_atlas(&atlas, make_submap({7, 1}, 1, 12));
   update_atlas(&atlas, make_submap({7, 2}, 2, 5, 9'000'000));
   update_atlas(&atlas, make_submap({8, -1}, 3, 3, 12'000'000));
-  atlas.record_frame(500'000, {.session = 7, .state = FrameState::kNotInitialized});
-  atlas.record_frame(1'000'000, {.session = 7, .state = FrameState::kTracking, .submap_id = 1});
+  atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
+  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
   return atlas;
 }
 
@@ -471,4 +471,4 @@ TEST(MapStore, KillLosesNothingThatWasAccepted) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

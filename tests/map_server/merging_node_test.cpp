@@ -9,14 +9,15 @@
 #include <csignal>
 #include <thread>
 
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "map_server/map_server_node.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 using ::testing::HasSubstr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/place_alignment.h"
+#include "map_server/places/place_alignment.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "tests/map_server/place_scene.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 constexpr int kMiddle = 5;  // keyframe of a path
@@ -407,4 +407,4 @@ TEST(PlaceAlignment, AHundredPlacesThatAreNotTheSameAreRefused) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/place_index.h"
+#include "map_server/places/place_index.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/map_server/place_scene.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 // Three rooms, each with the same nine keyframes; the third submap is the first room again.
@@ -118,4 +118,4 @@ TEST_F(PlaceIndexTest, IsTheSameEveryTime) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

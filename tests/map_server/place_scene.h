@@ -13,7 +13,7 @@
 #include "slam/map/submap.h"
 #include "tests/slam/synthetic_scene.h"
 
-namespace rumi {
+namespace rumi::map_server {
 
 struct ScenePoint {
   Eigen::Vector3d position;
@@ -106,4 +106,4 @@ class PlaceScene {
   int next_name_ = 0;
 };
 
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/place_search.h"
+#include "map_server/places/place_search.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "tests/map_server/place_scene.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 const SubmapKey kFront{1, 1}, kBack{1, -1}, kLater{1, 2};
@@ -99,4 +99,4 @@ TEST_F(PlaceSearchTest, WhatHangsOnNothingIsSearchedForAgainWhenMoreIsKnownOfIt)
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/placement.h"
+#include "map_server/atlas/placement.h"
 
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::map_server {
 namespace {
 
 using testing::make_placement;
@@ -66,4 +66,4 @@ TEST(Placement, SameToTheLastBitOnly) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::map_server

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/post_culling.h"
+#include "map_server/model/post_culling.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
-#include "map_server/map_builder.h"
+#include "map_server/merging/map_builder.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 constexpr SubmapKey kFront1 = Chain::kFront1, kBack1 = Chain::kBack1, kBack2 = Chain::kBack2;

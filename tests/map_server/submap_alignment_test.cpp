@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/submap_alignment.h"
+#include "map_server/alignment/submap_alignment.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,11 @@
 #include <string>
 #include <tuple>
 
-#include "map_server/bent_end.h"
+#include "map_server/alignment/bent_end.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 struct Case {

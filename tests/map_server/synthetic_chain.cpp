@@ -5,6 +5,7 @@
 #include <set>
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 
 Chain::Chain() : world_(make_room(1)) {
   images_ = film(world_, walk_round(kImages, 0.75), {.most_keypoints = 150, .every = 3});

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "map_server/atlas.h"
+#include "map_server/atlas/atlas.h"
 #include "tests/map_server/synthetic_submaps.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 
 class Chain {
  public:

@@ -12,6 +12,7 @@
 #include "slam/map/landmark_view.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 class Dice {

@@ -12,11 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "map_server/map_model.h"
+#include "map_server/model/map_model.h"
 #include "slam/map/submap.h"
 #include "tests/slam/synthetic_scene.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 
 struct World {
   std::vector<Eigen::Vector3d> points;
@@ -32,7 +33,8 @@ World make_tiles(unsigned seed, double period_m, int points_per_tile, int tiles)
 // One pose cam_from_world per image.
 using CameraPath = std::vector<SE3>;
 CameraPath walk_round(int images, double turns = 1);  // about the middle of the room, looking ahead and outwards
-CameraPath straight(int images, const Eigen::Vector3d& step, double yaw_per_image_rad = 0);  // looking along z at first
+CameraPath straight(int images, const Eigen::Vector3d& step,
+                    double yaw_per_image_rad = 0);  // looking along z at first
 
 struct Image {
   int64_t utime_us = 0;

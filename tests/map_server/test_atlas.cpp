@@ -5,9 +5,10 @@
 
 #include <cstring>
 
-#include "bus/submap_update.h"
+#include "bus/wire/submap_update.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 namespace {
 
 constexpr int kKeypoints = 40;

@@ -8,10 +8,11 @@
 #include <random>
 
 #include "lcmtypes/rumi/track_t.hpp"
-#include "map_server/atlas.h"
+#include "map_server/atlas/atlas.h"
 #include "tests/temporary_folder.h"
 
 namespace rumi::testing {
+using namespace rumi::map_server;
 
 Camera test_camera();
 

@@ -13,6 +13,7 @@
 #include "slam/geometry/transform.h"
 
 namespace rumi::testing {
+using namespace rumi::tool;
 
 struct BoardPose {  // cam_from_board, mm
   Eigen::Matrix3d rotation;

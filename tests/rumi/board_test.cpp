@@ -15,7 +15,7 @@
 #include "rumi/calibration/opencv_aruco.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using ::testing::HasSubstr;
@@ -141,4 +141,4 @@ TEST(BoardPage, WhatCannotBeIsRefusedAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

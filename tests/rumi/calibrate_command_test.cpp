@@ -6,7 +6,7 @@
 
 #include "end_to_end.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,4 +108,4 @@ TEST_F(CalibrateCommand, DrawsBoards) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -6,14 +6,14 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "board_scene.h"
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/log_file.h"
+#include "bus/transport/log_file.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using ::testing::AllOf;
@@ -181,4 +181,4 @@ TEST_F(CalibrationTest, ImagesOfDifferentSizes) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

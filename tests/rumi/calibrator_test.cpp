@@ -9,7 +9,7 @@
 
 #include "board_scene.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::BoardPose;
@@ -259,4 +259,4 @@ TEST_F(CalibratorTest, ViewsOfNothingAreAnErrorNotACrash) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/coverage_picture.h"
+#include "rumi/report/coverage_picture.h"
 
 #include <gtest/gtest.h>
 
 #include "board_scene.h"
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::BoardScene;
@@ -80,4 +80,4 @@ TEST_F(CoveragePicture, WithoutABoardEverythingIsMissing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

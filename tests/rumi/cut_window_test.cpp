@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/cut_window.h"
+#include "rumi/windows/cut_window.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 
-#include "bus/image_codec.h"
-#include "camera_driver/image_source.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/source/image_source.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-class FakeSource : public ImageSource {
+class FakeSource : public camera_driver::ImageSource {
  public:
   explicit FakeSource(int frames) : frames_(frames) {
     camera_.width = 64;
@@ -33,7 +33,7 @@ class FakeSource : public ImageSource {
   const Camera& camera() const override { return camera_; }
   const std::string& name() const override { return name_; }
   int64_t total() const override { return frames_; }
-  const SkippedFrames& skipped() const override { return skipped_; }
+  const camera_driver::SkippedFrames& skipped() const override { return skipped_; }
 
   static int64_t utime(int64_t frame) { return 1'000'000 + 100'000 * frame; }
   int handed_out = 0;
@@ -42,12 +42,12 @@ class FakeSource : public ImageSource {
   int frames_;
   Camera camera_;
   std::string name_ = "the recording";
-  SkippedFrames skipped_;
+  camera_driver::SkippedFrames skipped_;
 };
 
-std::vector<int64_t> frames_of(const std::vector<Sample>& samples) {
+std::vector<int64_t> frames_of(const std::vector<ruminator::Sample>& samples) {
   std::vector<int64_t> frames;
-  for (const Sample& sample : samples) frames.push_back((sample.utime_us - FakeSource::utime(0)) / 100'000);
+  for (const ruminator::Sample& sample : samples) frames.push_back((sample.utime_us - FakeSource::utime(0)) / 100'000);
   return frames;
 }
 
@@ -81,7 +81,7 @@ TEST(CutWindow, HasTheFramesAskedFor) {
   FakeSource source(100);
   const CutWindow cut = cut_window(source, {FrameRange{2, 12, 5}, {14, 17}, FrameRange{20, 23, 2}});
   ASSERT_EQ(cut.error, "");
-  const RuminationWindow& w = cut.job.window;
+  const ruminator::RuminationWindow& w = cut.job.window;
   EXPECT_THAT(frames_of(w.approach), ElementsAre(2, 7, 12));
   EXPECT_THAT(frames_of(w.gap), ElementsAre(14, 15, 16, 17));
   EXPECT_THAT(frames_of(w.departure), ElementsAre(20, 22));
@@ -105,8 +105,8 @@ TEST(CutWindow, IsAJobThatCanBeWrittenAndRead) {
   FakeSource source(100);
   const CutWindow cut = cut_window(source, {FrameRange{0, 5}, {6, 9}, FrameRange{10, 15}});
   const testing::TemporaryFolder folder;
-  ASSERT_EQ(write_window_job(folder / "cut.window", cut.job), "");
-  const WindowJobFile read = read_window_job(folder / "cut.window");
+  ASSERT_EQ(ruminator::write_window_job(folder / "cut.window", cut.job), "");
+  const ruminator::WindowJobFile read = ruminator::read_window_job(folder / "cut.window");
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(frames_of(read.job.window.gap), frames_of(cut.job.window.gap));
   EXPECT_EQ(read.job.images.size(), 16u);
@@ -127,4 +127,4 @@ TEST(CutWindow, ARecordingThatIsTooShortIsNamed) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/demo_table.h"
+#include "rumi/commands/demo_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::HasSubstr;
@@ -62,4 +62,4 @@ TEST(DemoTable, HasBothRunsAndSaysWhatIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

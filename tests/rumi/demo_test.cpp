@@ -7,9 +7,9 @@
 #include <algorithm>
 
 #include "end_to_end.h"
-#include "map_server/map_store.h"
+#include "map_server/store/map_store.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -25,10 +25,12 @@ class DemoTest : public testing::Test {
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
 
   static fs::path out() { return work_->path / "demo"; }
-  static Atlas map_of(const char* run) { return MapStore((out() / run / "map.db").string()).load(); }
+  static map_server::Atlas map_of(const char* run) {
+    return map_server::MapStore((out() / run / "map.db").string()).load();
+  }
   // Submaps of the front that have more than a moment of the walk.
-  static std::vector<const AtlasSubmap*> large_front_submaps(const Atlas& atlas) {
-    std::vector<const AtlasSubmap*> large;
+  static std::vector<const map_server::AtlasSubmap*> large_front_submaps(const map_server::Atlas& atlas) {
+    std::vector<const map_server::AtlasSubmap*> large;
     for (const auto& [key, owner] : atlas.submaps())
       if (owner.submap.kind == SubmapKind::kFront && owner.submap.frames.size() >= 100) large.push_back(&owner);
     return large;
@@ -40,7 +42,7 @@ WorkFolder* DemoTest::work_ = nullptr;
 Outcome DemoTest::outcome_;
 
 TEST_F(DemoTest, TheFrontAloneHasTwoSubmapsAndAMapOfOneRoom) {
-  const Atlas atlas = map_of("front_alone");
+  const map_server::Atlas atlas = map_of("front_alone");
   const auto fronts = large_front_submaps(atlas);
   ASSERT_EQ(fronts.size(), 2u) << outcome_.output;
   EXPECT_NE(fronts[0]->in_map, fronts[1]->in_map) << "nothing joins them";
@@ -51,20 +53,22 @@ TEST_F(DemoTest, TheFrontAloneHasTwoSubmapsAndAMapOfOneRoom) {
 }
 
 TEST_F(DemoTest, WhatWasLostIsRebuiltAndJoinsBothRooms) {
-  const Atlas atlas = map_of("rumi");
+  const map_server::Atlas atlas = map_of("rumi");
   const auto fronts = large_front_submaps(atlas);
   ASSERT_EQ(fronts.size(), 2u) << outcome_.output;
   EXPECT_TRUE(fronts[0]->in_map && fronts[1]->in_map);
   // Some back submap was joined to the one room, and to the other.
-  const auto joined_to = [&](const AtlasSubmap& back, const AtlasSubmap& front) {
-    return std::any_of(atlas.links().begin(), atlas.links().end(), [&](const Link& link) {
-      const auto is = [](const SubmapKey& key, const AtlasSubmap& owner) { return key == owner.submap.key; };
-      return link.accepted() && link.kind == Link::Kind::kSameImages &&
+  const auto joined_to = [&](const map_server::AtlasSubmap& back, const map_server::AtlasSubmap& front) {
+    return std::any_of(atlas.links().begin(), atlas.links().end(), [&](const map_server::Link& link) {
+      const auto is = [](const SubmapKey& key, const map_server::AtlasSubmap& owner) {
+        return key == owner.submap.key;
+      };
+      return link.accepted() && link.kind == map_server::Link::Kind::kSameImages &&
              ((is(link.a, back) && is(link.b, front)) || (is(link.b, back) && is(link.a, front)));
     });
   };
   const bool bridged = std::any_of(atlas.submaps().begin(), atlas.submaps().end(), [&](const auto& entry) {
-    const AtlasSubmap& back = entry.second;
+    const map_server::AtlasSubmap& back = entry.second;
     return back.submap.kind == SubmapKind::kBack && back.in_map && joined_to(back, *fronts[0]) &&
            joined_to(back, *fronts[1]);
   });
@@ -107,4 +111,4 @@ TEST(DemoCommand, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace rumi {
+namespace rumi::tool {
 
 struct Outcome {
   int exit_code = -1;
@@ -69,4 +69,4 @@ inline std::filesystem::path render(const WorkFolder& work, const std::string& f
   return sequence;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

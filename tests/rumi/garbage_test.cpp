@@ -6,10 +6,10 @@
 
 #include <random>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
@@ -17,7 +17,7 @@
 #include "ruminator/ruminator_node.h"
 #include "viewer_offscreen/viewer_node.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr int kMessagesPerChannel = 10'000;
@@ -99,16 +99,16 @@ chunk_t chunk_of(const std::vector<uint8_t>& payload, int64_t transfer_id) {
 TEST(Garbage, NoProcessEndsAndAllGoOn) {
   spdlog::set_level(spdlog::level::off);
   MemoryBus bus;
-  FrontTrackerOptions front_options;
+  front_tracker::FrontTrackerOptions front_options;
   front_options.mapping_thread = false;
-  FrontTrackerNode front(bus, front_options);
-  RuminatorOptions announce_only;
+  front_tracker::FrontTrackerNode front(bus, front_options);
+  ruminator::RuminatorOptions announce_only;
   announce_only.rebuild = false;
-  RuminatorNode ruminator(bus, announce_only, {});
-  MapServerOptions server_options;
+  ruminator::RuminatorNode ruminator(bus, announce_only, {});
+  map_server::MapServerOptions server_options;
   server_options.database = ":memory:";
-  MapServerNode server(bus, server_options);
-  ViewerNode viewer(bus, {});
+  map_server::MapServerNode server(bus, server_options);
+  viewer_offscreen::ViewerNode viewer(bus, {});
   const std::vector<Node*> nodes{&front, &ruminator, &server, &viewer};
 
   track_t track{};
@@ -166,4 +166,4 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "bus/process.h"
-#include "bus/receive_losses.h"
+#include "bus/process/process.h"
+#include "bus/transport/receive_losses.h"
 #include "lcmtypes/rumi/chunk_ack_t.hpp"
 #include "lcmtypes/rumi/chunk_t.hpp"
 #include "lcmtypes/rumi/image_t.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/live_status.h"
+#include "rumi/run/live_status.h"
 
 #include <gmock/gmock.h>
 
-#include "bus/memory_bus.h"
+#include "bus/transport/memory_bus.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::AllOf;
@@ -146,4 +146,4 @@ TEST_F(LiveStatusTest, MapAndWindows) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -5,7 +5,7 @@
 
 #include "end_to_end.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,4 +125,4 @@ TEST_F(LiveTest, ASnapshotOfNobodySaysSo) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/metrics.h"
+#include "rumi/evaluation/metrics.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 constexpr int64_t kStart = 1'400'000'000'000'000;
@@ -180,4 +180,4 @@ TEST(RunMetricsTest, AbsentFiguresStayAbsent) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -4,12 +4,12 @@
 
 #include <fstream>
 
-#include "rumi/map_file.h"
-#include "rumi/output_folder.h"
-#include "rumi/run_summary.h"
+#include "rumi/outputs/map_file.h"
+#include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/run_summary.h"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,20 +92,20 @@ class MapFileTest : public testing::Test {
 };
 
 TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
-  MapStore store(file_);
-  const Atlas atlas = make_test_atlas();
+  map_server::MapStore store(file_);
+  const map_server::Atlas atlas = make_test_atlas();
   ASSERT_EQ(store.save(atlas, {1'000'000, 1'400'000}), "");
-  const Atlas loaded = load_map(file_);
+  const map_server::Atlas loaded = load_map(file_);
   ASSERT_EQ(loaded.submaps().size(), 1u);
   EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
   EXPECT_EQ(loaded.frames_in_map(), 4);
   // The server goes on as if nothing had happened.
-  Atlas more = make_test_atlas();
+  map_server::Atlas more = make_test_atlas();
   EXPECT_EQ(store.save(more, {1'100'000}), "");
 }
 
 TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
-  { ASSERT_EQ(MapStore(file_).save(make_test_atlas(), {}), ""); }
+  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
   load_map(file_);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
@@ -117,7 +117,7 @@ TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
 }
 
 TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
-  const Atlas atlas = make_test_atlas();
+  const map_server::Atlas atlas = make_test_atlas();
   EXPECT_EQ(write_run_outputs(atlas, folder_.string()), "");
   for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply", "trajectory.png"}) {
     EXPECT_TRUE(fs::exists(folder_ / name)) << name;
@@ -132,14 +132,14 @@ TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
 }
 
 TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
-  Atlas atlas = make_test_atlas();
+  map_server::Atlas atlas = make_test_atlas();
   Submap other = make_test_submap();
   other.key = {1, 2};
   atlas.change_submap(other.key, [&](Submap* submap) {
     *submap = other;
     return std::string();
   });
-  Placement placement;
+  map_server::Placement placement;
   placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), {10, 0, 0});
   atlas.place_map({{{1, 1}, placement}});
   const AtlasPicture shown = make_picture(atlas, "title");
@@ -159,26 +159,26 @@ TEST(DescribeProgress, TellsTheTimeLeftWhereTheEndIsKnown) {
 }
 
 TEST(LeftOut, NothingOfAMapOfAllFrames) {
-  Atlas atlas;
+  map_server::Atlas atlas;
   const Submap submap = make_test_submap();
   atlas.change_submap(submap.key, [&](Submap* target) {
     *target = submap;
     return std::string();
   });
   EXPECT_TRUE(left_out(atlas).empty());
-  EXPECT_TRUE(left_out(Atlas()).empty());
+  EXPECT_TRUE(left_out(map_server::Atlas()).empty());
 }
 
 TEST(LeftOut, FramesWithoutAPoseByWhereTheyAre) {
-  Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
+  map_server::Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
   for (const int64_t utime_us : {700'000, 800'000, 1'140'000, 1'160'000, 1'250'000})
-    atlas.record_frame(utime_us, {1, FrameState::kNotInitialized, kNoSubmap});
+    atlas.record_frame(utime_us, {1, TrackingState::kNotInitialized, kNoSubmap});
   EXPECT_THAT(left_out(atlas), ElementsAre("6 frames have no pose: 2 before the first submap, 3 in 2 gaps (the longest "
                                            "0.06 s, from 0.44 s on), 1 at the end"));
 }
 
 TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
-  Atlas atlas = make_test_atlas();
+  map_server::Atlas atlas = make_test_atlas();
   for (int id = 2; id <= 4; ++id) {
     Submap other = make_test_submap(3);
     other.key = {1, id};
@@ -194,7 +194,7 @@ TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
     });
   }
   const auto link = [](int a, int b, const std::string& doubt) {
-    return Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
+    return map_server::Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
   };
   atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")});
   EXPECT_THAT(left_out(atlas),
@@ -205,4 +205,4 @@ TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -9,10 +9,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "board_scene.h"
-#include "bus/camera_file.h"
+#include "bus/wire/camera_file.h"
 
 int main(int argc, char** argv) {
   using namespace rumi;
+  using namespace rumi::tool;
   Board board;
   if (argc < 6 || (argc > 6 && !parse_board(argv[6], &board).empty())) {
     fmt::print(stderr, "render_boards FOLDER pinhole|fisheye WIDTH HEIGHT COUNT [BOARD]\n");

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "end_to_end.h"
-#include "map_server/map_store.h"
+#include "map_server/store/map_store.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -197,9 +197,9 @@ class ReplayOfALoss : public ReplayTest {
   }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
   static int accepted_links(const fs::path& out) {
-    const Atlas atlas = MapStore((out / "map.db").string()).load();
-    return static_cast<int>(
-        std::count_if(atlas.links().begin(), atlas.links().end(), [](const Link& link) { return link.accepted(); }));
+    const map_server::Atlas atlas = map_server::MapStore((out / "map.db").string()).load();
+    return static_cast<int>(std::count_if(atlas.links().begin(), atlas.links().end(),
+                                          [](const map_server::Link& link) { return link.accepted(); }));
   }
   static Outcome outcome_;
 };
@@ -269,7 +269,9 @@ TEST_F(ReplayOfALoss, IsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
   ASSERT_EQ(replay(sequence_, uncut, "--set map_server.cull_back_keyframes=false").exit_code, 0);
   EXPECT_EQ(read_file(again / (name + ".txt")), read_file(uncut / "submaps/b001.txt"));
   // Post-culling: fewer keyframes, the same frames.
-  const auto back = [](const fs::path& folder) { return MapStore(folder / "map.db").load().submaps().begin()->second; };
+  const auto back = [](const fs::path& folder) {
+    return map_server::MapStore(folder / "map.db").load().submaps().begin()->second;
+  };
   EXPECT_EQ(back(uncut).submap.kind, SubmapKind::kBack);
   EXPECT_LT(back(out).submap.keyframes.size(), back(uncut).submap.keyframes.size());
   EXPECT_EQ(back(out).submap.frames.size(), back(uncut).submap.frames.size());
@@ -315,4 +317,4 @@ TEST(ReplayOfRealImages, RedkitchenSoft) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

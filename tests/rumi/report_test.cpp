@@ -5,20 +5,20 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/bus.h"
-#include "bus/jpeg_image.h"
-#include "bus/log_file.h"
+#include "bus/transport/bus.h"
+#include "bus/transport/log_file.h"
+#include "bus/wire/jpeg_image.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
-#include "rumi/html_page.h"
-#include "rumi/map_file.h"
-#include "rumi/match_history.h"
-#include "rumi/output_folder.h"
-#include "rumi/process_load.h"
-#include "rumi/run_report.h"
-#include "ruminator/window_job.h"
+#include "rumi/outputs/map_file.h"
+#include "rumi/outputs/output_folder.h"
+#include "rumi/report/html_page.h"
+#include "rumi/report/match_history.h"
+#include "rumi/report/run_report.h"
+#include "rumi/run/process_load.h"
+#include "ruminator/window/window_job.h"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -49,17 +49,17 @@ TEST(HtmlPage, TextIsNeverMarkup) {
   EXPECT_THAT(html, HasSubstr("&lt;/table&gt;"));
 }
 
-WindowJob test_window() {
-  WindowJob job;
+ruminator::WindowJob test_window() {
+  ruminator::WindowJob job;
   job.camera = test_camera();
-  RuminationWindow& w = job.window;
+  ruminator::RuminationWindow& w = job.window;
   w.id = 1;
   w.session = 1;
   w.submap_before = 1;
   w.submap_after = 2;
   w.gap_frames = 2;
   int64_t utime_us = 1'100'000;
-  const auto fill = [&](std::vector<Sample>* part, int count, int32_t submap) {
+  const auto fill = [&](std::vector<ruminator::Sample>* part, int count, int32_t submap) {
     for (int i = 0; i < count; ++i, utime_us += 100'000) {
       part->push_back({.utime_us = utime_us, .is_keyframe = false, .submap_id = submap, .cam_from_submap = SE3()});
       job.images.push_back(make_jpeg_image(utime_us, cv::Mat(480, 640, CV_8U, cv::Scalar(100)), 50));
@@ -73,7 +73,7 @@ WindowJob test_window() {
   return job;
 }
 
-void put(const Submap& submap, Atlas* atlas) {
+void put(const Submap& submap, map_server::Atlas* atlas) {
   atlas->change_submap(submap.key, [&](Submap* there) {
     *there = submap;
     return std::string();
@@ -81,7 +81,7 @@ void put(const Submap& submap, Atlas* atlas) {
 }
 
 TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
-  Atlas atlas = make_test_atlas();
+  map_server::Atlas atlas = make_test_atlas();
   EXPECT_TRUE(match_history(atlas, 1, 4).empty());
   Submap back = make_test_submap(3);  // without the last of the four keyframes
   back.key = {1, -1};
@@ -90,10 +90,10 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   for (auto& [id, keyframe] : back.keyframes) keyframe.cam_from_submap.translation *= 2;
   put(back, &atlas);
   const auto link = [](double scale) {
-    return Link{.a = {1, -1},
-                .b = {1, 1},
-                .kind = Link::Kind::kSameImages,
-                .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
+    return map_server::Link{.a = {1, -1},
+                            .b = {1, 1},
+                            .kind = map_server::Link::Kind::kSameImages,
+                            .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
   };
   atlas.set_links({link(0.5)});
   MatchHistory history = match_history(atlas, 1, 4);
@@ -136,16 +136,16 @@ class ReportTest : public testing::Test {
     EXPECT_EQ(write_run_outputs(atlas_, folder_.string()), "");
     std::vector<int64_t> utimes;
     for (const auto& [utime_us, frame] : atlas_.frames()) utimes.push_back(utime_us);
-    EXPECT_EQ(MapStore((folder_ / "map.db").string()).save(atlas_, utimes), "");
+    EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, utimes), "");
     write_run({{"finished", true}, {"input", "a <recording>"}, {"cpu_ms_per_frame", {{"front_tracker", 12.5}}}});
     fs::create_directory(folder_ / "windows");
-    EXPECT_EQ(write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
+    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
   }
   void write_run(const nlohmann::ordered_json& run) { EXPECT_EQ(write_run_json(folder_.string(), run), ""); }
 
   fs::path folder_ = fresh_folder(
       testing::TempDir(), std::string("report_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-  Atlas atlas_ = make_test_atlas();
+  map_server::Atlas atlas_ = make_test_atlas();
 };
 
 size_t count_of(const std::string& html, const std::string& what) {
@@ -257,4 +257,4 @@ TEST_F(ReportTest, SaysWhatIsWrongWithTheFolder) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

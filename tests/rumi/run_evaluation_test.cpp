@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/run_evaluation.h"
+#include "rumi/evaluation/run_evaluation.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +70,4 @@ TEST_F(RunEvaluationTest, ASubmapThatIsNotInTheMapHasNoErrorThere) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

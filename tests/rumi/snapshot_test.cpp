@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/snapshot.h"
+#include "rumi/outputs/snapshot.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bus/memory_bus.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transport/memory_bus.h"
 #include "map_server/map_server_node.h"
-#include "rumi/map_file.h"
+#include "rumi/outputs/map_file.h"
 #include "test_atlas.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::HasSubstr;
@@ -35,10 +35,10 @@ class SnapshotTest : public testing::Test {
                       std::string("snapshot_") + testing::UnitTest::GetInstance()->current_test_info()->name()) /
          "map.db")
             .string();
-    MapStore(options_.database).save(make_test_atlas(), {1'400'000});
+    map_server::MapStore(options_.database).save(make_test_atlas(), {1'400'000});
   }
   void serve() {
-    server_ = std::make_unique<MapServerNode>(bus_, options_);
+    server_ = std::make_unique<map_server::MapServerNode>(bus_, options_);
     status_ = std::make_unique<StatusPublisher>(bus_, "map_server");
     bus_.others = [this](int64_t now_us) {
       server_->tick(now_us);
@@ -46,8 +46,8 @@ class SnapshotTest : public testing::Test {
     };
   }
   LivingBus bus_;
-  MapServerOptions options_;
-  std::unique_ptr<MapServerNode> server_;
+  map_server::MapServerOptions options_;
+  std::unique_ptr<map_server::MapServerNode> server_;
   std::unique_ptr<StatusPublisher> status_;
 };
 
@@ -57,7 +57,7 @@ TEST_F(SnapshotTest, BringsTheDatabaseAndTheStatusOfTheProcesses) {
   ASSERT_EQ(result.error, "");
   ASSERT_TRUE(result.processes.count("map_server"));
   const std::string copy = options_.database + ".copy";
-  const Atlas atlas = load_map_bytes(result.database, copy);
+  const map_server::Atlas atlas = load_map_bytes(result.database, copy);
   EXPECT_EQ(atlas.frames_in_map(), 4);
   EXPECT_EQ(load_map(copy).frames_in_map(), 4);
 }
@@ -89,4 +89,4 @@ TEST_F(SnapshotTest, SaysThatTheServerWentAwayInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

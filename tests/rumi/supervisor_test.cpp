@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/supervisor.h"
+#include "rumi/run/supervisor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using std::chrono::milliseconds;
@@ -378,4 +378,4 @@ TEST_F(SupervisorTest, CutsEndlessLines) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <string>
 
-#include "map_server/atlas.h"
+#include "map_server/atlas/atlas.h"
 
-namespace rumi {
+namespace rumi::tool {
 
 inline Camera test_camera() {
   Camera camera;
@@ -58,15 +58,15 @@ inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
   return submap;
 }
 
-inline Atlas make_test_atlas() {
-  Atlas atlas;
+inline map_server::Atlas make_test_atlas() {
+  map_server::Atlas atlas;
   const Submap submap = make_test_submap();
   atlas.change_submap(submap.key, [&](Submap* target) {
     *target = submap;
     return std::string();
   });
-  for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame(utime_us, {1, FrameState::kTracking, 1});
-  atlas.record_frame(1'400'000, {1, FrameState::kLost, kNone});
+  for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame(utime_us, {1, TrackingState::kTracking, 1});
+  atlas.record_frame(1'400'000, {1, TrackingState::kLost, kNone});
   return atlas;
 }
 
@@ -78,4 +78,4 @@ inline std::filesystem::path fresh_folder(const std::string& temporary, const st
   return folder;
 }
 
-}  // namespace rumi
+}  // namespace rumi::tool

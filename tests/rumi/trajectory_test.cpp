@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/trajectory.h"
+#include "rumi/evaluation/trajectory.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::HasSubstr;
@@ -120,4 +120,4 @@ TEST_F(TrajectoryTest, RefusesBrokenFramesWithTheLine) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -4,12 +4,12 @@
 #include <gmock/gmock.h>
 
 #include "board_scene.h"
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
-#include "bus/memory_bus.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 #include "rumi/calibration/capture.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using ::testing::AllOf;
@@ -204,4 +204,4 @@ TEST_F(Collecting, LiveImagesComeFromTheBus) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rumi/window_picture.h"
+#include "rumi/report/window_picture.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <fstream>
 
-#include "bus/bus.h"
-#include "bus/jpeg_image.h"
-#include "bus/log_file.h"
+#include "bus/transport/bus.h"
+#include "bus/transport/log_file.h"
+#include "bus/wire/jpeg_image.h"
 #include "lcmtypes/rumi/track_t.hpp"
-#include "rumi/window_scene.h"
+#include "rumi/windows/window_scene.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using ::testing::HasSubstr;
@@ -177,4 +177,4 @@ TEST_F(WindowPictureTest, OddWindowsAreDrawnToo) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -8,7 +8,7 @@
 #include "rumi/synth/room.h"
 #include "temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::AllOf;
@@ -111,4 +111,4 @@ TEST(Room, HoldsThePathAndKeepsFurnitureAway) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -5,7 +5,7 @@
 
 #include "rumi/synth/options.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using Eigen::Vector3d;
@@ -96,4 +96,4 @@ TEST(NextRoomWalk, IsRepeatableAndItsSeedMatters) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,13 +7,13 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
-#include "bus/camera_file.h"
+#include "bus/wire/camera_file.h"
 #include "rumi/synth/sequence_renderer.h"
 #include "rumi/synth/write_sequence.h"
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 #include "temporary_folder.h"
 
-namespace rumi {
+namespace rumi::tool {
 namespace {
 
 using testing::HasSubstr;
@@ -240,4 +240,4 @@ TEST(WriteSequence, SaysWhatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::tool

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-namespace rumi {
+namespace rumi::tool {
 
 class TemporaryFolder {
  public:
@@ -26,4 +26,4 @@ class TemporaryFolder {
   std::string path_;
 };
 
-}  // namespace rumi
+}  // namespace rumi::tool

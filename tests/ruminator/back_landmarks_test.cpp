@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/back_landmarks.h"
+#include "ruminator/build/back_landmarks.h"
 
 #include <gtest/gtest.h>
 
-#include "bus/image_codec.h"
-#include "bus/submap_update.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
 #include "tests/ruminator/rendered_window.h"
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 // Frames 0, 1, 2, 4, 5, 6 with their true poses, and points that tell which see the same.
@@ -16,7 +16,7 @@ struct Fixture {
   Camera camera;
   std::vector<cv::Mat> images;
   std::vector<int64_t> utimes_us;
-  ColmapModel model;
+  SparseModel model;
 };
 
 Fixture make_fixture() {
@@ -33,7 +33,7 @@ Fixture make_fixture() {
   SyntheticScene random(1);
   for (int p = 0; p < 30; ++p) {
     const Eigen::Vector3d in_camera(random.uniform(-1, 1), random.uniform(-0.8, 0.8), 3);
-    ColmapModel::Point point{window.cam_from_map[3].inverse() * in_camera, {}};
+    SparseModel::Point point{window.cam_from_map[3].inverse() * in_camera, {}};
     for (const auto& [image, pose] : f.model.cam_from_world) point.track.emplace_back(image, p);
     f.model.points.push_back(point);
   }
@@ -118,4 +118,4 @@ TEST(BackLandmarks, AreNoneWhereNothingIsShared) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

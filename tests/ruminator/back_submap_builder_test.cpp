@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // From the images of a window to the back submap, with COLMAP as installed and without.
-#include "ruminator/back_submap_builder.h"
+#include "ruminator/build/back_submap_builder.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <opencv2/core.hpp>
 
-#include "bus/image_codec.h"
-#include "bus/submap_update.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
 #include "slam/geometry/alignment.h"
 #include "tests/ruminator/rendered_window.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,4 +231,4 @@ TEST(BackSubmapBuilder, SaysWhereItCannotWork) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/child_process.h"
+#include "base/child_process.h"
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@
 
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::EndsWith;
@@ -271,4 +271,4 @@ TEST_F(ChildProcessTest, CpuTimeIsCounted) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/colmap_database.h"
+#include "ruminator/colmap/colmap_database.h"
 
 #include <gmock/gmock.h>
 #include <sys/stat.h>
@@ -7,12 +7,12 @@
 #include <cstring>
 #include <limits>
 
-#include "bus/sqlite.h"
-#include "ruminator/child_process.h"
+#include "base/child_process.h"
+#include "base/sqlite.h"
 #include "tests/slam/synthetic_scene.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -36,7 +36,7 @@ std::vector<T> blob_of(const std::string& file, const std::string& sql) {
 
 int64_t integer_of(const std::string& file, const std::string& sql) { return Database(file).integer(sql); }
 
-std::vector<ColmapImage> three_images() {
+std::vector<WindowImage> three_images() {
   return {{"a", {{0, 0}, {10.25F, 20.5F}, {639, 479}}}, {"b", {{1, 2}, {3, 4}}}, {"c", {}}};
 }
 
@@ -126,7 +126,7 @@ TEST(ColmapDatabase, NoImagesAreNoProblem) {
 TEST(ColmapDatabase, WrongInputIsRefused) {
   const TemporaryFolder folder;
   const std::string file = folder / "database.db";
-  const auto problem = [&](const std::vector<ColmapImage>& images, const std::vector<ColmapPair>& pairs) {
+  const auto problem = [&](const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs) {
     const std::string text = write_colmap_database(file, test_camera(), images, pairs);
     EXPECT_THAT(text, StartsWith(file));
     EXPECT_FALSE(std::filesystem::exists(file));
@@ -154,7 +154,7 @@ TEST(ColmapDatabase, AFolderThatIsNotThereIsReported) {
 TEST(ColmapDatabase, AFullDiskIsReported) {
   const TemporaryFolder folder;
   const int result = testing::run_on_small_disk(folder.path().string(), 100'000, [&] {
-    std::vector<ColmapImage> images(100, {"", std::vector<Eigen::Vector2f>(1000, {1, 2})});
+    std::vector<WindowImage> images(100, {"", std::vector<Eigen::Vector2f>(1000, {1, 2})});
     for (size_t i = 0; i < images.size(); ++i) images[i].name = std::to_string(i);
     const std::string problem = write_colmap_database(folder / "database.db", test_camera(), images, {});
     if (problem.find("full") == std::string::npos) return 1;
@@ -165,4 +165,4 @@ TEST(ColmapDatabase, AFullDiskIsReported) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // COLMAP itself, from our database to its model, and a script in its place that fails in every way.
-#include "ruminator/colmap_mapper.h"
+#include "ruminator/colmap/colmap_mapper.h"
 
 #include <gmock/gmock.h>
 
@@ -11,13 +11,13 @@
 #include <thread>
 #include <vector>
 
-#include "ruminator/colmap_database.h"
+#include "ruminator/colmap/colmap_database.h"
 #include "slam/geometry/alignment.h"
 #include "tests/ruminator/test_colmap_model.h"
 #include "tests/slam/synthetic_scene.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -33,8 +33,8 @@ const std::atomic<bool> kNever = false;
 // A camera on a curve before a cloud; every landmark it sees is a keypoint.
 struct Scene {
   std::vector<SE3> cam_from_world;
-  std::vector<ColmapImage> images;
-  std::vector<ColmapPair> pairs;
+  std::vector<WindowImage> images;
+  std::vector<ImagePair> pairs;
   std::vector<std::vector<int>> landmark_of_keypoint;
 };
 
@@ -46,7 +46,7 @@ Scene make_scene(int cameras, int landmarks, double noise_px) {
   for (int i = 0; i < cameras; ++i) {
     const double u = i - 0.5 * (cameras - 1);
     s.cam_from_world.push_back(SyntheticScene::pose(0.15 * u, 0.02 * u * u, 0.05 * u, -0.03 * u, 0.01 * u));
-    ColmapImage& image = s.images.emplace_back();
+    WindowImage& image = s.images.emplace_back();
     image.name = std::to_string(i);
     s.landmark_of_keypoint.emplace_back();
     for (int l = 0; l < landmarks; ++l) {
@@ -60,7 +60,7 @@ Scene make_scene(int cameras, int landmarks, double noise_px) {
   }
   for (int a = 0; a < cameras; ++a)
     for (int b = 0; b < a; ++b) {  // the later image first: the database has to turn them round
-      ColmapPair& pair = s.pairs.emplace_back();
+      ImagePair& pair = s.pairs.emplace_back();
       pair.first = a, pair.second = b;
       const auto& la = s.landmark_of_keypoint[static_cast<size_t>(a)];
       const auto& lb = s.landmark_of_keypoint[static_cast<size_t>(b)];
@@ -78,7 +78,7 @@ Scene make_scene(int cameras, int landmarks, double noise_px) {
 
 std::vector<int> keypoint_counts(const Scene& s) {
   std::vector<int> counts;
-  for (const ColmapImage& image : s.images) counts.push_back(static_cast<int>(image.keypoints.size()));
+  for (const WindowImage& image : s.images) counts.push_back(static_cast<int>(image.keypoints.size()));
   return counts;
 }
 
@@ -111,7 +111,7 @@ TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
   EXPECT_THAT(registered, ElementsAre(2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_GT(outcome.cpu_s, 0);
   EXPECT_NE(mapper.version(), "");
-  const ColmapModel& model = outcome.models[0];
+  const SparseModel& model = outcome.models[0];
   ASSERT_EQ(model.cam_from_world.size(), scene.images.size());
   EXPECT_EQ(model.fx, test_camera().fx);
   EXPECT_EQ(model.fy, test_camera().fy);
@@ -129,7 +129,7 @@ TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
   EXPECT_GT(model.points.size(), 300U);
   double squared_px = 0;
   int observations = 0;
-  for (const ColmapModel::Point& point : model.points)
+  for (const SparseModel::Point& point : model.points)
     for (const auto& [image, keypoint] : point.track) {
       const auto& of_keypoint = scene.landmark_of_keypoint[static_cast<size_t>(image)];
       const auto& [first_image, first_keypoint] = point.track[0];
@@ -148,8 +148,8 @@ TEST(ColmapMapper, RebuildsASceneFromOurDatabase) {
 TEST(ColmapMapper, ExtendsAModel) {
   const TemporaryFolder folder;
   const Scene scene = make_scene(8, 300, 0.5);
-  std::vector<ColmapPair> pairs_of_seven;
-  for (const ColmapPair& pair : scene.pairs)
+  std::vector<ImagePair> pairs_of_seven;
+  for (const ImagePair& pair : scene.pairs)
     if (pair.first < 7) pairs_of_seven.push_back(pair);
   const std::string file = folder / "database.db";
   ASSERT_EQ(write_colmap_database(file, test_camera(), scene.images, pairs_of_seven), "");
@@ -448,4 +448,4 @@ TEST_F(FakeColmapTest, WhatItSaysOfAFullDiskIsBelieved) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/colmap_model.h"
+#include "ruminator/colmap/read_model.h"
 
 #include <gmock/gmock.h>
 
@@ -11,7 +11,7 @@
 #include "tests/ruminator/test_colmap_model.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -34,14 +34,14 @@ const std::vector<int> kKeypointCounts = {3, 5, 2};
 
 class ColmapModelFileTest : public ::testing::Test {
  protected:
-  ColmapModelFile read(const std::string& cameras, const std::string& images, const std::string& points,
+  SparseModelFile read(const std::string& cameras, const std::string& images, const std::string& points,
                        const std::vector<int>& counts = kKeypointCounts) {
     put("cameras.bin", cameras);
     put("images.bin", images);
     put("points3D.bin", points);
     return read_colmap_model(folder.path().string(), counts);
   }
-  ColmapModelFile read(const TestModel& m, const std::vector<int>& counts = kKeypointCounts) {
+  SparseModelFile read(const TestModel& m, const std::vector<int>& counts = kKeypointCounts) {
     return read(m.cameras_bin(), m.images_bin(), m.points_bin(), counts);
   }
   std::string error(const TestModel& m) { return read(m).error; }
@@ -61,7 +61,7 @@ class ColmapModelFileTest : public ::testing::Test {
 };
 
 TEST_F(ColmapModelFileTest, WhatWasWrittenIsRead) {
-  const ColmapModelFile file = read(small_model());
+  const SparseModelFile file = read(small_model());
   ASSERT_TRUE(file.ok()) << file.error;
   EXPECT_EQ(file.model.fx, 500);
   EXPECT_EQ(file.model.fy, 510);
@@ -79,14 +79,14 @@ TEST_F(ColmapModelFileTest, WhatWasWrittenIsRead) {
 TEST_F(ColmapModelFileTest, OneFocalLengthHoldsForBothAxes) {
   TestModel m = small_model();
   m.camera_model = 2;  // SIMPLE_RADIAL
-  const ColmapModelFile file = read(m);
+  const SparseModelFile file = read(m);
   ASSERT_TRUE(file.ok()) << file.error;
   EXPECT_EQ(file.model.fx, 500);
   EXPECT_EQ(file.model.fy, 500);
 }
 
 TEST_F(ColmapModelFileTest, AModelWithoutImagesIsEmpty) {
-  const ColmapModelFile file = read(TestModel());
+  const SparseModelFile file = read(TestModel());
   ASSERT_TRUE(file.ok()) << file.error;
   EXPECT_THAT(file.model.cam_from_world, IsEmpty());
   EXPECT_THAT(file.model.points, IsEmpty());
@@ -108,7 +108,7 @@ TEST_F(ColmapModelFileTest, FilesCutAnywhereAreRefused) {
   for (size_t n = 0; n < cameras.size(); ++n) EXPECT_FALSE(read(cameras.substr(0, n), images, points).ok()) << n;
   for (size_t n = 0; n < images.size(); ++n) EXPECT_FALSE(read(cameras, images.substr(0, n), points).ok()) << n;
   for (size_t n = 0; n < points.size(); ++n) {
-    const ColmapModelFile file = read(cameras, images, points.substr(0, n));
+    const SparseModelFile file = read(cameras, images, points.substr(0, n));
     EXPECT_THAT(file.error, HasSubstr("points3D.bin")) << n;
     EXPECT_THAT(file.model.cam_from_world, IsEmpty()) << n;
   }
@@ -127,13 +127,13 @@ TEST_F(ColmapModelFileTest, NoByteCanBreakThePromise) {
       for (const char value : {'\x00', '\x7f', '\xf0', '\xff'}) {
         std::array<std::string, 3> changed = files;
         changed[which][n] = value;
-        const ColmapModelFile file = read(changed[0], changed[1], changed[2]);
+        const SparseModelFile file = read(changed[0], changed[1], changed[2]);
         if (!file.ok()) ++refused;
         for (const auto& [image, pose] : file.model.cam_from_world) {
           EXPECT_TRUE(image >= 0 && image < 3);
           EXPECT_TRUE(pose.is_finite());
         }
-        for (const ColmapModel::Point& point : file.model.points) {
+        for (const SparseModel::Point& point : file.model.points) {
           EXPECT_TRUE(point.position.allFinite());
           for (const auto& [image, keypoint] : point.track) {
             ASSERT_TRUE(file.model.cam_from_world.contains(image));
@@ -221,4 +221,4 @@ TEST_F(ColmapModelFileTest, FoldersAreCountedFromZero) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/colmap_model_writer.h"
+#include "ruminator/colmap/write_model.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 
-#include "ruminator/colmap_mapper.h"
+#include "ruminator/colmap/colmap_mapper.h"
 #include "tests/ruminator/test_window.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,19 +18,19 @@ using testing::TestWindow;
 
 std::vector<int> keypoint_counts(const TestWindow& w) {
   std::vector<int> counts;
-  for (const ColmapImage& image : w.images) counts.push_back(static_cast<int>(image.keypoints.size()));
+  for (const WindowImage& image : w.images) counts.push_back(static_cast<int>(image.keypoints.size()));
   return counts;
 }
 
 TEST(ColmapModelWriter, WritesWhatTheReaderReads) {
   const TemporaryFolder folder;
   const TestWindow w = testing::sideways_window(5);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   model.cam_from_world.erase(2);  // ids have a hole
-  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first == 2; });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  for (SparseModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first == 2; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   ASSERT_EQ(write_colmap_model(folder.path(), w.camera, w.images, model), "");
-  const ColmapModelFile file = read_colmap_model(folder.path(), keypoint_counts(w));
+  const SparseModelFile file = read_colmap_model(folder.path(), keypoint_counts(w));
   ASSERT_TRUE(file.ok()) << file.error;
   EXPECT_EQ(file.model.fx, w.camera.fx);
   EXPECT_EQ(file.model.fy, w.camera.fy);
@@ -70,10 +70,10 @@ TEST(ColmapModelWriter, SaysWhatCannotBeWritten) {
 TEST(ColmapModelWriter, ColmapAcceptsIt) {
   const TemporaryFolder folder;
   const TestWindow w = testing::sideways_window(7);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   model.cam_from_world.erase(6);
-  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first == 6; });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  for (SparseModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first == 6; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   ASSERT_EQ(write_colmap_database(folder / "database.db", w.camera, w.images, w.pairs), "");
   std::filesystem::create_directory(folder / "seed");
   ASSERT_EQ(write_colmap_model(folder / "seed", w.camera, w.images, model), "");
@@ -93,4 +93,4 @@ TEST(ColmapModelWriter, ColmapAcceptsIt) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/front_agreement.h"
+#include "ruminator/model/front_agreement.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 // Samples 0 .. n-1 in submap 3, n .. 2n-1 in submap 5; each submap with an origin and unit of its own.
@@ -81,4 +81,4 @@ TEST(FrontAgreement, OfACameraThatStoodStillTellsNothingOfPositions) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

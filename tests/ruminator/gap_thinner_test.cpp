@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/gap_thinner.h"
+#include "ruminator/window/gap_thinner.h"
 
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <limits>
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -146,4 +146,4 @@ TEST(GapThinner, ACapOfTwoKeepsTheEnds) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

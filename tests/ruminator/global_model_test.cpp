@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/global_model.h"
+#include "ruminator/model/global_model.h"
 
 #include <gtest/gtest.h>
 
-#include "ruminator/model_refinement.h"
-#include "ruminator/sift_matching.h"
+#include "ruminator/matching/sift_matching.h"
+#include "ruminator/model/model_refinement.h"
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using testing::TestWindow;
@@ -18,7 +18,7 @@ std::vector<RelativeRotation> rotations_of(const TestWindow& w) {
   return relative_rotations(w.camera, w.images, w.pairs, kOptions.min_pair_matches);
 }
 
-std::optional<ColmapModel> rough_model(const TestWindow& w) {
+std::optional<SparseModel> rough_model(const TestWindow& w) {
   return build_global_model(w.camera, w.images, rotations_of(w), kOptions);
 }
 
@@ -26,13 +26,13 @@ std::optional<ColmapModel> rough_model(const TestWindow& w) {
 void verify(TestWindow* w) {
   std::vector<SiftFeatures> features(w->images.size());
   for (size_t i = 0; i < features.size(); ++i) features[i].undistorted = w->images[i].keypoints;
-  for (ColmapPair& pair : w->pairs)
+  for (ImagePair& pair : w->pairs)
     pair.matches = verify_matches(w->camera, features[pair.first], features[pair.second], pair.matches, {});
-  std::erase_if(w->pairs, [](const ColmapPair& pair) { return pair.matches.empty(); });
+  std::erase_if(w->pairs, [](const ImagePair& pair) { return pair.matches.empty(); });
 }
 
 // As rough models are adjusted: in steps.
-ModelQuality adjust(const TestWindow& w, ColmapModel* model) {
+ModelQuality adjust(const TestWindow& w, SparseModel* model) {
   ModelRefinementOptions options;
   for (const double max_error_px : {50.0, 10.0, 3.0}) {
     options.max_error_px = max_error_px;
@@ -47,7 +47,7 @@ void expect_truth(const TestWindow& w, double max_error) {
   ASSERT_TRUE(model);
   EXPECT_EQ(model->fx, w.camera.fx);
   EXPECT_EQ(model->fy, w.camera.fy);
-  for (const ColmapModel::Point& point : model->points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
+  for (const SparseModel::Point& point : model->points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
   const ModelQuality quality = adjust(w, &*model);
   EXPECT_EQ(model->cam_from_world.size(), w.images.size());
   EXPECT_LT(quality.rmse_px, 1.3);  // 0.7 px on either axis
@@ -94,13 +94,13 @@ TEST(GlobalModel, NeedsThreeImagesThatHangTogether) {
   unmatched.pairs.clear();
   EXPECT_FALSE(rough_model(unmatched));
   TestWindow couples = testing::sideways_window(4);
-  std::erase_if(couples.pairs, [](const ColmapPair& p) { return p.first / 2 != p.second / 2; });
+  std::erase_if(couples.pairs, [](const ImagePair& p) { return p.first / 2 != p.second / 2; });
   EXPECT_FALSE(rough_model(couples));
 }
 
 TEST(GlobalModel, IsOfTheLargestPart) {
   TestWindow w = testing::sideways_window(8);
-  std::erase_if(w.pairs, [](const ColmapPair& p) { return (p.first < 3) != (p.second < 3); });
+  std::erase_if(w.pairs, [](const ImagePair& p) { return (p.first < 3) != (p.second < 3); });
   const auto model = rough_model(w);
   ASSERT_TRUE(model);
   EXPECT_EQ(model->cam_from_world.size(), 5U);
@@ -128,7 +128,7 @@ TEST(RelativeRotations, NeedEnoughMatches) {
 
 TEST(RelativeRotations, OfPointsThatCoincideAreNoneOrFinite) {
   TestWindow w = testing::sideways_window(3);
-  for (ColmapImage& image : w.images)
+  for (WindowImage& image : w.images)
     for (Eigen::Vector2f& keypoint : image.keypoints) keypoint = {320, 240};
   for (const RelativeRotation& r : rotations_of(w)) EXPECT_TRUE(r.second_from_first.coeffs().allFinite());
 }
@@ -143,7 +143,7 @@ TEST(GlobalModel, SurvivesDuplicatedImages) {
 TEST(MedianRotationError, KnowsABentModel) {
   const TestWindow w = testing::sideways_window(10);
   const auto rotations = rotations_of(w);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   EXPECT_LT(median_rotation_error_deg(rotations, model), 0.5);
   // The whole turned: no difference.
   const SE3 world_from_other(so3_exp({0.3, -1, 0.2}), Eigen::Vector3d(1, 2, 3));
@@ -159,11 +159,11 @@ TEST(MedianRotationError, OfNothingIsTheWorst) {
   const TestWindow w = testing::sideways_window(3);
   EXPECT_EQ(median_rotation_error_deg({}, testing::true_model(w)), 180);
   EXPECT_EQ(median_rotation_error_deg(rotations_of(w), {}), 180);
-  ColmapModel one = testing::true_model(w);
+  SparseModel one = testing::true_model(w);
   one.cam_from_world.erase(1);
   one.cam_from_world.erase(2);
   EXPECT_EQ(median_rotation_error_deg(rotations_of(w), one), 180);
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

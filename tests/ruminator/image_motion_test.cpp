@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/image_motion.h"
+#include "ruminator/window/image_motion.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/imgproc.hpp>
 
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 // Blobs of all sizes, so that both small and large structure is there; `corner` looks at another part of it.
@@ -137,4 +137,4 @@ TEST_F(ImageMotionTest, IsRepeatable) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

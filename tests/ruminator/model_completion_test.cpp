@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/model_completion.h"
+#include "ruminator/build/model_completion.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -20,15 +20,15 @@ std::vector<int64_t> utimes_of(const TestWindow& w) {
 }
 
 // The truth, but the images from `first` on are put elsewhere.
-ColmapModel moved_from(const TestWindow& w, int first, const Sim3& elsewhere) {
-  ColmapModel model = testing::true_model(w);
+SparseModel moved_from(const TestWindow& w, int first, const Sim3& elsewhere) {
+  SparseModel model = testing::true_model(w);
   model.points.clear();
   for (auto& [image, pose] : model.cam_from_world)
     if (image >= first) pose = elsewhere.transform_camera(pose);
   return model;
 }
 
-WindowModel complete(const TestWindow& w, const ColmapModel& model, const std::vector<Sample>& front = {}) {
+WindowModel complete(const TestWindow& w, const SparseModel& model, const std::vector<Sample>& front = {}) {
   const std::vector<int64_t> utimes = utimes_of(w);
   const WindowModelInput input{w.camera, w.images, utimes, w.pairs, front};
   const BuildOptions options;
@@ -52,7 +52,7 @@ TEST(ModelCompletion, WhatIsTornOffIsRegrown) {
 class SplitWindow : public ::testing::Test {
  protected:
   SplitWindow() {
-    std::erase_if(w_.pairs, [](const ColmapPair& p) { return p.first <= 8 && p.second > 8; });
+    std::erase_if(w_.pairs, [](const ImagePair& p) { return p.first <= 8 && p.second > 8; });
     testing::spoil(&w_, 0.02, 0.05);
   }
   std::vector<Sample> front(int32_t submap_before, int32_t submap_after) const {
@@ -70,7 +70,7 @@ class SplitWindow : public ::testing::Test {
   }
 
   TestWindow w_ = testing::sideways_window(16);
-  ColmapModel split_ = moved_from(w_, 9, kElsewhere);
+  SparseModel split_ = moved_from(w_, 9, kElsewhere);
 };
 
 TEST_F(SplitWindow, IsJoinedByASubmapOnBothSides) {
@@ -116,16 +116,16 @@ TEST(ModelCompletion, JoinsTwoModelsThatSeeTheSame) {
   const WindowModelInput input{w.camera, w.images, utimes, w.pairs, {}};
   const BuildOptions options;
   const ModelCompletion completion(input, options);
-  ColmapModel a = testing::true_model(w), b = testing::true_model(w);
-  for (ColmapModel* model : {&a, &b}) {
+  SparseModel a = testing::true_model(w), b = testing::true_model(w);
+  for (SparseModel* model : {&a, &b}) {
     std::set<int> others;
     for (int image = 0; image < 14; ++image)
       if ((image <= 6) != (model == &a)) others.insert(image);
     remove_images(others, model);
   }
   for (auto& [image, pose] : b.cam_from_world) pose = kElsewhere.transform_camera(pose);
-  for (ColmapModel::Point& point : b.points) point.position = kElsewhere * point.position;
-  const std::vector<ColmapModel> joined = completion.joined({a, b});
+  for (SparseModel::Point& point : b.points) point.position = kElsewhere * point.position;
+  const std::vector<SparseModel> joined = completion.joined({a, b});
   ASSERT_EQ(joined.size(), 1U);
   const WindowModel candidate = completion.complete(joined[0], "COLMAP, two models joined");
   EXPECT_EQ(candidate.model.cam_from_world.size(), 14U);
@@ -135,4 +135,4 @@ TEST(ModelCompletion, JoinsTwoModelsThatSeeTheSame) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/model_joining.h"
+#include "ruminator/model/model_joining.h"
 
 #include <gtest/gtest.h>
 
-#include "ruminator/model_refinement.h"
+#include "ruminator/model/model_refinement.h"
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using testing::TestWindow;
@@ -15,15 +15,15 @@ constexpr JoiningOptions kOptions;
 const Sim3 kElsewhere(2.5, so3_exp({0.3, -0.5, 0.2}), {1, 2, 3});
 
 // The images first..last of the truth, with points that they see, moved and scaled.
-ColmapModel part(const TestWindow& w, int first, int last, const Sim3& part_from_world = Sim3()) {
-  ColmapModel model;
+SparseModel part(const TestWindow& w, int first, int last, const Sim3& part_from_world = Sim3()) {
+  SparseModel model;
   for (int image = first; image <= last; ++image)
     model.cam_from_world[image] = part_from_world.transform_camera(w.cam_from_world[image]);
   triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), {}, &model);
   return model;
 }
 
-std::optional<Sim3> align(const TestWindow& w, const ColmapModel& a, const ColmapModel& b) {
+std::optional<Sim3> align(const TestWindow& w, const SparseModel& a, const SparseModel& b) {
   return align_models(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, a, b);
 }
 
@@ -32,11 +32,11 @@ TEST(AlignModels, FindsWhatBothSee) {
   testing::spoil(&w, 0.05, 0.1);
   // Without a shared image, with two, and with four.
   for (const auto& [first, last] : {std::pair(7, 13), std::pair(5, 13), std::pair(3, 13)}) {
-    const ColmapModel a = part(w, 0, 6), b = part(w, first, last, kElsewhere);
+    const SparseModel a = part(w, 0, 6), b = part(w, first, last, kElsewhere);
     const auto a_from_b = align(w, a, b);
     ASSERT_TRUE(a_from_b) << first;
     EXPECT_NEAR(a_from_b->scale * kElsewhere.scale, 1, 0.05) << first;
-    const ColmapModel joined = join_models(*a_from_b, a, b);
+    const SparseModel joined = join_models(*a_from_b, a, b);
     EXPECT_EQ(joined.cam_from_world.size(), static_cast<size_t>(std::max(last, 6) + 1));
     EXPECT_LT(testing::worst_center_error(w, joined), 0.03) << first;
     for (int image = 0; image <= 6; ++image)
@@ -46,13 +46,13 @@ TEST(AlignModels, FindsWhatBothSee) {
 
 TEST(AlignModels, IsTheSameEveryTime) {
   const TestWindow w = testing::sideways_window(10);
-  const ColmapModel a = part(w, 0, 4), b = part(w, 5, 9, kElsewhere);
+  const SparseModel a = part(w, 0, 4), b = part(w, 5, 9, kElsewhere);
   EXPECT_EQ(align(w, a, b)->translation, align(w, a, b)->translation);
 }
 
 TEST(AlignModels, NotWhatHasNothingInCommon) {
   TestWindow w = testing::sideways_window(12);
-  std::erase_if(w.pairs, [](const ColmapPair& p) { return p.first <= 5 && p.second > 5; });
+  std::erase_if(w.pairs, [](const ImagePair& p) { return p.first <= 5 && p.second > 5; });
   EXPECT_FALSE(align(w, part(w, 0, 5), part(w, 6, 11)));
   EXPECT_FALSE(align(w, part(w, 0, 5), {}));
 }
@@ -92,7 +92,7 @@ class FrontTie : public ::testing::Test {
 TEST_F(FrontTie, IsOneSubmapOnBothSides) {
   const auto before_from_after = tie(front(4, 4));
   ASSERT_TRUE(before_from_after);
-  const ColmapModel joined = join_models(*before_from_after, part(w_, 0, 7), part(w_, 8, 15, kElsewhere));
+  const SparseModel joined = join_models(*before_from_after, part(w_, 0, 7), part(w_, 8, 15, kElsewhere));
   EXPECT_LT(testing::worst_center_error(w_, joined), 1e-6);
 }
 
@@ -111,4 +111,4 @@ TEST_F(FrontTie, NotASubmapOfAnotherShape) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/model_refinement.h"
+#include "ruminator/model/model_refinement.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using testing::TestWindow;
 
 constexpr ModelRefinementOptions kOptions;
 
-void disturb(double meters, double radians, ColmapModel* model) {
+void disturb(double meters, double radians, SparseModel* model) {
   SyntheticScene random(11);
   const auto vector = [&random](double s) {
     const double x = random.uniform(-s, s), y = random.uniform(-s, s);
@@ -22,12 +22,12 @@ void disturb(double meters, double radians, ColmapModel* model) {
     const Eigen::Vector3d turn = vector(radians);
     pose = SE3(so3_exp(turn), vector(meters)) * pose;
   }
-  for (ColmapModel::Point& point : model->points) point.position += vector(meters);
+  for (SparseModel::Point& point : model->points) point.position += vector(meters);
 }
 
 TEST(AdjustModel, ComesBackFromARoughStart) {
   const TestWindow w = testing::sideways_window(10);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   disturb(0.03, 0.01, &model);
   ModelRefinementOptions rough;
   rough.max_error_px = 50;
@@ -41,10 +41,10 @@ TEST(AdjustModel, ComesBackFromARoughStart) {
 
 TEST(AdjustModel, RemovesWrongObservations) {
   TestWindow w = testing::sideways_window(10, 0.5);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   std::set<std::pair<int, int>> wrong;
   SyntheticScene random(5);
-  for (const ColmapModel::Point& point : model.points) {
+  for (const SparseModel::Point& point : model.points) {
     if (random.uniform(0, 1) > 0.2) continue;
     const auto& [image, keypoint] = point.track.front();
     w.images[image].keypoints[keypoint] += Eigen::Vector2f(25, -15);
@@ -54,7 +54,7 @@ TEST(AdjustModel, RemovesWrongObservations) {
   const ModelQuality quality = adjust_model(w.camera, w.images, kOptions, &model);
   EXPECT_LT(quality.rmse_px, 0.8);
   int observations = 0;
-  for (const ColmapModel::Point& point : model.points)
+  for (const SparseModel::Point& point : model.points)
     for (const auto& observation : point.track) {
       EXPECT_FALSE(wrong.contains(observation));
       ++observations;
@@ -63,7 +63,7 @@ TEST(AdjustModel, RemovesWrongObservations) {
 }
 
 TEST(AdjustModel, OfNothingIsNothing) {
-  ColmapModel model;
+  SparseModel model;
   EXPECT_EQ(adjust_model(test_camera(), {}, kOptions, &model).observations, 0);
   const TestWindow w = testing::sideways_window(3);
   model = testing::true_model(w);
@@ -77,7 +77,7 @@ TEST(PruneModel, LeavesNothingOfAPureRotation) {
   std::vector<SE3> path;
   for (int i = 0; i < 6; ++i) path.push_back(SyntheticScene::pose(0, 0, 0, 0.05 * i));
   const TestWindow w = testing::make_window(path, SyntheticScene(7).cloud(300), 0.5);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   prune_model(w.camera, w.images, kOptions, &model);
   EXPECT_TRUE(model.points.empty());
   EXPECT_TRUE(model.cam_from_world.empty());
@@ -85,7 +85,7 @@ TEST(PruneModel, LeavesNothingOfAPureRotation) {
 
 TEST(PruneModel, KeepsWhatIsRight) {
   const TestWindow w = testing::sideways_window(10, 0);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   const size_t points = model.points.size();
   prune_model(w.camera, w.images, kOptions, &model);
   EXPECT_EQ(model.cam_from_world.size(), 10U);
@@ -96,11 +96,11 @@ TEST(PruneModel, KeepsWhatIsRight) {
 TEST(TriangulateTracks, FindsThePointsDespiteWrongMatches) {
   TestWindow w = testing::sideways_window(10);
   testing::spoil(&w, 0.1, 0);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
   ASSERT_GT(model.points.size(), 200U);
   std::vector<double> errors;
-  for (const ColmapModel::Point& point : model.points) {
+  for (const SparseModel::Point& point : model.points) {
     EXPECT_GE(point.track.size(), 2U);
     EXPECT_FALSE(testing::sees_an_image_twice(point.track));
     const auto& [image, keypoint] = point.track[0];
@@ -113,12 +113,12 @@ TEST(TriangulateTracks, FindsThePointsDespiteWrongMatches) {
 
 TEST(TriangulateTracks, LeavesOutImagesWithoutPose) {
   const TestWindow w = testing::sideways_window(6);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   model.cam_from_world.erase(0);
   model.cam_from_world.erase(4);
   triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
   EXPECT_GT(model.points.size(), 100U);
-  for (const ColmapModel::Point& point : model.points)
+  for (const SparseModel::Point& point : model.points)
     for (const auto& [image, keypoint] : point.track) EXPECT_TRUE(model.cam_from_world.contains(image));
   model.cam_from_world.clear();
   triangulate_tracks(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, &model);
@@ -127,8 +127,8 @@ TEST(TriangulateTracks, LeavesOutImagesWithoutPose) {
 
 TEST(RemoveLooseImages, LeavesAWellTiedModelAlone) {
   const TestWindow w = testing::sideways_window(8);
-  ColmapModel model = testing::true_model(w);
-  const ColmapModel before = model;
+  SparseModel model = testing::true_model(w);
+  const SparseModel before = model;
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
   EXPECT_TRUE(testing::is_identical(model, before));
 }
@@ -139,11 +139,11 @@ TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
   std::vector<SE3> path = testing::sideways_path(7);
   path[1] = path[0];
   const TestWindow w = testing::make_window(path, SyntheticScene(7).cloud(500), 0.7);
-  ColmapModel model = testing::true_model(w);
-  std::vector<ColmapModel::Point> split;
+  SparseModel model = testing::true_model(w);
+  std::vector<SparseModel::Point> split;
   bool tied = false;
-  for (const ColmapModel::Point& point : model.points) {
-    ColmapModel::Point loose{point.position, {}}, firm{point.position, {}};
+  for (const SparseModel::Point& point : model.points) {
+    SparseModel::Point loose{point.position, {}}, firm{point.position, {}};
     for (const auto& o : point.track) (o.first < 2 || o.first == 6 ? loose : firm).track.push_back(o);
     // Images 0 and 1 are tied to the others by every second point.
     if (tied = !tied; tied) {
@@ -151,14 +151,14 @@ TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
       firm.track.insert(firm.track.begin(), loose.track.begin(), loose.track.end());
       loose.track.clear();
     }
-    for (const ColmapModel::Point& part : {loose, firm})
+    for (const SparseModel::Point& part : {loose, firm})
       if (part.track.size() >= 2) split.push_back(part);
   }
   model.points = split;
   EXPECT_EQ(remove_loose_images(kOptions, &model), 1);
   EXPECT_FALSE(model.cam_from_world.contains(6));
   EXPECT_EQ(model.cam_from_world.size(), 6U);
-  for (const ColmapModel::Point& point : model.points) {
+  for (const SparseModel::Point& point : model.points) {
     EXPECT_GE(point.track.size(), 2U);
     for (const auto& [image, keypoint] : point.track) EXPECT_NE(image, 6);
   }
@@ -166,7 +166,7 @@ TEST(RemoveLooseImages, RemovesWhatHangsOnOnePlaceOnly) {
 
 TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
   const TestWindow w = testing::sideways_window(2);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   EXPECT_EQ(remove_loose_images(kOptions, &model), 2);
   EXPECT_TRUE(model.cam_from_world.empty());
   EXPECT_TRUE(model.points.empty());
@@ -178,15 +178,15 @@ TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   const TestWindow w = testing::sideways_window(12);
   const auto dark = [](int image) { return image == 0 || image > 8; };
   std::map<int, int> seen;
-  ColmapModel model = testing::true_model(w);
-  for (ColmapModel::Point& point : model.points)
+  SparseModel model = testing::true_model(w);
+  for (SparseModel::Point& point : model.points)
     std::erase_if(point.track, [&](const auto& o) {
       return dark(o.first) && ++seen[o.first] > kOpenEndFactor * kOptions.resection_min_inliers - 5;
     });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
 
-  ColmapModel first_known = model, last_known = model;
+  SparseModel first_known = model, last_known = model;
   EXPECT_EQ(trim_open_ends({}, kOptions, &model), 4);
   EXPECT_EQ(model.cam_from_world.begin()->first, 1);
   EXPECT_EQ(model.cam_from_world.rbegin()->first, 8);
@@ -197,29 +197,29 @@ TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   EXPECT_TRUE(last_known.cam_from_world.contains(9));
   EXPECT_EQ(trim_open_ends({10, 11}, kOptions, &last_known), 3) << "two known images join it to nothing";
 
-  ColmapModel nothing;
+  SparseModel nothing;
   EXPECT_EQ(trim_open_ends({}, kOptions, &nothing), 0);
 }
 
 // Two images see many points, but nearly all of them nobody else does: either has the other, and both have any scale.
 TEST(TrimOpenEnds, GoTogetherWhereTheySeePointsOfTheirOwn) {
   const TestWindow w = testing::sideways_window(10);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   int shared = 0;
-  std::vector<ColmapModel::Point> points;
-  for (ColmapModel::Point& point : model.points) {
-    ColmapModel::Point own = point, others = point;
+  std::vector<SparseModel::Point> points;
+  for (SparseModel::Point& point : model.points) {
+    SparseModel::Point own = point, others = point;
     std::erase_if(own.track, [](const auto& o) { return o.first > 1; });
     std::erase_if(others.track, [](const auto& o) { return o.first <= 1; });
     if (!own.track.empty() && !others.track.empty() && shared++ < kOptions.resection_min_inliers) {
       points.push_back(point);
       continue;
     }
-    for (const ColmapModel::Point& part : {own, others})
+    for (const SparseModel::Point& part : {own, others})
       if (part.track.size() >= 2) points.push_back(part);
   }
   model.points = points;
-  ColmapModel held = model;
+  SparseModel held = model;
   EXPECT_EQ(trim_open_ends({}, kOptions, &model), 2);
   EXPECT_EQ(model.cam_from_world.begin()->first, 2);
   EXPECT_EQ(trim_open_ends({0, 1, 2}, kOptions, &held), 0);
@@ -227,10 +227,10 @@ TEST(TrimOpenEnds, GoTogetherWhereTheySeePointsOfTheirOwn) {
 
 TEST(RemoveStrays, RemovesWhatHasAnotherScale) {
   const TestWindow w = testing::sideways_window(10);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   EXPECT_EQ(remove_strays(&model), 0);
   // Three images with points of their own, ten thousand times as large.
-  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first > 6; });
+  for (SparseModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first > 6; });
   for (const int image : {7, 8, 9}) {
     SE3& pose = model.cam_from_world.at(image);
     pose.translation = -(pose.rotation * (1e4 * pose.center() + Eigen::Vector3d(0, 3e3, 0)));
@@ -248,25 +248,25 @@ TEST(RemoveStrays, LeavesALongWayAndAStandAlone) {
   SyntheticScene scene(9);
   for (int i = 0; i < 20; ++i)
     for (const Eigen::Vector3d& p : scene.cloud(40)) points.push_back(p + Eigen::Vector3d(0.3 * i, 0, 0));
-  ColmapModel model = testing::true_model(testing::make_window(way, points, 0.5));
+  SparseModel model = testing::true_model(testing::make_window(way, points, 0.5));
   EXPECT_EQ(remove_strays(&model), 0);
-  ColmapModel nothing;
+  SparseModel nothing;
   EXPECT_EQ(remove_strays(&nothing), 0);
 }
 
 TEST(ResectMissingImages, PutsThemBack) {
   TestWindow w = testing::sideways_window(10);
   testing::spoil(&w, 0.1, 0);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   for (const int missing : {2, 3, 9}) model.cam_from_world.erase(missing);
-  for (ColmapModel::Point& point : model.points)
+  for (SparseModel::Point& point : model.points)
     std::erase_if(point.track, [&](const auto& o) { return !model.cam_from_world.contains(o.first); });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   const size_t points = model.points.size();
   EXPECT_EQ(resect_missing_images(w.camera, w.images, w.pairs, kOptions, &model), 3);
   EXPECT_EQ(model.cam_from_world.size(), 10U);
   EXPECT_GE(model.points.size(), points);
-  for (const ColmapModel::Point& point : model.points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
+  for (const SparseModel::Point& point : model.points) EXPECT_FALSE(testing::sees_an_image_twice(point.track));
   EXPECT_LT(testing::worst_center_error(w, model), 0.03);
   adjust_model(w.camera, w.images, kOptions, &model);
   EXPECT_LT(testing::worst_center_error(w, model), 0.01);
@@ -274,18 +274,18 @@ TEST(ResectMissingImages, PutsThemBack) {
 
 TEST(ResectMissingImages, LeavesOutWhatCannotBePlaced) {
   TestWindow w = testing::sideways_window(6);
-  std::erase_if(w.pairs, [](const ColmapPair& p) { return p.second == 5; });  // no matches
-  for (ColmapPair& pair : w.pairs)
+  std::erase_if(w.pairs, [](const ImagePair& p) { return p.second == 5; });  // no matches
+  for (ImagePair& pair : w.pairs)
     if (pair.first == 0) pair.matches.resize(4);  // too few
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   for (const int missing : {0, 5}) model.cam_from_world.erase(missing);
-  for (ColmapModel::Point& point : model.points)
+  for (SparseModel::Point& point : model.points)
     std::erase_if(point.track, [&](const auto& o) { return !model.cam_from_world.contains(o.first); });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
-  const ColmapModel before = model;
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
+  const SparseModel before = model;
   EXPECT_EQ(resect_missing_images(w.camera, w.images, w.pairs, kOptions, &model), 0);
   EXPECT_TRUE(testing::is_identical(model, before));
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/rebuild_queue.h"
+#include "ruminator/queue/rebuild_queue.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>
@@ -15,11 +15,11 @@
 #include <regex>
 #include <sstream>
 
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/submap_update.h"
 #include "test_jobs.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -36,7 +36,7 @@ constexpr int64_t kStepUs = 20'000;
 // A bus with a map_server that stores everything, unless it is told otherwise.
 class World {
  public:
-  explicit World(const RuminatorOptions& options, Builder builder, RebuildQueue::BuiltHandler on_built = {}) {
+  explicit World(const RebuildQueueOptions& options, Builder builder, RebuildQueue::BuiltHandler on_built = {}) {
     bus.set_now_us(1'000'000);
     bus.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { windows.push_back(w); });
     bus.set_tap([this](const std::string& channel, std::span<const uint8_t>) {
@@ -114,7 +114,7 @@ class RebuildQueueTest : public ::testing::Test {
     return names;
   }
   testing::TemporaryFolder folder_;
-  RuminatorOptions options_;
+  RebuildQueueOptions options_;
 };
 
 const std::vector<int> kWholeLife = {window_t::QUEUED, window_t::EXTRACTING, window_t::MATCHING, window_t::MAPPING,
@@ -533,4 +533,4 @@ TEST_F(RebuildQueueTest, AJobThatKillsEveryTimeIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -5,9 +5,10 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "ruminator/window_job.h"
+#include "ruminator/window/window_job.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 
 struct RenderedWindow {
   WindowJob

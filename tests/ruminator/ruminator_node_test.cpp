@@ -7,14 +7,14 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
+#include "bus/wire/submap_update.h"
 #include "test_jobs.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -466,4 +466,4 @@ TEST_F(RebuildingNodeTest, WithoutCalibrationItSaysWhatToDo) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/scale_check.h"
+#include "ruminator/model/scale_check.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using testing::TestWindow;
@@ -13,7 +13,7 @@ using testing::TestWindow;
 constexpr ScaleCheckOptions kOptions;
 
 // Everything after the image is `factor` times as large, seen from it.
-void slip(int image, double factor, ColmapModel* model) {
+void slip(int image, double factor, SparseModel* model) {
   repair_scale({.image = image, .log_ratio = -std::log(factor)}, model);
 }
 
@@ -31,7 +31,7 @@ TEST(ScaleCheck, FindsASlipAndRepairsIt) {
   const TestWindow w = testing::sideways_window(12);
   const std::vector<Track> tracks = join_tracks(w.images, w.pairs);
   for (const double factor : {3.0, 0.4}) {
-    ColmapModel model = testing::true_model(w);
+    SparseModel model = testing::true_model(w);
     slip(5, factor, &model);
     const auto found = find_slip(check_scale(w.camera, w.images, tracks, kOptions, model), kOptions);
     ASSERT_TRUE(found);
@@ -45,8 +45,8 @@ TEST(ScaleCheck, FindsASlipAndRepairsIt) {
 
 TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   TestWindow w = testing::sideways_window(12);
-  std::erase_if(w.pairs, [](const ColmapPair& p) { return p.first <= 7 && p.second > 7; });
-  ColmapModel model = testing::true_model(w);
+  std::erase_if(w.pairs, [](const ImagePair& p) { return p.first <= 7 && p.second > 7; });
+  SparseModel model = testing::true_model(w);
   model.points.clear();
   const std::vector<Track> tracks = join_tracks(w.images, w.pairs);
   triangulate_tracks(w.camera, w.images, tracks, {}, &model);
@@ -56,7 +56,7 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   EXPECT_EQ(found->points, 0);
   keep_larger_side(*found, &model);
   EXPECT_EQ(model.cam_from_world.size(), 8U);
-  for (const ColmapModel::Point& point : model.points)
+  for (const SparseModel::Point& point : model.points)
     for (const auto& [image, keypoint] : point.track) EXPECT_LE(image, 7);
   EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
 }
@@ -65,7 +65,7 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
 // `scatter` times farther or nearer, in turn.
 std::vector<ScaleCut> cuts_with_few_points(int keep, double scatter) {
   TestWindow w = testing::sideways_window(12, 0.3);
-  const ColmapModel model = testing::true_model(w);
+  const SparseModel model = testing::true_model(w);
   std::vector<Track> tracks;
   for (const Track& track : join_tracks(w.images, w.pairs)) {
     Track before, after;
@@ -99,10 +99,10 @@ TEST(ScaleCheck, AFewPointsWillDoWhereTheyAgree) {
 
 TEST(ScaleCheck, ACameraThatStandsStillHasNoScaleToLose) {
   TestWindow w = testing::sideways_window(12);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   for (int image = 0; image < 6; ++image) model.cam_from_world[image] = model.cam_from_world[0];
-  for (ColmapModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first < 6; });
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  for (SparseModel::Point& point : model.points) std::erase_if(point.track, [](const auto& o) { return o.first < 6; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   std::vector<Track> tracks = join_tracks(w.images, w.pairs);
   for (Track& track : tracks) std::erase_if(track, [](const auto& o) { return o.first < 6; });
   std::erase_if(tracks, [](const Track& track) { return track.size() < 2; });
@@ -115,4 +115,4 @@ TEST(ScaleCheck, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/sift_features.h"
+#include "ruminator/matching/sift_features.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/ruminator/test_pictures.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 cv::Mat picture() { return testing::see_plane(testing::textured_picture(1), testing::picture_camera(), SE3()); }
@@ -72,4 +72,4 @@ TEST(SiftFeatures, FindSomethingInABlurredAndDarkPicture) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/sift_matching.h"
+#include "ruminator/matching/sift_matching.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "tests/ruminator/test_pictures.h"
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 const SE3 kFirst = SyntheticScene::pose(-0.15, 0, 0, 0.05),
@@ -126,4 +126,4 @@ TEST(VerifyMatches, SurvivesPointsThatCoincideOrAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/spool.h"
+#include "ruminator/queue/spool.h"
 
 #include <gmock/gmock.h>
 #include <sys/mount.h>
@@ -10,7 +10,7 @@
 
 #include "test_jobs.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 namespace fs = std::filesystem;
@@ -242,4 +242,4 @@ TEST_F(SpoolTest, AFullDiskIsReportedAndSpoilsNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/stride_sampler.h"
+#include "ruminator/window/stride_sampler.h"
 
 #include <gmock/gmock.h>
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -88,4 +88,4 @@ TEST(StrideSampler, TheLastFrameIsAddedOnce) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

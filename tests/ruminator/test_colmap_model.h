@@ -10,6 +10,7 @@
 #include "slam/geometry/transform.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 
 class Bytes {
  public:

@@ -3,11 +3,12 @@
 
 #include <opencv2/core.hpp>
 
-#include "bus/camera_file.h"
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 namespace {
 
 constexpr int64_t kPeriodUs = 100'000;

@@ -6,11 +6,12 @@
 
 #include <atomic>
 
-#include "ruminator/build_worker.h"
-#include "ruminator/window_job.h"
+#include "ruminator/queue/build_worker.h"
+#include "ruminator/window/window_job.h"
 #include "tests/temporary_folder.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 
 // 160 x 120.
 Camera small_camera();

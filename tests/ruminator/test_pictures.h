@@ -9,6 +9,7 @@
 #include "slam/geometry/transform.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 
 inline Camera picture_camera() {
   Camera c;

@@ -8,20 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "ruminator/colmap_database.h"
-#include "ruminator/colmap_model.h"
+#include "ruminator/colmap/colmap_database.h"
+#include "ruminator/colmap/read_model.h"
 #include "slam/geometry/alignment.h"
 #include "tests/slam/synthetic_scene.h"
 
 namespace rumi::testing {
+using namespace rumi::ruminator;
 
 struct TestWindow {
   Camera camera = test_camera();
   std::vector<SE3> cam_from_world;
   std::vector<Eigen::Vector3d> points;
-  std::vector<ColmapImage> images;
+  std::vector<WindowImage> images;
   std::vector<std::vector<int>> point_of_keypoint;  // [image][keypoint], ascending
-  std::vector<ColmapPair> pairs;
+  std::vector<ImagePair> pairs;
 };
 
 // Every point in sight of a camera is a keypoint; every two images with 30 of them in common are a pair.
@@ -33,7 +34,7 @@ inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std:
   w.points = points;
   SyntheticScene random(seed);
   for (const SE3& pose : cam_from_world) {
-    ColmapImage& image = w.images.emplace_back();
+    WindowImage& image = w.images.emplace_back();
     image.name = std::to_string(w.images.size());
     std::vector<int>& of_keypoint = w.point_of_keypoint.emplace_back();
     for (size_t p = 0; p < points.size(); ++p) {
@@ -47,7 +48,7 @@ inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std:
   }
   for (size_t a = 0; a < w.images.size(); ++a) {
     for (size_t b = a + 1; b < w.images.size(); ++b) {
-      ColmapPair pair{static_cast<int>(a), static_cast<int>(b), {}};
+      ImagePair pair{static_cast<int>(a), static_cast<int>(b), {}};
       const std::vector<int>&of_a = w.point_of_keypoint[a], &of_b = w.point_of_keypoint[b];
       for (size_t i = 0, j = 0; i < of_a.size() && j < of_b.size();) {
         if (of_a[i] == of_b[j])
@@ -66,7 +67,7 @@ inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std:
 inline void spoil(TestWindow* w, double match_fraction, double pair_fraction, unsigned seed = 2) {
   constexpr size_t kWeak = 25;
   SyntheticScene random(seed);
-  for (ColmapPair& pair : w->pairs) {
+  for (ImagePair& pair : w->pairs) {
     const bool is_wrong = random.uniform(0, 1) < pair_fraction;
     if (is_wrong) pair.matches.resize(std::min(pair.matches.size(), kWeak));
     const double fraction = is_wrong ? 1.0 : match_fraction;
@@ -120,7 +121,7 @@ inline double path_length(const std::vector<SE3>& cam_from_world) {
 }
 
 // The largest distance of a camera from its true place after alignment, over the length of the true path.
-inline double worst_center_error(const TestWindow& w, const ColmapModel& model) {
+inline double worst_center_error(const TestWindow& w, const SparseModel& model) {
   std::vector<Eigen::Vector3d> found, truth;
   for (const auto& [image, pose] : model.cam_from_world) {
     found.push_back(pose.center());
@@ -134,18 +135,18 @@ inline double worst_center_error(const TestWindow& w, const ColmapModel& model) 
 }
 
 // The truth as a model: poses of all images, and the points that two of them see.
-inline ColmapModel true_model(const TestWindow& w) {
-  ColmapModel model;
+inline SparseModel true_model(const TestWindow& w) {
+  SparseModel model;
   model.fx = w.camera.fx;
   model.fy = w.camera.fy;
-  std::vector<ColmapModel::Point> points(w.points.size());
+  std::vector<SparseModel::Point> points(w.points.size());
   for (size_t p = 0; p < points.size(); ++p) points[p].position = w.points[p];
   for (size_t image = 0; image < w.images.size(); ++image) {
     model.cam_from_world[static_cast<int>(image)] = w.cam_from_world[image];
     for (size_t k = 0; k < w.point_of_keypoint[image].size(); ++k)
       points[w.point_of_keypoint[image][k]].track.emplace_back(image, k);
   }
-  for (ColmapModel::Point& point : points)
+  for (SparseModel::Point& point : points)
     if (point.track.size() >= 2) model.points.push_back(std::move(point));
   return model;
 }
@@ -157,7 +158,7 @@ inline bool sees_an_image_twice(const std::vector<std::pair<int, int>>& track) {
   return false;
 }
 
-inline bool is_identical(const ColmapModel& a, const ColmapModel& b) {
+inline bool is_identical(const SparseModel& a, const SparseModel& b) {
   if (a.cam_from_world.size() != b.cam_from_world.size() || a.points.size() != b.points.size()) return false;
   for (const auto& [image, pose] : a.cam_from_world) {
     const auto other = b.cam_from_world.find(image);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/torn_model.h"
+#include "ruminator/model/torn_model.h"
 
 #include <gtest/gtest.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using testing::TestWindow;
@@ -14,23 +14,23 @@ constexpr TearOptions kOptions;
 
 // A model as it comes out where the images from `first` on were put elsewhere: every point is seen from one side only,
 // that with more of its observations.
-ColmapModel torn_at(const TestWindow& w, int first) {
-  ColmapModel model = testing::true_model(w);
+SparseModel torn_at(const TestWindow& w, int first) {
+  SparseModel model = testing::true_model(w);
   for (auto& [image, pose] : model.cam_from_world)
     if (image >= first) pose.translation += Eigen::Vector3d(0, 0, 5);
-  for (ColmapModel::Point& point : model.points) {
+  for (SparseModel::Point& point : model.points) {
     const auto is_after = [first](const auto& o) { return o.first >= first; };
     const auto after = std::count_if(point.track.begin(), point.track.end(), is_after);
     const bool keep_after = 2 * after > static_cast<long>(point.track.size());
     std::erase_if(point.track, [&](const auto& o) { return is_after(o) != keep_after; });
   }
-  std::erase_if(model.points, [](const ColmapModel::Point& point) { return point.track.size() < 2; });
+  std::erase_if(model.points, [](const SparseModel::Point& point) { return point.track.size() < 2; });
   return model;
 }
 
 TEST(TornModel, TheTruthIsSoundWithOutliersToo) {
   TestWindow w = testing::sideways_window(12);
-  const ColmapModel truth = testing::true_model(w);
+  const SparseModel truth = testing::true_model(w);
   for (const ImageLink& link : model_links(w.pairs, truth)) EXPECT_EQ(link.severed, 0);
   EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
   testing::spoil(&w, 0.05, 0.05);
@@ -41,7 +41,7 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
   TestWindow w = testing::turning_window(14, 6);
   testing::spoil(&w, 0.02, 0.05);
   for (const int first : {4, 9}) {
-    const ColmapModel model = torn_at(w, first);
+    const SparseModel model = torn_at(w, first);
     const std::set<int> off = torn_off(model_links(w.pairs, model), kOptions, model);
     std::set<int> smaller;
     for (int image = 0; image < 14; ++image)
@@ -52,7 +52,7 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
 
 TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   const TestWindow w = testing::sideways_window(6);
-  ColmapModel model = testing::true_model(w);
+  SparseModel model = testing::true_model(w);
   std::vector<ImageLink> links;
   for (const ImageLink& link : model_links(w.pairs, model))
     if (link.second != 5) links.push_back(link);
@@ -62,8 +62,8 @@ TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
 // Images 0 to 4 and 5 to 7 hang together, strongly.
 std::vector<ImageLink> two_groups() { return {{0, 1, 80}, {1, 2, 80}, {2, 3, 80}, {3, 4, 80}, {5, 6, 80}, {6, 7, 80}}; }
 
-ColmapModel of_images(int count) {
-  ColmapModel model;
+SparseModel of_images(int count) {
+  SparseModel model;
   for (int image = 0; image < count; ++image) model.cam_from_world[image] = SE3();
   return model;
 }
@@ -103,4 +103,4 @@ TEST(TornModel, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/tracks.h"
+#include "ruminator/matching/tracks.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::Pair;
 
-std::vector<ColmapImage> images_with(const std::vector<int>& keypoints) {
-  std::vector<ColmapImage> images(keypoints.size());
+std::vector<WindowImage> images_with(const std::vector<int>& keypoints) {
+  std::vector<WindowImage> images(keypoints.size());
   for (size_t i = 0; i < images.size(); ++i) images[i].keypoints.resize(keypoints[i]);
   return images;
 }
@@ -33,8 +33,8 @@ TEST(Tracks, OfNothingAreNone) {
 
 // Keypoint 0 of image 2 is matched with both keypoints of image 0: the pairs with more matches are believed.
 TEST(Tracks, AContradictionIsLeftToTheStrongestPairs) {
-  const std::vector<ColmapImage> images = images_with({4, 4, 4});
-  const ColmapPair weak{0, 2, {{1, 0}}}, first{0, 1, {{0, 0}, {2, 2}}}, second{1, 2, {{0, 0}, {3, 3}, {2, 2}}};
+  const std::vector<WindowImage> images = images_with({4, 4, 4});
+  const ImagePair weak{0, 2, {{1, 0}}}, first{0, 1, {{0, 0}, {2, 2}}}, second{1, 2, {{0, 0}, {3, 3}, {2, 2}}};
   const auto tracks = join_tracks(images, {weak, first, second});
   EXPECT_THAT(tracks,
               ElementsAre(ElementsAre(Pair(0, 0), Pair(1, 0), Pair(2, 0)),
@@ -72,4 +72,4 @@ TEST(Tracks, AreThePoints) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -6,9 +6,9 @@
 
 #include <vector>
 
-#include "ruminator/window_sampler.h"
+#include "ruminator/window/window_sampler.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 
 inline std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
   std::vector<int64_t> list;
@@ -70,4 +70,4 @@ class WindowFeed {
   double motion_px = 5;
 };
 
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/window_job.h"
+#include "ruminator/window/window_job.h"
 
 #include <gmock/gmock.h>
 
 #include <limits>
 #include <random>
 
-#include "bus/bus.h"
-#include "bus/log_file.h"
+#include "bus/transport/bus.h"
+#include "bus/transport/log_file.h"
 #include "lcmtypes/rumi/window_job_t.hpp"
 #include "test_jobs.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::AllOf;
@@ -242,4 +242,4 @@ TEST_F(WindowJobTest, AFullDiskLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/window_matches.h"
+#include "ruminator/matching/window_matches.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/ruminator/test_pictures.h"
 #include "tests/ruminator/test_window.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::Each;
@@ -28,9 +28,9 @@ std::vector<SiftFeatures> pictures() {
   return features;
 }
 
-std::vector<std::pair<int, int>> ends(const std::vector<ColmapPair>& pairs) {
+std::vector<std::pair<int, int>> ends(const std::vector<ImagePair>& pairs) {
   std::vector<std::pair<int, int>> ends;
-  for (const ColmapPair& pair : pairs) ends.emplace_back(pair.first, pair.second);
+  for (const ImagePair& pair : pairs) ends.emplace_back(pair.first, pair.second);
   return ends;
 }
 
@@ -42,7 +42,7 @@ TEST(MatchWindow, FindsThePairsInOrder) {
     EXPECT_THAT(ends(pairs), ElementsAre(std::pair(0, 1), std::pair(0, 2), std::pair(0, 5), std::pair(1, 2),
                                          std::pair(1, 5), std::pair(2, 5), std::pair(3, 4)))
         << near;
-    for (const ColmapPair& pair : pairs) EXPECT_GE(pair.matches.size(), 15U);
+    for (const ImagePair& pair : pairs) EXPECT_GE(pair.matches.size(), 15U);
   }
   ASSERT_FALSE(fractions.empty());
   for (const double fraction : fractions) EXPECT_TRUE(fraction >= 0 && fraction <= 1) << fraction;
@@ -81,7 +81,7 @@ TEST(MatchWindow, OfNothingIsNothing) {
 
 struct PairOfImages {
   std::vector<SiftFeatures> features;
-  ColmapPair pair;
+  ImagePair pair;
 };
 
 PairOfImages see(const SE3& first, const SE3& second, double noise_px) {
@@ -111,7 +111,7 @@ TEST(Parallax, WithoutMatchesIsNone) {
   EXPECT_EQ(parallax_px(test_camera(), p.features, p.pair), 0);
 }
 
-ColmapPair pair_of(int first, int second, int matches) {
+ImagePair pair_of(int first, int second, int matches) {
   return {first, second, std::vector<std::pair<int, int>>(matches)};
 }
 
@@ -126,10 +126,10 @@ TEST(ConnectedImages, WithoutPairsAreAlone) {
 }
 
 TEST(ConnectedImages, AreOneGroupOverAnyDetour) {
-  std::vector<ColmapPair> pairs;
+  std::vector<ImagePair> pairs;
   for (int i = 99; i > 0; --i) pairs.push_back(pair_of(i - 1, i, 30));
   EXPECT_THAT(connected_images(100, pairs, 30), Each(0));
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/window_model.h"
+#include "ruminator/build/window_model.h"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include "tests/ruminator/test_window.h"
 #include "tests/temporary_folder.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -77,7 +77,7 @@ TEST(WindowModel, HasEveryImageAtItsPlace) {
 // From the images before `first` to the others a fifth of the points is seen at wrong places.
 void blur_from(int first, TestWindow* w) {
   std::map<std::pair<int, int>, int> wrong;  // keypoint elsewhere, by image and keypoint
-  for (ColmapPair& pair : w->pairs) {
+  for (ImagePair& pair : w->pairs) {
     if (pair.first >= first || pair.second < first) continue;
     std::vector<Eigen::Vector2f>& keypoints = w->images[pair.first].keypoints;
     for (auto& [a, b] : pair.matches) {
@@ -93,7 +93,7 @@ void blur_from(int first, TestWindow* w) {
 TEST(WindowModel, IsMoreThanAGapThatNothingJoinsToTheFront) {
   constexpr int kKnown = 6;  // images that front_tracker has poses of
   TestWindow w = testing::sideways_window(18);
-  std::erase_if(w.pairs, [](const ColmapPair& pair) { return pair.second - pair.first > 3; });
+  std::erase_if(w.pairs, [](const ImagePair& pair) { return pair.second - pair.first > 3; });
   blur_from(kKnown, &w);
   std::vector<Sample> front;
   for (int i = 0; i < kKnown; ++i) front.push_back({utimes_of(w)[i], true, 1, w.cam_from_world[i]});
@@ -213,7 +213,7 @@ TEST(WindowModel, SaysWhereItCannotWrite) {
 
 class Judge : public ::testing::Test {
  protected:
-  WindowModel judged(const ColmapModel& model, double rmse_px = 1, const std::vector<Sample>& front = {}) const {
+  WindowModel judged(const SparseModel& model, double rmse_px = 1, const std::vector<Sample>& front = {}) const {
     const std::vector<int64_t> utimes = utimes_of(w_);
     WindowModel candidate;
     candidate.model = model;
@@ -225,7 +225,7 @@ class Judge : public ::testing::Test {
   }
 
   TestWindow w_ = testing::sideways_window(12);
-  ColmapModel truth_ = testing::true_model(w_);
+  SparseModel truth_ = testing::true_model(w_);
 };
 
 TEST_F(Judge, AcceptsTheTruthHoweverItIsTurnedAndScaled) {
@@ -255,16 +255,16 @@ TEST_F(Judge, RefusesATurnThatGrowsAlongThePath) {
 
 TEST_F(Judge, RefusesALargeErrorAndTooFewImages) {
   EXPECT_THAT(judged(truth_, 1.6).doubt, HasSubstr("reprojection error 1.60 px"));
-  EXPECT_EQ(judged(ColmapModel()).doubt, "0 images have a pose");
+  EXPECT_EQ(judged(SparseModel()).doubt, "0 images have a pose");
   while (truth_.cam_from_world.size() > 2) truth_.cam_from_world.erase(truth_.cam_from_world.begin());
   EXPECT_EQ(judged(truth_).doubt, "2 images have a pose");
 }
 
 TEST_F(Judge, ARivalMayAddImagesButNotContradict) {
   const std::vector<int64_t> utimes = utimes_of(w_);
-  ColmapModel part = truth_;
+  SparseModel part = truth_;
   for (const int image : {0, 1, 11}) part.cam_from_world.erase(image);
-  ColmapModel rival = truth_;
+  SparseModel rival = truth_;
   const Sim3 other_from_world(3, so3_exp({1, 2, 0.5}), {4, 5, 6});
   for (auto& [image, pose] : rival.cam_from_world) pose = other_from_world.transform_camera(pose);
   EXPECT_EQ(contradiction(part, rival, utimes, {}), "");
@@ -287,4 +287,4 @@ TEST_F(Judge, ComparesWithFrontTracker) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/window_prospects.h"
+#include "ruminator/build/window_prospects.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "bus/image_codec.h"
+#include "bus/wire/image_codec.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
@@ -51,4 +51,4 @@ TEST(WindowProspects, UsefulIsWhatPlacesTheGapOrBridgesIt) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

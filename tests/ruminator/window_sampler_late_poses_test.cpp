@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Frames that the sampler is told of once more: posed afterwards, or their poses withdrawn.
-#include "ruminator/window_sampler.h"
+#include "ruminator/window/window_sampler.h"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/ruminator/window_feed.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -250,4 +250,4 @@ TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

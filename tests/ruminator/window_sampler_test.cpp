@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/window_sampler.h"
+#include "ruminator/window/window_sampler.h"
 
 #include <gmock/gmock.h>
 
 #include "tests/ruminator/window_feed.h"
 
-namespace rumi {
+namespace rumi::ruminator {
 namespace {
 
 using ::testing::ElementsAre;
@@ -327,4 +327,4 @@ TEST(WindowSampler, RelocalizationInAnotherKnownSubmapWaitsForKeyframesToShare) 
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::ruminator

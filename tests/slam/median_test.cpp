@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slam/geometry/median.h"
+#include "slam/numeric/median.h"
 
 #include <gtest/gtest.h>
 

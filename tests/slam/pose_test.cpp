@@ -3,8 +3,8 @@
 
 #include <limits>
 
-#include "slam/geometry/resection.h"
 #include "slam/optimization/pose_optimizer.h"
+#include "slam/optimization/resection.h"
 #include "synthetic_scene.h"
 
 namespace rumi {

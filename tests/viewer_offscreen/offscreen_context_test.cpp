@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_offscreen/offscreen_context.h"
+#include "viewer_offscreen/gl/offscreen_context.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <string>
 
 #include "test_map.h"
-#include "viewer_offscreen/draw_map.h"
-#include "viewer_offscreen/renderer.h"
+#include "viewer_offscreen/picture/draw_map.h"
+#include "viewer_offscreen/picture/renderer.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 namespace {
 
 class OpenGlTest : public testing::Test {
@@ -71,4 +71,4 @@ TEST_F(OpenGlTest, TheyTakeTurnsInOneProcess) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

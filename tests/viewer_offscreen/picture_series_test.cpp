@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_offscreen/picture_series.h"
+#include "viewer_offscreen/picture/picture_series.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -105,4 +105,4 @@ TEST_F(PictureSeriesTest, WithoutAVideoThereAreStillThePictures) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_offscreen/renderer.h"
+#include "viewer_offscreen/picture/renderer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <limits>
 
 #include "test_map.h"
-#include "viewer_offscreen/covisibility.h"
-#include "viewer_offscreen/draw_map.h"
-#include "viewer_offscreen/projection.h"
-#include "viewer_offscreen/timeline_strip.h"
+#include "viewer_offscreen/picture/draw_map.h"
+#include "viewer_offscreen/picture/timeline_strip.h"
+#include "viewer_offscreen/scene/covisibility.h"
+#include "viewer_offscreen/scene/projection.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 namespace {
 
 const cv::Rect kOblique(16, 52, 640, 566);
@@ -316,4 +316,4 @@ TEST(RoundLength, IsOneTwoOrFive) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

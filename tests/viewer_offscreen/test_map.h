@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 
 #include "slam/map/submap.h"
-#include "viewer_offscreen/timeline.h"
+#include "viewer_offscreen/scene/timeline.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 
 // A submap of a camera that moves along `path` (seconds -> position) and looks along the path's circle outwards, with
 // landmarks scattered around it. 30 frames a second, every tenth a keyframe.
@@ -68,4 +68,4 @@ inline std::vector<FrameNote> test_frames(double begin_s, double end_s) {
   return all;
 }
 
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

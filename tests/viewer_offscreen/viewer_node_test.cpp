@@ -9,14 +9,14 @@
 #include <memory>
 #include <opencv2/videoio.hpp>
 
-#include "bus/image_codec.h"
-#include "bus/memory_bus.h"
-#include "bus/submap_update.h"
+#include "bus/transport/memory_bus.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "test_map.h"
-#include "viewer_offscreen/palette.h"
+#include "viewer_offscreen/canvas/palette.h"
 
-namespace rumi {
+namespace rumi::viewer_offscreen {
 namespace {
 
 namespace fs = std::filesystem;
@@ -363,4 +363,4 @@ TEST_F(ViewerNodeTest, WithoutOpenGlItSaysSoAndGoesOn) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::viewer_offscreen

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "camera_driver/image_source.h"
+#include "camera_driver/open_source.h"
 #include "camera_feeder.h"
 
 namespace {
@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 // In memory: reading while feeding would hold images up where files are slow, as they are in a virtual machine.
 std::vector<rumi::image_t> read(const char* recording, size_t at_most) {
-  const rumi::OpenedSource opened = rumi::open_recording(recording, {});
+  const rumi::camera_driver::OpenedSource opened = rumi::camera_driver::open_recording(recording, {});
   if (!opened.ok()) throw std::runtime_error(opened.error);
   std::vector<rumi::image_t> images;
   while (images.size() < at_most) {

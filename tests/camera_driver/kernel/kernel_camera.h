@@ -14,6 +14,8 @@
 
 namespace rumi::testing {
 
+using namespace camera_driver;
+
 inline constexpr const char* kDevice = "/dev/video0";
 inline constexpr int kWidth = 320, kHeight = 180;
 

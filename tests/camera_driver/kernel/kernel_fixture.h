@@ -12,10 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "bus/bus.h"
+#include "bus/transport/bus.h"
 #include "camera_driver/v4l2/v4l2_source.h"
 
 namespace rumi::testing {
+
+using namespace camera_driver;
 
 inline constexpr int64_t kSecondUs = 1'000'000;
 

@@ -9,15 +9,15 @@
 #include <opencv2/core.hpp>
 
 #include "burnt_in_text.h"
-#include "bus/image_codec.h"
-#include "bus/lcm_bus.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "bus/wire/image_codec.h"
 #include "camera_driver/v4l2/pixel_format.h"
 #include "kernel_camera.h"
 #include "kernel_fixture.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
@@ -344,4 +344,4 @@ TEST_F(KernelTest, TheProcessOnLcm) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

@@ -12,15 +12,15 @@
 #include <optional>
 #include <thread>
 
-#include "bus/image_codec.h"
-#include "bus/jpeg_image.h"
-#include "bus/lcm_bus.h"
-#include "bus/process.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_image.h"
 #include "camera_feeder.h"
 #include "kernel_fixture.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
-namespace rumi {
+namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
@@ -262,4 +262,4 @@ TEST_F(LoopbackTest, TheProcessOnLcm) {
 }
 
 }  // namespace
-}  // namespace rumi
+}  // namespace rumi::camera_driver

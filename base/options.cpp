@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+namespace rumi {
+namespace {
+
+constexpr size_t kHelpColumn = 46;  // where the help text starts
+
+// The whole text or nothing: "12abc" and "" are no numbers.
+template <class T>
+bool parse_number(const std::string& text, T* value) {
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, *value);
+  return error == std::errc() && stop == end;
+}
+
+size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substitution = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substitution}));
+    }
+  }
+  return row.back();
+}
+
+std::string section_of(const std::string& key) { return key.substr(0, key.find('.')); }
+
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+std::string value_text(const std::variant<int*, double*, bool*, std::string*>& field) {
+  return std::visit(
+      [](const auto* value) {
+        if constexpr (std::is_same_v<decltype(value), const std::string*>)
+          return quoted(*value);
+        else
+          return fmt::format("{}", *value);
+      },
+      field);
+}
+
+struct FlatValue {
+  std::string key, text;
+  bool is_empty = false;  // `key:` with nothing behind it
+  int line = 0;
+};
+
+// a: {b: {c: 1}} -> a.b.c = 1. Returns what is wrong, or an empty string.
+std::string flatten(const YAML::Node& node, const std::string& key, std::vector<FlatValue>* out) {
+  const int line = node.Mark().line + 1;
+  if (node.IsMap()) {
+    for (const auto& item : node) {
+      if (!item.first.IsScalar()) return fmt::format("line {}: a key must be a plain word", line);
+      const std::string name = item.first.Scalar();
+      const std::string problem = flatten(item.second, key.empty() ? name : key + "." + name, out);
+      if (!problem.empty()) return problem;
+    }
+    return "";
+  }
+  if (key.empty()) return fmt::format("line {}: expected `section:` with `name: value` lines below it", line);
+  // A list is only a fault where the key is ours.
+  out->push_back({key, node.IsScalar() ? node.Scalar() : std::string(), node.IsNull(), line});
+  return "";
+}
+
+}  // namespace
+
+void OptionTable::insert(Entry entry) {
+  if (entry.key.find('.') == std::string::npos) throw std::logic_error("option key without a section: " + entry.key);
+  if (find(entry.key)) throw std::logic_error("option declared twice: " + entry.key);
+  entry.default_text = value_text(entry.field);
+  const bool is_text = std::holds_alternative<std::string*>(entry.field);
+  entry.initial = is_text ? *std::get<std::string*>(entry.field) : entry.default_text;
+  const std::string problem = assign(entry, entry.initial, false);
+  if (!problem.empty()) throw std::logic_error("default of an option: " + problem);
+  entries_.push_back(std::move(entry));
+}
+
+void OptionTable::add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min,
+                      int max) {
+  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}, {}});
+}
+
+void OptionTable::add(const std::string& key, double* field, const std::string& unit, const std::string& help,
+                      double min, double max) {
+  insert({key, unit, help, field, min, max, {}, {}, {}});
+}
+
+void OptionTable::add(const std::string& key, bool* field, const std::string& help) {
+  insert({key, "", help, field, 0, 0, {}, {}, {}});
+}
+
+void OptionTable::add(const std::string& key, std::string* field, const std::string& help,
+                      const std::vector<std::string>& choices) {
+  insert({key, "", help, field, 0, 0, choices, {}, {}});
+}
+
+const OptionTable::Entry* OptionTable::find(const std::string& key) const {
+  const auto it = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
+  return it == entries_.end() ? nullptr : &*it;
+}
+
+std::string OptionTable::assign(const Entry& entry, const std::string& text, bool apply) const {
+  const auto number = [&](auto* field) -> std::string {
+    auto value = *field;
+    constexpr bool is_int = std::is_same_v<decltype(value), int>;
+    // from_chars reads "nan" and "inf" too; neither is in any range.
+    const bool ok = parse_number(text, &value) && std::isfinite(static_cast<double>(value)) && value >= entry.min &&
+                    value <= entry.max;
+    if (ok && apply) *field = value;
+    if (ok) return "";
+    return fmt::format("{} = {}: expected a {} from {} to {}{}{}", entry.key, quoted(text),
+                       is_int ? "whole number" : "number", entry.min, entry.max, entry.unit.empty() ? "" : " ",
+                       entry.unit);
+  };
+  if (const auto* field = std::get_if<int*>(&entry.field)) return number(*field);
+  if (const auto* field = std::get_if<double*>(&entry.field)) return number(*field);
+  if (const auto* field = std::get_if<bool*>(&entry.field)) {
+    const bool yes = text == "true" || text == "yes" || text == "on";
+    if (!yes && text != "false" && text != "no" && text != "off")
+      return fmt::format("{} = {}: expected true or false", entry.key, quoted(text));
+    if (apply) **field = yes;
+    return "";
+  }
+  const bool chosen =
+      entry.choices.empty() || std::find(entry.choices.begin(), entry.choices.end(), text) != entry.choices.end();
+  if (!chosen)
+    return fmt::format("{} = {}: expected one of {}", entry.key, quoted(text), fmt::join(entry.choices, ", "));
+  if (apply) *std::get<std::string*>(entry.field) = text;
+  return "";
+}
+
+std::string OptionTable::unknown(const std::string& key) const {
+  const auto nearest = std::min_element(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
+    return edit_distance(a.key, key) < edit_distance(b.key, key);
+  });
+  if (nearest == entries_.end()) return fmt::format("{}: unknown option; this program has none", key);
+  return fmt::format("{}: unknown option; did you mean {}? (--help lists all)", key, nearest->key);
+}
+
+std::string OptionTable::load_yaml(const std::string& file) {
+  errno = 0;
+  std::ifstream stream(file);
+  std::stringstream text;
+  if (stream) text << stream.rdbuf();
+  // An empty file sets failbit on `text`, a folder errno on reading.
+  if (!stream.is_open() || errno != 0)
+    return fmt::format("{}: cannot be read ({}); check the name given to --config", file, std::strerror(errno));
+  return load_yaml_text(text.str(), file);
+}
+
+std::string OptionTable::load_yaml_text(const std::string& text, const std::string& name_for_errors) {
+  std::vector<FlatValue> values;
+  try {
+    const YAML::Node root = YAML::Load(text);
+    if (root.IsNull()) return "";
+    const std::string problem = flatten(root, "", &values);
+    if (!problem.empty()) return name_for_errors + ": " + problem;
+  } catch (const YAML::Exception& e) {
+    return fmt::format("{}: not valid YAML, {}", name_for_errors, e.what());
+  }
+
+  std::set<std::string> sections, seen;
+  for (const Entry& entry : entries_) sections.insert(section_of(entry.key));
+  for (const bool apply : {false, true}) {
+    for (const FlatValue& value : values) {
+      if (!sections.contains(section_of(value.key))) continue;
+      const Entry* entry = find(value.key);
+      std::string problem = entry ? assign(*entry, value.text, apply) : unknown(value.key);
+      // An empty section (`map_server:` with all its lines commented out) says nothing and harms nothing.
+      if (value.is_empty && sections.contains(value.key)) problem.clear();
+      if (problem.empty() && !apply && !seen.insert(value.key).second) problem = value.key + ": given twice";
+      if (!problem.empty()) return fmt::format("{}:{}: {}", name_for_errors, value.line, problem);
+    }
+  }
+  return "";
+}
+
+std::string OptionTable::set(const std::string& key_equals_value) {
+  const size_t equals = key_equals_value.find('=');
+  if (equals == std::string::npos) return fmt::format("--set {}: expected KEY=VALUE", key_equals_value);
+  const std::string key = key_equals_value.substr(0, equals);
+  const Entry* entry = find(key);
+  const std::string problem = entry ? assign(*entry, key_equals_value.substr(equals + 1), true) : unknown(key);
+  return problem.empty() ? "" : "--set " + problem;
+}
+
+void OptionTable::reset() {
+  for (const Entry& entry : entries_) assign(entry, entry.initial, true);
+}
+
+std::string OptionTable::range_text(const Entry& entry) const {
+  if (!entry.choices.empty()) return fmt::format("{}", fmt::join(entry.choices, " | "));
+  const bool is_number = std::holds_alternative<int*>(entry.field) || std::holds_alternative<double*>(entry.field);
+  return is_number ? fmt::format("{} .. {}", entry.min, entry.max) : "";
+}
+
+std::string OptionTable::describe(const Entry& entry) const {
+  const std::string range = range_text(entry);
+  return fmt::format("{}{}{}{}", entry.help, entry.unit.empty() ? "" : ", " + entry.unit, range.empty() ? "" : " (",
+                     range.empty() ? "" : range + ")");
+}
+
+std::string OptionTable::help() const {
+  std::string text;
+  for (const Entry& entry : entries_)
+    text += fmt::format("{:<{}} {}\n", fmt::format("  {} = {}", entry.key, entry.default_text), kHelpColumn,
+                        describe(entry));
+  return text;
+}
+
+std::string OptionTable::to_yaml() const {
+  std::vector<std::string> sections;
+  for (const Entry& entry : entries_)
+    if (std::find(sections.begin(), sections.end(), section_of(entry.key)) == sections.end())
+      sections.push_back(section_of(entry.key));
+  std::string text;
+  for (const std::string& section : sections) {
+    text += section + ":\n";
+    for (const Entry& entry : entries_) {
+      if (section_of(entry.key) != section) continue;
+      // What is below the section may have dots of its own; load_yaml puts the key together again.
+      const std::string name = entry.key.substr(section.size() + 1);
+      text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.field)), kHelpColumn,
+                          describe(entry));
+    }
+  }
+  return text;
+}
+
+}  // namespace rumi

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/process/process.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <utility>
+
+#include "base/command_line.h"
+#include "base/log.h"
+#include "base/process_name.h"
+#include "bus/transport/lcm_bus.h"
+#include "bus/transport/receive_losses.h"
+#include "lcmtypes/rumi/process_status_t.hpp"
+
+namespace rumi {
+namespace {
+
+constexpr int kMaxDispatchMs = 20;
+constexpr std::chrono::seconds kFinishTimeout{5};
+constexpr int64_t kStatusPeriodUs = 1'000'000;
+constexpr const char* kLossAdvice =
+    "the receive buffer is too small for what comes, or the machine too busy; recv_buf_size=8388608 in the LCM URL and "
+    "`sudo sysctl -w net.core.rmem_max=8388608` help";
+enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
+
+std::atomic<int> g_stop_signals = 0;
+std::atomic<int> g_finish_signals = 0;
+std::atomic<bool> g_reload = false;
+static_assert(std::atomic<int>::is_always_lock_free, "it is used in a signal handler");
+
+extern "C" void on_stop_signal(int signal) {
+  // The second one: whoever asks twice does not want to wait.
+  if (++g_stop_signals > 1) _exit(128 + signal);
+}
+
+extern "C" void on_finish_signal(int /*signal*/) { ++g_finish_signals; }
+extern "C" void on_reload_signal(int /*signal*/) { g_reload = true; }
+
+// At once: whoever starts us may ask at any time.
+void catch_finish_signal() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = on_finish_signal;
+  sigaction(SIGUSR1, &action, nullptr);
+}
+
+void catch_reload_signal() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = on_reload_signal;
+  sigaction(SIGUSR2, &action, nullptr);
+}
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = on_stop_signal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+int64_t resident_bytes() {
+  int64_t total_pages = 0, resident_pages = 0;
+  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
+  return resident_pages * sysconf(_SC_PAGESIZE);
+}
+
+struct CommonFlags {
+  std::string lcm_url = kDefaultLcmUrl;
+  ChannelNames names;
+  std::string config;
+  std::vector<std::string> settings;
+  bool verbose = false, quiet = false;
+};
+
+void add_common_flags(CommandLine& app, CommonFlags* flags) {
+  app.add_option("-l,--lcm-url", flags->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
+  app.add_option("--channel-prefix", flags->names.prefix, "put before every channel name (several robots on one bus)");
+  app.add_option("-c,--channel", flags->names.camera, "channel of the camera images")->show_default();
+  app.add_option("--config", flags->config, "YAML file with options, see below")->type_name("FILE");
+  app.add_option("--set", flags->settings, "set one option, may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      ->one_each();
+  app.add_flag("-v,--verbose", flags->verbose, "log more");
+  app.add_flag("-q,--quiet", flags->quiet, "log warnings and errors only");
+  app.set_version(version());
+}
+
+// What is wrong with --config or --set, or an empty string.
+std::string load_options(const CommonFlags& flags, OptionTable* table) {
+  if (!flags.config.empty()) {
+    const std::string problem = table->load_yaml(flags.config);
+    if (!problem.empty()) return problem;
+  }
+  for (const std::string& setting : flags.settings) {
+    const std::string problem = table->set(setting);
+    if (!problem.empty()) return problem;
+  }
+  return "";
+}
+
+// What the running node makes of changed options.
+void reload(const CommonFlags& flags, OptionTable* table, const std::function<std::string(Node&)>& on_reload,
+            Node& node) {
+  table->reset();
+  std::string problem = load_options(flags, table);
+  if (problem.empty()) problem = on_reload(node);
+  if (!problem.empty()) log_error("options read again, but not used: {}", problem);
+}
+
+void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function<void()>& on_reload) {
+  const auto step = [&] {
+    const int64_t now_us = bus.now_us();
+    const int64_t wait_ms = (node.next_tick_us(now_us) - now_us + 999) / 1000;
+    bus.dispatch(static_cast<int>(std::clamp<int64_t>(wait_ms, 0, kMaxDispatchMs)));
+    node.tick(bus.now_us());
+    if (g_reload.exchange(false)) on_reload();
+  };
+  const auto run_while = [&](const auto& condition) {
+    while (condition()) {
+      step();
+      status.tick(node, bus.now_us());
+    }
+  };
+  run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
+  bus.dispatch(0);  // what had arrived when we were asked to end, as the last images of a camera that was ended first
+  log_debug("ending");
+  if (g_stop_signals == 0) node.finish();
+  if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
+  if (g_stop_signals > 0) node.stop();
+  status.stopping(node, bus.now_us());
+  using Clock = std::chrono::steady_clock;
+  int64_t handed_on = node.handed_on();
+  for (auto deadline = Clock::now() + kFinishTimeout; !node.finished() && Clock::now() < deadline;) {
+    step();
+    if (std::exchange(handed_on, node.handed_on()) != handed_on) deadline = Clock::now() + kFinishTimeout;
+  }
+  if (!node.finished()) log_warning("not everything could be handed on before the end");
+  status.stopping(node, bus.now_us());
+}
+
+int wrong_command_line(const std::string& name, const std::string& problem) {
+  fmt::print(stderr, "{}: {}\n", name, problem);
+  return kWrongCommandLine;
+}
+
+}  // namespace
+
+int run_process(int argc, char** argv, const ProcessDescription& description) {
+  catch_finish_signal();
+  if (description.on_reload) catch_reload_signal();
+  CommandLine app(description.summary, description.name);
+  CommonFlags flags;
+  OptionTable table;
+  add_common_flags(app, &flags);
+  if (description.add_flags) description.add_flags(app);
+  if (description.add_options) description.add_options(table);
+  const std::string usage = app.help();
+  if (const std::string options = table.help(); !options.empty())
+    app.footer("Options for --config and --set, with their defaults:\n" + options);
+
+  const CommandLine::Result parsed = app.parse(argc, argv);
+  if (parsed.done) return kOk;
+  if (!parsed.error.empty()) return wrong_command_line(description.name, fmt::format("{}\n\n{}", parsed.error, usage));
+  if (const std::string problem = load_options(flags, &table); !problem.empty())
+    return wrong_command_line(description.name, problem);
+
+  start_logging(description.name, flags.verbose, flags.quiet);
+  try {
+    std::string error;
+    const ReceiveLosses losses;
+    const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
+    if (!bus) throw std::runtime_error(error);
+    catch_stop_signals();
+    const std::unique_ptr<Node> node = description.make_node(*bus);
+    StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
+    run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });
+  } catch (const std::exception& e) {
+    log_error("{}", e.what());
+    return kFailure;
+  }
+  return kOk;
+}
+
+StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)
+    : bus_(bus), name_(std::move(process_name)), count_lost_(std::move(lost)) {}
+
+void StatusPublisher::note_losses(NodeStatus* status) {
+  const int64_t lost = count_lost_ ? count_lost_() : 0;
+  const int64_t now_lost = lost - std::exchange(lost_, lost);
+  if (lost == 0) return;
+  status->detail += fmt::format("; {} datagrams lost before they were received", lost);
+  if (now_lost == 0) return;
+  status->degraded = true;
+  status->detail += fmt::format(", {} of them now: {}", now_lost, kLossAdvice);
+  if (lost == now_lost)
+    log_warning(
+        "{} datagrams, and the messages that they are parts of, were lost before they were received: {}; from "
+        "now on they are counted in the status",
+        lost, kLossAdvice);
+}
+
+void StatusPublisher::tick(Node& node, int64_t now_us) {
+  if (started_us_ == 0) started_us_ = now_us;
+  // A clock that went back (a log played again) starts a new second.
+  if (last_us_ != 0 && now_us >= last_us_ && now_us - last_us_ < kStatusPeriodUs) return;
+  publish(node, now_us, process_status_t::RUNNING);
+}
+
+void StatusPublisher::stopping(Node& node, int64_t now_us) { publish(node, now_us, process_status_t::STOPPING); }
+
+void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
+  NodeStatus node_status = node.status();
+  note_losses(&node_status);
+  process_status_t message;
+  message.utime = now_us;
+  message.process = name_;
+  message.host = host_name();
+  message.pid = getpid();
+  message.version = version();
+  message.state = state == process_status_t::RUNNING && node_status.degraded ? process_status_t::DEGRADED : state;
+  message.detail = node_status.detail;
+  message.started_utime = started_us_;
+  message.last_utime = node_status.last_utime_us;
+  message.messages_in = 0;
+  message.messages_out = bus_.published();
+  for (const ChannelCounts& counts : bus_.counts()) {
+    message.messages_in += counts.received;
+    message.channels.push_back(
+        {counts.channel, counts.received, counts.dropped, counts.undecodable, counts.queue_depth});
+  }
+  message.nchannels = static_cast<int32_t>(message.channels.size());
+  message.processing_ms = static_cast<float>(node_status.processing_ms);
+  message.cpu_s = cpu_seconds();
+  message.rss_bytes = resident_bytes();
+  bus_.publish(channels::kStatus, message);
+  last_us_ = now_us;
+}
+
+}  // namespace rumi

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the five processes have in common: flags, logging, the LCM connection, the 1 Hz status, a clean end.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/options.h"
+#include "bus/transport/bus.h"
+
+namespace rumi {
+
+class CommandLine;
+
+struct NodeStatus {
+  std::string detail;     // one line for a person
+  bool degraded = false;  // works, but detail says what does not
+  int64_t last_utime_us = 0;
+  double processing_ms = 0;  // mean per item since the last status
+};
+
+// A component: messages in, messages out. It subscribes in its constructor; all its methods run on one thread.
+class Node {
+ public:
+  virtual ~Node() = default;
+  // Called often (every 20 ms or so live, after every frame in replay) with the bus's time.
+  virtual void tick(int64_t now_us) = 0;
+  // Live: when tick() is wanted at the latest, for those who keep a pace. Messages that come in may make it sooner.
+  virtual int64_t next_tick_us(int64_t now_us) const { return now_us + 20'000; }
+  virtual NodeStatus status() = 0;
+  // The input has ended: finish what is open, publish what is unpublished. After it the bus is still dispatched until
+  // finished(): until handed_on() has not changed for 5 s, or, if the process was asked for it (SIGUSR1), for as long
+  // as it takes.
+  virtual void finish() {}
+  // The process is asked to end now (SIGINT, SIGTERM): the same, but for what may take longer than 5 s.
+  virtual void stop() { finish(); }
+  // Live: true ends the process (a camera_driver that came to the end of its dataset).
+  virtual bool done() const { return false; }
+  virtual bool finished() const { return true; }
+  // How much of what others wait for they have; another number each time they have more.
+  virtual int64_t handed_on() const { return 0; }
+};
+
+struct ProcessDescription {
+  std::string name;     // "front_tracker"
+  std::string summary;  // one or two lines for --help
+  // Adds the process's own flags to the command line (may be empty).
+  std::function<void(CommandLine&)> add_flags;
+  // Registers its options (may be empty).
+  std::function<void(OptionTable&)> add_options;
+  // Makes the node once everything is parsed; throws std::runtime_error with a message for the user if it cannot.
+  std::function<std::unique_ptr<Node>(Bus&)> make_node;
+  // SIGUSR2: --config and --set were read again, into the fields of the options. Returns what is wrong with them, or an
+  // empty string. (Not SIGHUP: a closed terminal must end the process.)
+  std::function<std::string(Node&)> on_reload;
+};
+
+// main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
+// buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set KEY=VALUE, -v, -q, -h,
+// --version. Returns the exit code: 0, 1 for a failure, 2 for a wrong command line.
+int run_process(int argc, char** argv, const ProcessDescription& description);
+
+// The 1 Hz status of a node on any bus; call after every dispatch.
+class StatusPublisher {
+ public:
+  // lost: how many datagrams found the receive buffer full so far (ReceiveLosses); nothing where there are none.
+  StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost = {});
+  void tick(Node& node, int64_t now_us);
+  void stopping(Node& node, int64_t now_us);
+
+ private:
+  void publish(Node& node, int64_t now_us, int8_t state);
+  void note_losses(NodeStatus* status);
+  Bus& bus_;
+  std::string name_;
+  int64_t started_us_ = 0;
+  int64_t last_us_ = 0;
+  std::function<int64_t()> count_lost_;
+  int64_t lost_ = 0;
+};
+
+inline constexpr const char* kDefaultLcmUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";
+
+}  // namespace rumi

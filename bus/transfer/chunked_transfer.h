@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Large payloads in chunks over a bus that may lose, repeat or reorder anything: numbered, checksummed, acknowledged,
+// re-requested. One sender object per channel pair serves any number of transfers, one at a time per receiver name.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bus/transport/bus.h"
+#include "lcmtypes/rumi/chunk_ack_t.hpp"
+#include "lcmtypes/rumi/chunk_t.hpp"
+
+namespace rumi {
+
+struct TransferOptions {
+  int chunk_bytes = 48000;          // 1000 .. 60000: one LCM datagram
+  int window_chunks = 16;           // sent ahead of the last acknowledged chunk
+  int64_t retry_us = 300'000;       // without news: the sender repeats, the receiver asks again
+  int64_t give_up_us = 60'000'000;  // without any news: the sender reports failure, the receiver forgets
+  int64_t max_payload_bytes = int64_t{4} << 30;
+};
+
+struct TransferResult {
+  int64_t transfer_id = 0;
+  bool ok = false;
+  std::string reason;    // when not ok
+  int64_t revision = 0;  // what the receiver said (see chunk_ack_t)
+};
+
+class ChunkSender {
+ public:
+  using DoneHandler = std::function<void(const TransferResult&)>;
+
+  ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
+              const TransferOptions& options = {});
+
+  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id.
+  int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
+               DoneHandler done);
+  void tick(int64_t now_us);
+  // Payloads not yet acknowledged.
+  int pending() const;
+  // Chunks and payloads that were, so far.
+  int64_t acknowledged() const { return acknowledged_; }
+
+ private:
+  struct Transfer {
+    int64_t id = 0;
+    std::string receiver;
+    int8_t kind = 0;
+    int32_t request_id = 0;
+    std::vector<uint8_t> payload;
+    int64_t checksum = 0;
+    int32_t count = 0;
+    int32_t next_to_send = 0;
+    int32_t acknowledged = 0;  // all chunks below it
+    int repeats = 0;           // since the last news
+    int64_t last_news_us = 0, last_sent_us = 0;
+    DoneHandler done;
+  };
+  void on_ack(const chunk_ack_t& ack);
+  void start(Transfer& transfer);
+  void send_window(Transfer& transfer);
+  void send_chunk(Transfer& transfer, int32_t index);
+  void finish(const std::string& receiver, const TransferResult& result);
+  Bus& bus_;
+  std::string data_channel_, name_;
+  TransferOptions options_;
+  int64_t last_id_ = 0, acknowledged_ = 0;
+  std::map<std::string, std::deque<Transfer>> queues_;  // by receiver; none is empty, the first in each is under way
+};
+
+class ChunkReceiver {
+ public:
+  struct Payload {
+    std::string sender;
+    int8_t kind = 0;
+    int32_t request_id = 0;
+    std::vector<uint8_t> bytes;
+  };
+  struct Verdict {
+    bool ok = true;
+    std::string reason;    // when not ok
+    int64_t revision = 0;  // passed to the sender
+  };
+  // Called once per completed transfer, before it is acknowledged: return only when the payload is safely stored.
+  using PayloadHandler = std::function<Verdict(const Payload&)>;
+
+  // accept_unaddressed: also take chunks whose receiver field is empty.
+  ChunkReceiver(Bus& bus, std::string data_channel, std::string ack_channel, std::string receiver_name,
+                bool accept_unaddressed, PayloadHandler handler, const TransferOptions& options = {});
+  void tick(int64_t now_us);
+  // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the
+  // first.
+  std::optional<std::pair<int, int>> progress(int32_t request_id) const;
+
+ private:
+  struct Assembly {
+    chunk_t header;                                  // of the first chunk that came, without data
+    std::map<int32_t, std::vector<uint8_t>> pieces;  // by index; grows with what arrives, not with what is announced
+    int32_t next_index = 0;                          // all below it are here
+    int32_t unacknowledged = 0;
+    int restarts = 0;  // because of a wrong checksum
+    int requests = 0;  // since the last chunk
+    int64_t last_chunk_us = 0, last_ack_us = 0;
+  };
+  struct Finished {
+    chunk_t header;
+    chunk_ack_t answer;  // repeated when asked again
+  };
+  using Id = std::pair<std::string, int64_t>;  // sender, transfer
+  void on_chunk(const chunk_t& chunk);
+  Assembly& assembly_of(const Id& id, const chunk_t& chunk);
+  void complete(const Id& id);
+  void acknowledge(Assembly& assembly, int32_t end);
+  Bus& bus_;
+  std::string ack_channel_, name_;
+  bool accept_unaddressed_;
+  PayloadHandler handler_;
+  TransferOptions options_;
+  std::map<Id, Assembly> open_;
+  std::deque<Finished> recent_;
+};
+
+}  // namespace rumi

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/transport/lcm_bus.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+#include "base/log.h"
+#include "bus/transport/handler.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kReceiveTimeoutMs = 50;        // how soon the receive thread notices that it should end
+constexpr size_t kMaxLcmChannelLength = 63;  // LCM refuses longer names
+constexpr const char* kDefaultGroup = "239.255.76.67";
+constexpr int64_t kWantedReceiveBuffer = 2097152;  // bytes; no raw 640x480 image was lost with it at up to 2000 Hz
+
+// LCM takes channel names as regular expressions; ours are plain names.
+std::string escaped(const std::string& channel) {
+  std::string regex;
+  for (const char c : channel) {
+    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '_') regex += '\\';
+    regex += c;
+  }
+  return regex;
+}
+
+bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
+
+void warn_once_about_receive_buffer(const std::string& url) {
+  static std::once_flag once;
+  std::call_once(once, [&] {
+    int64_t rmem_max = 0;
+    std::ifstream("/proc/sys/net/core/rmem_max") >> rmem_max;
+    const std::string advice = receive_buffer_advice(url, rmem_max);
+    if (!advice.empty()) log_warning("{}", advice);
+  });
+}
+
+}  // namespace
+
+std::string ChannelNames::on_wire(const std::string& channel) const {
+  return prefix + (channel == channels::kCamera ? camera : channel);
+}
+
+std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames& names, std::string* error) {
+  const size_t longest = names.on_wire(channels::kCameraToSubmap).size();
+  if (std::max(longest, names.on_wire(channels::kCamera).size()) > kMaxLcmChannelLength) {
+    *error =
+        fmt::format("--channel-prefix {} or --channel {} is too long: an LCM channel name has at most {} characters",
+                    names.prefix, names.camera, kMaxLcmChannelLength);
+    return nullptr;
+  }
+  auto lcm = std::make_unique<lcm::LCM>(url);
+  if (!lcm->good()) {
+    *error = fmt::format("the LCM bus {} cannot be opened. ", url);
+    *error += is_udpm(url) ? multicast_advice(url) : "Expected an LCM URL such as udpm://239.255.76.67:7667?ttl=0";
+    return nullptr;
+  }
+  if (is_udpm(url)) warn_once_about_receive_buffer(url);
+  return std::unique_ptr<LcmBus>(new LcmBus(url, std::move(lcm), names));
+}
+
+LcmBus::LcmBus(std::string url, std::unique_ptr<lcm::LCM> lcm, ChannelNames names)
+    : url_(std::move(url)), names_(std::move(names)), lcm_(std::move(lcm)) {}
+
+LcmBus::~LcmBus() {
+  stop_ = true;
+  if (receiver_.joinable()) receiver_.join();
+}
+
+bool LcmBus::publish_raw(const std::string& channel, std::span<const uint8_t> data) {
+  if (lcm_->publish(names_.on_wire(channel), data.data(), static_cast<unsigned>(data.size())) != 0) return false;
+  ++published_;
+  return true;
+}
+
+void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) {
+  auto subscription = std::make_unique<Subscription>();
+  subscription->bus = this;
+  subscription->queue = queue;
+  subscription->handler = std::move(handler);
+  subscription->counts.channel = channel;
+  Subscription* added = subscription.get();
+  {
+    const std::lock_guard lock(mutex_);
+    subscriptions_.push_back(std::move(subscription));
+  }
+  using Callback = void (*)(const lcm::ReceiveBuffer*, const std::string&, Subscription*);
+  const Callback callback = [](const lcm::ReceiveBuffer* buffer, const std::string&, Subscription* to) {
+    to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+  };
+  lcm::Subscription* lcm_subscription = lcm_->subscribeFunction(escaped(names_.on_wire(channel)), callback, added);
+  if (!lcm_subscription)
+    throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));
+  // Unlimited: the receive thread empties it at once, and ours is the one that is bounded and counted.
+  lcm_subscription->setQueueCapacity(0);
+  if (!receiver_.joinable()) receiver_ = std::thread(&LcmBus::receive, this);
+}
+
+void LcmBus::receive() {
+  while (!stop_) {
+    if (lcm_->handleTimeout(kReceiveTimeoutMs) >= 0) continue;
+    log_debug("LCM could not receive; trying again");
+    std::this_thread::sleep_for(std::chrono::milliseconds(kReceiveTimeoutMs));
+  }
+}
+
+void LcmBus::enqueue(Subscription& subscription, std::span<const uint8_t> data) {
+  Message message{0, {data.begin(), data.end()}};
+  {
+    const std::lock_guard lock(mutex_);
+    ++subscription.counts.received;
+    const bool full = static_cast<int>(subscription.waiting.size()) >= std::max(1, subscription.queue.capacity);
+    if (full) {
+      ++subscription.counts.dropped;
+      if (subscription.queue.drop == DropPolicy::kDropNewest) return;
+      subscription.waiting.pop_front();
+      --waiting_;
+    }
+    message.sequence = next_sequence_++;
+    subscription.waiting.push_back(std::move(message));
+    ++waiting_;
+  }
+  arrived_.notify_one();
+}
+
+// The subscription with the oldest message that arrived before `sequence`; mutex_ is held.
+LcmBus::Subscription* LcmBus::next_before(int64_t sequence) {
+  Subscription* next = nullptr;
+  for (const auto& subscription : subscriptions_) {
+    if (subscription->waiting.empty() || subscription->waiting.front().sequence >= sequence) continue;
+    sequence = subscription->waiting.front().sequence;
+    next = subscription.get();
+  }
+  return next;
+}
+
+int LcmBus::dispatch(int timeout_ms) {
+  std::unique_lock lock(mutex_);
+  arrived_.wait_for(lock, std::chrono::milliseconds(timeout_ms), [&] { return waiting_ > 0; });
+  const int64_t end = next_sequence_;
+  int handled = 0;
+  while (Subscription* subscription = next_before(end)) {
+    const Message message = std::move(subscription->waiting.front());
+    subscription->waiting.pop_front();
+    --waiting_;
+    ++handled;
+    lock.unlock();
+    const bool decoded = handle_safely(subscription->handler, subscription->counts.channel, message.data);
+    lock.lock();
+    if (!decoded) ++subscription->counts.undecodable;
+  }
+  return handled;
+}
+
+int64_t LcmBus::now_us() const {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+std::vector<ChannelCounts> LcmBus::counts() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<ChannelCounts> all;
+  for (const auto& subscription : subscriptions_) {
+    all.push_back(subscription->counts);
+    all.back().queue_depth = static_cast<int>(subscription->waiting.size());
+  }
+  return all;
+}
+
+std::string multicast_advice(const std::string& url) {
+  const size_t start = url.find("://");
+  std::string group = start == std::string::npos ? "" : url.substr(start + 3);
+  group = group.substr(0, group.find_first_of(":?/"));
+  if (group.empty()) group = kDefaultGroup;
+  return fmt::format(
+      "Is there a multicast route? On one machine these two commands set it up:\n"
+      "  sudo ip link set lo multicast on\n"
+      "  sudo ip route add {}/32 dev lo",
+      group);
+}
+
+std::string receive_buffer_advice(const std::string& url, int64_t rmem_max) {
+  const std::string key = "recv_buf_size=";
+  const size_t at = url.find(key);
+  if (at == std::string::npos)
+    return fmt::format("the LCM URL {} has no recv_buf_size: raw images may be lost; add `recv_buf_size={}` to it", url,
+                       kWantedReceiveBuffer);
+  const int64_t wanted = std::strtoll(url.c_str() + at + key.size(), nullptr, 10);
+  if (rmem_max <= 0 || wanted <= rmem_max) return "";
+  return fmt::format(
+      "the kernel limits receive buffers to {} bytes, {} are wanted: large images may be lost when the machine is "
+      "busy; "
+      "`sudo sysctl -w net.core.rmem_max={}` helps",
+      rmem_max, wanted, wanted);
+}
+
+}  // namespace rumi

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The bus on lcm log files: what is dispatched comes from one, what is published goes into another.
+#pragma once
+
+#include <map>
+#include <memory>
+
+#include "bus/transport/bus.h"
+#include "bus/transport/log_file.h"
+
+namespace rumi {
+
+class LogBus : public Bus {
+ public:
+  // Either may be null: nothing to dispatch, or publish_raw fails.
+  LogBus(std::unique_ptr<LogReader> in, std::unique_ptr<LogWriter> out);
+
+  bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
+  void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override;
+  // Delivers the next event that somebody subscribed to: returns 1, or 0 at the end (see LogReader::error). Nothing
+  // waits and nothing is dropped; timeout_ms is not used.
+  int dispatch(int timeout_ms = 0) override;
+  // Time of the last event delivered.
+  int64_t now_us() const override { return now_us_; }
+  std::vector<ChannelCounts> counts() const override;
+  int64_t published() const override { return published_; }
+
+  void set_now_us(int64_t now_us) { now_us_ = now_us; }
+  bool ended() const { return ended_; }
+  // Empty, or why reading ended before the end of the file.
+  std::string read_error() const { return in_ ? in_->error() : ""; }
+
+ private:
+  struct Channel {
+    std::vector<RawHandler> handlers;
+    ChannelCounts counts;
+  };
+  std::unique_ptr<LogReader> in_;
+  std::unique_ptr<LogWriter> out_;
+  std::map<std::string, Channel> channels_;
+  int64_t now_us_ = 0;
+  int64_t published_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace rumi

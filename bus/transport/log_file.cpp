@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/transport/log_file.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace rumi {
+namespace {
+
+// An event, big endian: int32 sync, int64 number, int64 time, int32 channel length, int32 data length, channel, data.
+// Read here and not by LCM, which cannot tell the end of a file from damage and believes any length.
+constexpr uint32_t kSync = 0xEDA1DA01;
+constexpr size_t kHeaderBytes = 28;
+constexpr uint32_t kMaxChannelLength = 1000;  // LCM's own limit in logs
+
+uint64_t big_endian(const uint8_t* bytes, int count) {
+  uint64_t value = 0;
+  for (int i = 0; i < count; ++i) value = value << 8 | bytes[i];
+  return value;
+}
+
+}  // namespace
+
+bool is_lcm_log(const std::string& file) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> f(std::fopen(file.c_str(), "rb"), &std::fclose);
+  std::array<uint8_t, 4> start{};
+  return f && std::fread(start.data(), 1, start.size(), f.get()) == start.size() &&
+         big_endian(start.data(), 4) == kSync;
+}
+
+LogReader::LogReader(const std::string& file) : name_(file), file_(std::fopen(file.c_str(), "rb")) {
+  struct stat info {};
+  if (!file_)
+    error_ = fmt::format("{}: cannot be opened ({})", file, std::strerror(errno));
+  else if (fstat(fileno(file_.get()), &info) != 0 || !S_ISREG(info.st_mode))
+    error_ = file + ": is not a file";
+  size_ = info.st_size;
+}
+
+std::optional<LogEvent> LogReader::next() { return read(nullptr); }
+std::optional<LogEvent> LogReader::next_on(const std::string& channel) { return read(&channel); }
+
+std::nullopt_t LogReader::fail(const std::string& reason) {
+  error_ =
+      fmt::format("{}: damaged at byte {}, {}; the {} events before it are good", name_, position_, reason, events_);
+  return std::nullopt;
+}
+
+std::optional<LogEvent> LogReader::read(const std::string* only_channel) {
+  while (error_.empty() && position_ < size_) {
+    std::array<uint8_t, kHeaderBytes> header{};
+    if (std::fread(header.data(), 1, header.size(), file_.get()) != header.size())
+      return fail("it ends in the middle of an event");
+    if (big_endian(header.data(), 4) != kSync)
+      return fail(events_ == 0 ? "this is not an lcm log" : "no event begins here");
+    const auto channel_length = static_cast<uint32_t>(big_endian(&header[20], 4));
+    const auto data_length = static_cast<uint32_t>(big_endian(&header[24], 4));
+    const int64_t end = position_ + static_cast<int64_t>(kHeaderBytes) + channel_length + data_length;
+    if (channel_length == 0 || channel_length > kMaxChannelLength || data_length > INT32_MAX)
+      return fail("a length makes no sense");
+    if (end > size_) return fail("it ends in the middle of an event");
+
+    LogEvent event{static_cast<int64_t>(big_endian(&header[12], 8)), std::string(channel_length, '\0'), {}};
+    if (std::fread(event.channel.data(), 1, channel_length, file_.get()) != channel_length)
+      return fail("it cannot be read");
+    const bool wanted = !only_channel || event.channel == *only_channel;
+    if (wanted) event.data.resize(data_length);
+    const bool ok = wanted ? std::fread(event.data.data(), 1, data_length, file_.get()) == data_length
+                           : fseeko(file_.get(), end, SEEK_SET) == 0;
+    if (!ok) return fail("it cannot be read");
+    position_ = end;
+    ++events_;
+    if (wanted) return event;
+  }
+  return std::nullopt;
+}
+
+LogWriter::LogWriter(const std::string& file) : name_(file), log_(std::make_unique<lcm::LogFile>(file, "w")) {
+  if (log_->good()) return;
+  error_ = fmt::format("{}: cannot be created ({})", file, std::strerror(errno));
+  log_.reset();
+}
+
+LogWriter::~LogWriter() { close(); }
+
+bool LogWriter::write(int64_t utime_us, const std::string& channel, std::span<const uint8_t> data) {
+  if (!log_ || !error_.empty()) return false;
+  lcm::LogEvent event{};
+  event.timestamp = utime_us;
+  event.channel = channel;
+  event.datalen = static_cast<int32_t>(data.size());
+  event.data = const_cast<uint8_t*>(data.data());  // LCM only reads it
+  errno = 0;
+  if (log_->writeEvent(&event) == 0) return true;
+  error_ = fmt::format("{}: cannot be written ({})", name_, std::strerror(errno));
+  return false;
+}
+
+bool LogWriter::close() {
+  if (log_ && std::fflush(log_->getFilePtr()) != 0 && error_.empty())
+    error_ = fmt::format("{}: cannot be written ({})", name_, std::strerror(errno));
+  log_.reset();
+  return error_.empty();
+}
+
+}  // namespace rumi

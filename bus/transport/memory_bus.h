@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Everything in one process, one thread, in order: what replay and the tests run on. Its clock is set by whoever drives
+// it.
+#pragma once
+
+#include <deque>
+#include <map>
+
+#include "bus/transport/bus.h"
+
+namespace rumi {
+
+class MemoryBus : public Bus {
+ public:
+  bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
+  void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override;
+  // Runs handlers until no message waits, those published by handlers included; timeout_ms is not used. Queues are
+  // unbounded here: nothing is ever dropped, so that a replay sees every message.
+  int dispatch(int timeout_ms = 0) override;
+  int64_t now_us() const override { return now_us_; }
+  std::vector<ChannelCounts> counts() const override;
+  int64_t published() const override { return published_; }
+
+  void set_now_us(int64_t now_us) { now_us_ = now_us; }
+  // Sees every message as it is published (to record a log, to count, to disturb in tests); false: the message is lost.
+  void set_tap(std::function<bool(const std::string& channel, std::span<const uint8_t>)> tap) { tap_ = std::move(tap); }
+
+ private:
+  struct Channel {
+    std::vector<RawHandler> handlers;
+    ChannelCounts counts;
+  };
+  std::map<std::string, Channel> channels_;
+  std::deque<std::pair<std::string, std::vector<uint8_t>>> queue_;
+  std::function<bool(const std::string&, std::span<const uint8_t>)> tap_;
+  int64_t now_us_ = 0;
+  int64_t published_ = 0;
+};
+
+}  // namespace rumi

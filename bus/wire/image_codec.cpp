@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/wire/image_codec.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "bus/wire/jpeg_decoder.h"
+
+namespace rumi {
+namespace {
+
+constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
+
+// Bytes per pixel of the raw formats, 0 for JPEG, negative for one we do not know.
+int bytes_per_pixel(int32_t pixelformat) {
+  switch (pixelformat) {
+    case image_t::PIXEL_FORMAT_GRAY:
+      return 1;
+    case image_t::PIXEL_FORMAT_RGB:
+      return 3;
+    case image_t::PIXEL_FORMAT_YUYV:
+      return 2;
+    case image_t::PIXEL_FORMAT_MJPEG:
+      return 0;
+    default:
+      return -1;
+  }
+}
+
+std::string check_jpeg(const image_t& image) {
+  if (image.size == 0) return "size is 0: no JPEG data";
+  JpegSize size;
+  std::string error;
+  if (!inspect_jpeg(image.data, &size, &error)) return error;
+  // Before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
+  if (size.width == image.width && size.height == image.height) return {};
+  return fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size.width, size.height, image.width,
+                     image.height);
+}
+
+// The message's pixels without a copy; valid as long as the message.
+cv::Mat view(const image_t& image, int type) {
+  return {image.height, image.width, type, const_cast<uint8_t*>(image.data.data()),
+          static_cast<size_t>(image.row_stride)};
+}
+
+image_t make_raw(int64_t utime_us, const cv::Mat& pixels, int32_t pixelformat) {
+  image_t image;
+  image.utime = utime_us;
+  image.width = pixels.cols;
+  image.height = pixels.rows;
+  image.row_stride = static_cast<int32_t>(pixels.cols * pixels.elemSize());
+  image.pixelformat = pixelformat;
+  image.data.resize(static_cast<size_t>(image.row_stride) * pixels.rows);
+  pixels.copyTo(cv::Mat(pixels.rows, pixels.cols, pixels.type(), image.data.data()));
+  image.size = static_cast<int32_t>(image.data.size());
+  image.nmetadata = 0;
+  return image;
+}
+
+}  // namespace
+
+// Nothing is read before all this holds: messages come from the network.
+std::string check_image(const image_t& image) {
+  const int bytes = bytes_per_pixel(image.pixelformat);
+  if (bytes < 0)
+    return fmt::format("pixelformat is {}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
+                       int{image_t::PIXEL_FORMAT_GRAY}, int{image_t::PIXEL_FORMAT_RGB},
+                       int{image_t::PIXEL_FORMAT_MJPEG}, int{image_t::PIXEL_FORMAT_YUYV});
+  if (image.width < 1 || image.width > kMaxSide)
+    return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
+  if (image.height < 1 || image.height > kMaxSide)
+    return fmt::format("height is {}: must be 1 to {}", image.height, kMaxSide);
+  if (image.size < 0 || static_cast<size_t>(image.size) != image.data.size())
+    return fmt::format("size is {} but data has {} bytes", image.size, image.data.size());
+  if (bytes == 0) return check_jpeg(image);
+  if (image.pixelformat == image_t::PIXEL_FORMAT_YUYV && image.width % 2 != 0)
+    return fmt::format("width is {}: must be even for YUYV", image.width);
+  const int64_t row = int64_t{image.width} * bytes;
+  if (image.row_stride < row)
+    return fmt::format("row_stride is {}: must be at least {} for a width of {}", image.row_stride, row, image.width);
+  // The last row may lack its padding.
+  const int64_t needed = int64_t{image.row_stride} * (image.height - 1) + row;
+  if (image.size < needed)
+    return fmt::format("size is {}: must be at least {} for {} rows of {} bytes", image.size, needed, image.height,
+                       image.row_stride);
+  return {};
+}
+
+namespace {
+
+cv::Mat decode(const image_t& image, bool grey, std::string* error) {
+  std::string ignored;
+  if (!error) error = &ignored;
+  *error = check_image(image);
+  if (!error->empty()) return {};
+  cv::Mat out;
+  switch (image.pixelformat) {
+    case image_t::PIXEL_FORMAT_MJPEG:
+      return decode_jpeg(image.data, grey, error);
+    case image_t::PIXEL_FORMAT_RGB:
+      cv::cvtColor(view(image, CV_8UC3), out, grey ? cv::COLOR_RGB2GRAY : cv::COLOR_RGB2BGR);
+      return out;
+    case image_t::PIXEL_FORMAT_YUYV:
+      cv::cvtColor(view(image, CV_8UC2), out, grey ? cv::COLOR_YUV2GRAY_YUYV : cv::COLOR_YUV2BGR_YUYV);
+      return out;
+    default:
+      if (grey) return view(image, CV_8UC1).clone();
+      cv::cvtColor(view(image, CV_8UC1), out, cv::COLOR_GRAY2BGR);
+      return out;
+  }
+}
+
+}  // namespace
+
+cv::Mat decode_grey(const image_t& image, std::string* error) { return decode(image, true, error); }
+cv::Mat decode_reduced_grey(const image_t& image, int reduction, std::string* error) {
+  if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
+    std::string problem = check_image(image);
+    cv::Mat reduced;
+    if (problem.empty()) reduced = decode_jpeg(image.data, true, &problem, reduction);
+    if (error) *error = problem;
+    return reduced;
+  }
+  const cv::Mat grey = decode_grey(image, error);
+  if (grey.empty() || reduction == 1) return grey;
+  const cv::Size size((grey.cols + reduction - 1) / reduction, (grey.rows + reduction - 1) / reduction);
+  cv::Mat reduced;
+  cv::resize(grey, reduced, size, 0, 0, cv::INTER_AREA);
+  return reduced;
+}
+
+cv::Mat decode_bgr(const image_t& image, std::string* error) { return decode(image, false, error); }
+
+image_t make_grey_image(int64_t utime_us, const cv::Mat& grey) {
+  CV_Assert(grey.type() == CV_8UC1);
+  return make_raw(utime_us, grey, image_t::PIXEL_FORMAT_GRAY);
+}
+
+image_t make_rgb_image(int64_t utime_us, const cv::Mat& bgr) {
+  CV_Assert(bgr.type() == CV_8UC3);
+  cv::Mat rgb;
+  cv::cvtColor(bgr, rgb, cv::COLOR_BGR2RGB);
+  return make_raw(utime_us, rgb, image_t::PIXEL_FORMAT_RGB);
+}
+
+image_t wrap_jpeg(int64_t utime_us, int width, int height, std::vector<uint8_t> jpeg) {
+  image_t image;
+  image.utime = utime_us;
+  image.width = width;
+  image.height = height;
+  image.row_stride = 0;
+  image.pixelformat = image_t::PIXEL_FORMAT_MJPEG;
+  image.size = static_cast<int32_t>(jpeg.size());
+  image.data = std::move(jpeg);
+  image.nmetadata = 0;
+  return image;
+}
+
+std::string metadata(const image_t& image, const std::string& key) {
+  for (const image_metadata_t& entry : image.metadata)
+    if (entry.key == key) return {entry.value.begin(), entry.value.end()};
+  return {};
+}
+
+void set_metadata(image_t* image, const std::string& key, const std::string& value) {
+  auto entry = std::find_if(image->metadata.begin(), image->metadata.end(),
+                            [&key](const image_metadata_t& m) { return m.key == key; });
+  if (entry == image->metadata.end()) {
+    image->metadata.emplace_back();
+    entry = image->metadata.end() - 1;
+    entry->key = key;
+  }
+  entry->value.assign(value.begin(), value.end());
+  entry->n = static_cast<int32_t>(value.size());
+  image->nmetadata = static_cast<int32_t>(image->metadata.size());
+}
+
+}  // namespace rumi

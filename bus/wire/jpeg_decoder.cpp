@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/wire/jpeg_decoder.h"
+
+#include <csetjmp>
+#include <cstdio>
+
+// After <cstdio>, which it needs and does not include.
+#include <jpeglib.h>
+// After jpeglib.h.
+#include <jerror.h>
+
+namespace rumi {
+namespace {
+
+// Webcams are known to leave a few stray bytes before a marker; more of them is damage.
+constexpr int kTolerableStrayBytes = 16;
+constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
+
+struct ErrorManager {
+  jpeg_error_mgr base;  // first: libjpeg hands back a pointer to it
+  jmp_buf escape;
+  char message[JMSG_LENGTH_MAX];
+};
+
+ErrorManager* manager_of(j_common_ptr info) { return reinterpret_cast<ErrorManager*>(info->err); }
+
+void fail(j_common_ptr info) {
+  info->err->format_message(info, manager_of(info)->message);
+  longjmp(manager_of(info)->escape, 1);
+}
+
+void on_message(j_common_ptr info, int level) {
+  const bool warning = level < 0;
+  const bool stray = info->err->msg_code == JWRN_EXTRANEOUS_DATA && info->err->msg_parm.i[0] <= kTolerableStrayBytes;
+  if (warning && !stray) fail(info);
+}
+
+// Only trivial locals here: an error leaves by longjmp, which runs no destructors. `out` belongs to the caller.
+bool decode_into(std::span<const uint8_t> data, bool grey, int reduction, cv::Mat& out, ErrorManager& errors) {
+  jpeg_decompress_struct jpeg;
+  jpeg.err = jpeg_std_error(&errors.base);
+  errors.base.error_exit = fail;
+  errors.base.emit_message = on_message;
+  if (setjmp(errors.escape)) {
+    jpeg_destroy_decompress(&jpeg);
+    return false;
+  }
+  jpeg_create_decompress(&jpeg);
+  jpeg_mem_src(&jpeg, data.data(), data.size());
+  jpeg_read_header(&jpeg, TRUE);
+  jpeg.out_color_space = grey ? JCS_GRAYSCALE : JCS_EXT_BGR;
+  jpeg.scale_num = 1;
+  jpeg.scale_denom = static_cast<unsigned>(reduction);
+  jpeg_start_decompress(&jpeg);
+  while (jpeg.output_scanline < jpeg.output_height) {
+    JSAMPROW row = out.ptr(static_cast<int>(jpeg.output_scanline));
+    jpeg_read_scanlines(&jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&jpeg);
+  jpeg_destroy_decompress(&jpeg);
+  return true;
+}
+
+bool corrupt(const char* why, std::string* error) {
+  *error = std::string("corrupt JPEG (") + why + ")";
+  return false;
+}
+
+}  // namespace
+
+bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error) {
+  size_t end = data.size();
+  while (end > 0 && data[end - 1] == 0) --end;
+  if (end < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker", error);
+  if (data[end - 2] != 0xFF || data[end - 1] != 0xD9) return corrupt("truncated: no end marker", error);
+  for (size_t at = 2; at + 9 < end;) {
+    if (data[at] != 0xFF) return corrupt("a marker was expected", error);
+    const uint8_t marker = data[at + 1];
+    if (marker == 0xFF) {  // fill byte
+      ++at;
+      continue;
+    }
+    const bool is_frame = marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC;
+    if (is_frame) {
+      size->height = data[at + 5] << 8 | data[at + 6];
+      size->width = data[at + 7] << 8 | data[at + 8];
+      if (size->width > 0 && size->height > 0) return true;
+      return corrupt("its size is 0", error);
+    }
+    if (marker == 0xDA) break;  // pixels before a frame header
+    at += 2 + static_cast<size_t>(data[at + 2] << 8 | data[at + 3]);
+  }
+  return corrupt("no frame header", error);
+}
+
+cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error, int reduction) {
+  CV_Assert(reduction == 1 || reduction == 2 || reduction == 4 || reduction == 8);
+  JpegSize size;
+  if (!inspect_jpeg(data, &size, error)) return {};
+  if (size.width > kMaxSide || size.height > kMaxSide) {
+    corrupt("more than 16384 pixels wide or high", error);
+    return {};
+  }
+  const auto reduced = [reduction](int side) { return (side + reduction - 1) / reduction; };
+  cv::Mat out(reduced(size.height), reduced(size.width), grey ? CV_8UC1 : CV_8UC3);
+  ErrorManager errors{};
+  if (decode_into(data, grey, reduction, out, errors)) return out;
+  corrupt(errors.message, error);
+  return {};
+}
+
+}  // namespace rumi

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/open_source.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+
+#include "bus/transport/log_file.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/recording/file_list.h"
+#include "camera_driver/recording/recorded_source.h"
+#include "camera_driver/v4l2/v4l2_source.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kWhatToGive = "give a dataset folder (TUM, EuRoC), an image folder, a video or an lcm log";
+constexpr const char* kHowToRecord = "make one with camera_driver and lcm-logger";
+
+bool is_there(const fs::path& file) {
+  std::error_code code;
+  return fs::exists(file, code);
+}
+
+// A trailing slash would make parent_path() the folder itself.
+fs::path without_slash(const std::string& input) {
+  const fs::path path = fs::path(input).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
+}
+
+// data.csv of an EuRoC folder, however much of its path is given; empty if it is none.
+fs::path find_euroc_list(const fs::path& folder) {
+  for (const char* inner : {"mav0/cam0/data.csv", "cam0/data.csv", "data.csv"})
+    if (is_there(folder / inner)) return folder / inner;
+  return {};
+}
+
+// The calibration in the metadata of the first readable image of a log, or an empty string.
+std::string calibration_in_log(FrameReader& reader) {
+  std::string ignored, calibration;
+  while (reader.advance()) {
+    const std::optional<image_t> image = reader.load(false, &ignored);
+    if (!image) continue;
+    calibration = metadata(*image, kCalibrationKey);
+    break;
+  }
+  reader.rewind();
+  return calibration;
+}
+
+CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
+                             const std::string& input) {
+  if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
+  for (const fs::path& file : candidates)
+    if (is_there(file)) return read_camera_file(file.string());
+  CameraFileResult missing;
+  missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there", input,
+                              candidates.front().string());
+  return missing;
+}
+
+// Folder recordings: calibration first, because a folder of images may need its fps.
+struct Opened {
+  OpenedReader reader;
+  CameraFileResult camera;
+};
+
+Opened from_list(FileList list, CameraFileResult camera) {
+  if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
+  return {{make_file_list_reader(std::move(list)), ""}, std::move(camera)};
+}
+
+Opened open_folder(const fs::path& folder, const CameraOptions& options) {
+  const std::string name = folder.string();
+  const fs::path calibration = folder / "calibration.yaml";
+  if (is_there(folder / "rgb.txt"))
+    return from_list(read_tum_list(folder / "rgb.txt"), find_camera(options, {calibration}, name));
+  if (const fs::path list = find_euroc_list(folder); !list.empty()) {
+    const fs::path cam0 = list.parent_path();
+    return from_list(read_euroc_list(list),
+                     find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name));
+  }
+  CameraFileResult camera = find_camera(options, {calibration, folder.parent_path() / "calibration.yaml"}, name);
+  const double rate_hz = options.rate_hz > 0 ? options.rate_hz : camera.ok() ? camera.camera.fps : 0;
+  FileList list = list_image_folder(folder, rate_hz);
+  if (list.error.empty() && list.entries.empty())
+    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images; {}", name, kWhatToGive);
+  return from_list(std::move(list), std::move(camera));
+}
+
+Opened open_file(const fs::path& file, const CameraOptions& options) {
+  std::error_code code;
+  if (fs::file_size(file, code) == 0)
+    return {{nullptr, fmt::format("{}: is empty; {}", file.string(), kWhatToGive)}, {}};
+  const bool log = is_lcm_log(file.string());
+  OpenedReader opened = log ? open_log(file, options.log_channel) : open_video(file);
+  if (!opened.error.empty()) return {std::move(opened), {}};
+  CameraFileResult camera;
+  const std::string in_log = log && options.camera_file.empty() ? calibration_in_log(*opened.reader) : "";
+  camera = in_log.empty() ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
+                          : parse_camera(in_log, file.string() + " (calibration in its images)");
+  return {std::move(opened), std::move(camera)};
+}
+
+Opened open_any(const std::string& input, const CameraOptions& options) {
+  const auto refuse = [&input](const std::string& why) { return Opened{{nullptr, input + ": " + why}, {}}; };
+  if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
+  const fs::path path = without_slash(input);
+  std::error_code code;
+  const fs::file_status status = fs::status(path, code);
+  if (fs::is_directory(status)) return open_folder(path, options);
+  if (fs::is_regular_file(status)) return open_file(path, options);
+  if (fs::exists(status)) return refuse(std::string("is neither a file nor a folder; ") + kWhatToGive);
+  return refuse(std::string("no such file or folder; ") + kWhatToGive);
+}
+
+}  // namespace
+
+bool is_camera(const std::string& input) {
+  std::error_code code;
+  return names_camera(input) || fs::is_character_file(input, code);
+}
+
+OpenedReader open_frames(const std::string& input, const CameraOptions& options) {
+  return open_any(input, options).reader;
+}
+
+OpenedSource open_image_source(const std::string& input, const CameraOptions& options) {
+  if (!is_camera(input)) return open_recording(input, options);
+  if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
+  return open_camera(kernel_video_system(), input, options);
+}
+
+OpenedSource open_recording(const std::string& input, const CameraOptions& options) {
+  if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
+  Opened opened = open_any(input, options);
+  if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
+  if (!opened.camera.ok()) return {nullptr, opened.camera.error};
+  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera.camera, options);
+  if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
+  return {std::move(source), ""};
+}
+
+}  // namespace rumi::camera_driver

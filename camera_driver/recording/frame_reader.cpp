@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/frame_reader.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_decoder.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
+
+std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) {
+    *error = fs::exists(file, code) ? "is not a file" : "no such file";
+    return std::nullopt;
+  }
+  const std::uintmax_t size = fs::file_size(file, code);
+  if (code || size > kMaxFileBytes) {
+    *error = code ? code.message() : fmt::format("is {} bytes long: not a camera image", size);
+    return std::nullopt;
+  }
+  std::vector<uint8_t> bytes(size);
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
+    *error = "cannot be read; check its permissions";
+    return std::nullopt;
+  }
+  if (bytes.empty()) {
+    *error = "is empty";
+    return std::nullopt;
+  }
+  return bytes;
+}
+
+bool looks_like_jpeg(const std::vector<uint8_t>& bytes) {
+  return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+}  // namespace
+
+std::optional<image_t> load_image_file(const fs::path& file, bool colour, std::string* error) {
+  std::optional<std::vector<uint8_t>> bytes = read_file(file, error);
+  if (!bytes) return std::nullopt;
+  if (looks_like_jpeg(*bytes)) {
+    JpegSize size;
+    if (!inspect_jpeg(*bytes, &size, error)) return std::nullopt;
+    return wrap_jpeg(0, size.width, size.height, std::move(*bytes));
+  }
+  cv::Mat pixels;
+  try {
+    const int wanted = colour ? cv::IMREAD_ANYCOLOR : cv::IMREAD_GRAYSCALE;
+    pixels = cv::imdecode(*bytes, wanted | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    pixels.release();
+  }
+  if (pixels.empty()) {
+    *error = "is corrupt, or not an image";
+    return std::nullopt;
+  }
+  return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
+}
+
+}  // namespace rumi::camera_driver

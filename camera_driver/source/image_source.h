@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where images come from: one interface, whatever the recording or the camera.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "camera_driver/source/camera_options.h"
+#include "lcmtypes/rumi/image_t.hpp"
+#include "slam/geometry/camera.h"
+
+namespace rumi::camera_driver {
+
+// Frames that are not handed out, by reason.
+struct SkippedFrames {
+  int64_t malformed = 0;     // lines or messages that are no frame
+  int64_t duplicate = 0;     // time equal to that of the frame before
+  int64_t out_of_order = 0;  // time before that of the frame before
+  int64_t unreadable = 0;    // missing or corrupt
+  int64_t wrong_size = 0;    // not that of the calibration
+  int64_t lost = 0;          // camera: gaps in the driver's numbering
+  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + lost; }
+  std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
+};
+
+// How a camera does.
+struct LiveState {
+  std::string problem;  // why there are no images now, and what to do; empty: there are
+  double rate_hz = 0;   // measured; 0: not yet
+  bool ended = false;   // after options.duration_s
+};
+
+class ImageSource {
+ public:
+  virtual ~ImageSource() = default;
+
+  // The next image, ready to publish: utime rising strictly, encoded, of the camera's size, with the calibration in its
+  // metadata. Nothing at the end. What is skipped is counted; the first of a kind and the totals at the end are logged.
+  virtual std::optional<image_t> next() = 0;
+  virtual const Camera& camera() const = 0;
+  // The input, for messages.
+  virtual const std::string& name() const = 0;
+  // How many images there are to hand out, those that will turn out unreadable included; -1: unknown or endless.
+  virtual int64_t total() const = 0;
+  virtual const SkippedFrames& skipped() const = 0;
+  // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
+  // yet, unless it has ended; utime is when the image was taken, on the system clock.
+  virtual const LiveState* live() const { return nullptr; }
+  // A camera's controls are from now on these.
+  virtual void set_controls(const CameraControls& /*controls*/) {}
+};
+
+struct OpenedSource {
+  std::unique_ptr<ImageSource> source;
+  std::string error;  // empty, or file, what is wrong, and what to do
+  bool ok() const { return source != nullptr; }
+};
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times in dataset files -> int64 microseconds, by integer arithmetic: a double has no room for 1305031102.175304 s and
+// all its neighbours.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rumi::camera_driver {
+
+// Decimal seconds, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond. Nothing for
+// anything else, negative numbers, and 1e11 s and above (milli-, micro- or nanoseconds given as seconds).
+std::optional<int64_t> parse_seconds_us(std::string_view text);
+// Whole nanoseconds, "1403636579763555584", rounded to the nearest microsecond.
+std::optional<int64_t> parse_nanoseconds_us(std::string_view text);
+// "1305031102.175304": what parse_seconds_us reads back. Precondition: not negative.
+std::string format_seconds(int64_t utime_us);
+
+}  // namespace rumi::camera_driver

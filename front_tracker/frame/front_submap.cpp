@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/frame/front_submap.h"
+
+#include <algorithm>
+
+#include "slam/map/landmark_view.h"
+
+namespace rumi::front_tracker {
+
+FrontSubmap::FrontSubmap(Submap known, SubmapKey key, const std::vector<double>& scales)
+    : map(std::move(known)), octave_scales(scales) {
+  map.key = key;
+  map.kind = SubmapKind::kFront;
+  map.closed = false;
+  map.revision = 1;
+  map.removed_keyframes = map.removed_landmarks = {};
+  for (auto& [id, kf] : map.keyframes) {
+    kf.revision = kf.created_revision = map.revision;
+    grids[id] = KeypointGrid(kf.features->undistorted, map.camera);
+    next_keyframe_ = id + 1;
+  }
+  for (auto& [id, lm] : map.landmarks) {
+    lm.revision = map.revision;
+    next_landmark_ = id + 1;
+  }
+  for (auto& [utime_us, frame] : map.frames) frame.revision = map.revision;
+}
+
+Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
+  const int id = next_keyframe_++;
+  Keyframe& kf = map.keyframes[id];
+  kf.id = id;
+  kf.utime_us = frame->utime_us;
+  kf.cam_from_submap = frame->cam_from_submap;
+  kf.features = frame->features;
+  kf.landmark_ids.assign(frame->features->size(), kNone);
+  kf.revision = kf.created_revision = map.revision;
+  grids[id] = frame->grid;
+  if (frame->images) images[id] = frame->images;
+  for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
+    if (frame->landmark_ids[i] == kNone) continue;
+    if (!map.add_observation(frame->landmark_ids[i], id, static_cast<int>(i))) frame->landmark_ids[i] = kNone;
+  }
+  for (int landmark_id : kf.landmark_ids)
+    if (landmark_id != kNone) update_landmark_view(map, octave_scales, map.landmark(landmark_id));
+  frame->reference_keyframe = id;
+  frame->cam_from_keyframe = SE3();
+  return kf;
+}
+
+Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
+  const int id = next_landmark_++;
+  Landmark& lm = map.landmarks[id];
+  lm.id = id;
+  lm.position = position;
+  lm.revision = map.revision;
+  return lm;
+}
+
+void FrontSubmap::remove_keyframe(int id, int heir) {
+  map.remove_keyframe(id, heir);
+  grids.erase(id);
+  images.erase(id);
+  moved_.erase(id);
+}
+
+void FrontSubmap::cut_end(int64_t utime_us) {
+  const auto is_older = [&](const auto& kf) { return kf.second.utime_us < utime_us; };
+  const int heir = std::find_if(map.keyframes.rbegin(), map.keyframes.rend(), is_older)->first;
+  map.frames.erase(map.frames.lower_bound(utime_us), map.frames.end());
+  while (!is_older(*map.keyframes.rbegin())) remove_keyframe(map.keyframes.rbegin()->first, heir);
+  std::vector<int> unseen;
+  for (const auto& [id, lm] : map.landmarks)
+    if (lm.observations.size() < 2) unseen.push_back(id);
+  for (int id : unseen) map.remove_landmark(id);
+  // An update does not say which frames go: copies get the submap as a whole.
+  map.removed_keyframes.forget(map.revision);
+  map.removed_landmarks.forget(map.revision);
+}
+
+void FrontSubmap::keypoints_moved(int keyframe_id) {
+  grids[keyframe_id] = KeypointGrid(map.keyframe(keyframe_id)->features->undistorted, map.camera);
+  moved_.insert(keyframe_id);
+}
+
+void FrontSubmap::keep_images(size_t n) {
+  while (images.size() > n) {
+    const int id = images.begin()->first;
+    images.erase(images.begin());
+    if (moved_.erase(id) == 0) continue;
+    Keyframe& kf = *map.keyframe(id);
+    map.touch(kf);
+    kf.created_revision = map.revision;  // its features are sent again
+  }
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/initialization/initializer.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/log.h"
+#include "slam/geometry/two_view.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+constexpr size_t kMostReferences = 4;
+constexpr size_t kReferenceInterval = 10;  // frames from one reference to the next, at most
+constexpr double kRenewAt = 0.7;           // share of the newest reference that is found: below, another is due
+constexpr int kMostMisses = 3;             // frames in a row (blurred, say) that a reference survives
+
+}  // namespace
+
+Initializer::Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& scales)
+    : camera_(camera), options_(options), scales_(scales) {
+  options_.two_view.min_median_parallax_deg = options.min_parallax_deg;
+}
+
+void Initializer::clear() {
+  frames_.clear();
+  references_.clear();
+  refusal_.clear();
+}
+
+void Initializer::trim() {
+  while (static_cast<int>(frames_.size()) > options_.max_frames) {
+    frames_.pop_front();
+    std::erase_if(references_, [](const Reference& r) { return r.frame == 0; });
+    for (Reference& r : references_) --r.frame;
+  }
+}
+
+void Initializer::buffer(Frame frame) {
+  frames_.push_back(std::move(frame));
+  follow();
+  trim();
+  drop_images();
+}
+
+// A submap begins with a reference and what comes after it. Of that there is much, and the smaller images are made
+// again for the few that become keyframes.
+void Initializer::drop_images() {
+  const size_t oldest = references_.empty() ? frames_.size() : references_.front().frame;
+  for (size_t i = 0; i < oldest; ++i) frames_[i].images = nullptr;
+  std::shared_ptr<const ImagePyramid>& newest = frames_.back().images;
+  if (newest) newest = std::make_shared<const ImagePyramid>(newest->full_image_alone());
+}
+
+std::deque<Frame> Initializer::take_frames() {
+  std::deque<Frame> frames = std::move(frames_);
+  clear();
+  return frames;
+}
+
+void Initializer::follow() {
+  const Frame& now = frames_.back();
+  if (!references_.empty()) {
+    const FrameMotion motion = estimate_motion(camera_, *frames_[frames_.size() - 2].features, *now.features);
+    for (Reference& r : references_) {
+      r.tracks.follow(camera_, motion, now);
+      r.misses = r.tracks.count() >= options_.min_matches ? 0 : r.misses + 1;
+    }
+    std::erase_if(references_, [](const Reference& r) { return r.misses >= kMostMisses; });
+  }
+  const auto due = [&](const Reference& newest) {
+    return frames_.size() - 1 - newest.frame >= kReferenceInterval ||
+           newest.tracks.count() < kRenewAt * static_cast<double>(newest.tracks.reference().size());
+  };
+  if (static_cast<int>(now.features->size()) < options_.min_matches) return;
+  if (!references_.empty() && !due(references_.back())) return;
+  // The oldest has seen most motion; what makes room is the one after it.
+  if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
+  references_.push_back(
+      {frames_.size() - 1, ReferenceTracks(now.features), 0, options_.min_motion_px * camera_.width / 640.0});
+}
+
+// The reference from which the image moved most, if it is worth a try.
+Initializer::Reference* Initializer::most_promising() {
+  Reference* best = nullptr;
+  double most_px = 0;
+  bool matched = false;
+  for (Reference& r : references_) {
+    // Between the two there must be a frame to judge by.
+    if (r.frame + 2 >= frames_.size() || r.misses > 0) continue;
+    matched = true;
+    most_px = std::max(most_px, r.tracks.motion_px());
+    if (r.tracks.motion_px() < r.next_motion_px) continue;
+    if (!best || r.tracks.motion_px() > best->tracks.motion_px()) best = &r;
+  }
+  if (!matched)
+    refusal_ = "too few matches with any frame before";
+  else if (!best)
+    refusal_ = fmt::format("the image moved by {:.1f} px beyond a rotation: waiting for more", most_px);
+  return best;
+}
+
+std::optional<InitialMap> Initializer::add(Frame frame) {
+  buffer(std::move(frame));
+  Reference* reference = most_promising();
+  if (!reference) return std::nullopt;
+  std::optional<InitialMap> map = begin_with(reference);
+  if (!map) return std::nullopt;
+  map->frames.assign(std::make_move_iterator(frames_.begin()), std::make_move_iterator(frames_.end()));
+  clear();
+  return map;
+}
+
+// Whether more is to be waited for; if so until the image has moved by that much more.
+bool Initializer::refuse(const TwoViewResult& pair, int matches, Reference* reference) {
+  refusal_ = pair.refusal;
+  double more = 1.2;
+  if (pair.ok()) {
+    const double parallax_deg = pair.hypotheses.front().median_parallax_deg;
+    if (parallax_deg >= options_.accept_parallax_deg || matches <= 2 * options_.min_matches) return false;
+    refusal_ = fmt::format("parallax {:.2f} deg: waiting for more", parallax_deg);
+    more = std::clamp(options_.accept_parallax_deg / parallax_deg, 1.1, 1.5);
+  }
+  reference->next_motion_px = more * reference->tracks.motion_px();
+  return true;
+}
+
+// The structures that the pair allows and the frames between agree with, adjusted; the one that fits best first.
+std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
+                                                         const std::vector<int>& keypoints) {
+  std::vector<Rival> rivals;
+  double best_px = 1e9;
+  for (const TwoViewHypothesis& hypothesis : pair.hypotheses) {
+    InitialStructure structure(input, hypothesis, keypoints);
+    if (!structure.add_views_between()) {
+      refusal_ = structure.refusal();
+      continue;
+    }
+    const double error_px = structure.error_px();
+    best_px = std::min(best_px, error_px);
+    rivals.push_back({std::move(structure), error_px, false});
+  }
+  // Bundle adjustment makes a right structure better by half, not more: rivals beyond that need none.
+  constexpr double kHopeless = 2.0;
+  std::erase_if(rivals, [&](const Rival& rival) { return rival.error_px > kHopeless * best_px; });
+  for (Rival& rival : rivals) {
+    rival.holds = rival.structure.adjust();
+    rival.error_px = rival.structure.error_px();
+  }
+  std::stable_sort(rivals.begin(), rivals.end(),
+                   [](const Rival& a, const Rival& b) { return a.error_px < b.error_px; });
+  return rivals;
+}
+
+// What speaks against beginning with it; empty: nothing.
+std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double motion_px) const {
+  // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend). In narrow
+  // images it stands out less, and the starts are right all the same.
+  const double min_ratio = options_.min_motion_to_rmse * std::pow(std::min(1.0, camera_.width / 640.0), 2);
+  if (motion_px < min_ratio * best.error_px)
+    return fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
+                       best.error_px);
+  for (const Rival& rival : rivals) {
+    if (rival.structure.same_as(best.structure)) continue;
+    // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
+    const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
+    if (best.error_px > ratio * rival.error_px)
+      return fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px,
+                         rival.error_px);
+  }
+  return {};
+}
+
+std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
+  const ReferenceTracks& tracks = reference->tracks;
+  const std::vector<int>& found = tracks.found().back();
+  std::vector<Eigen::Vector2f> first, last;
+  std::vector<int> keypoints;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i] == kNone) continue;
+    keypoints.push_back(static_cast<int>(i));
+    first.push_back(tracks.reference().undistorted[i]);
+    last.push_back(frames_.back().features->undistorted[found[i]]);
+  }
+  const TwoViewResult pair = reconstruct_two_views(camera_, first, last, options_.two_view);
+  if (refuse(pair, tracks.count(), reference)) return std::nullopt;
+
+  const double motion_px = tracks.motion_px();
+  reference->next_motion_px = 1.1 * motion_px;
+  const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
+  const std::vector<Rival> rivals = find_rivals(input, pair, keypoints);
+  if (rivals.empty()) return std::nullopt;
+  const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
+  refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals, motion_px);
+  if (!refusal_.empty()) return std::nullopt;
+  log_debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
+            pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame, frames_.size(),
+            best->error_px);
+  return best->structure.finish();
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/mapping/local_bundle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "slam/map/landmark_view.h"
+
+namespace rumi::front_tracker {
+
+void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
+  const Submap& map = submap.map;
+  const bool wide = options_.bundle_wide_every > 0 && (keyframe_id + 1) % options_.bundle_wide_every == 0;
+  const int most_free = wide ? options_.bundle_wide_keyframes : options_.bundle_keyframes;
+  const int most_fixed = wide ? options_.bundle_wide_keyframes : options_.bundle_fixed_keyframes;
+  std::set<int> free{keyframe_id};
+  for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
+    if (static_cast<int>(free.size()) >= most_free) break;
+    free.insert(id);
+  }
+  std::set<int> points;
+  for (int id : free)
+    for (int lm : map.keyframe(id)->landmark_ids)
+      if (lm != kNone) points.insert(lm);
+
+  // Those that see most of the points hold the window in place; at least two, lest position or scale drift.
+  std::map<int, int> seen_by_others;
+  for (int id : points)
+    for (const Observation& o : map.landmark(id)->observations)
+      if (!free.contains(o.keyframe_id)) ++seen_by_others[o.keyframe_id];
+  std::vector<std::pair<int, int>> anchors(seen_by_others.begin(), seen_by_others.end());
+  std::stable_sort(anchors.begin(), anchors.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (static_cast<int>(anchors.size()) > most_fixed) anchors.resize(most_fixed);
+
+  std::map<int, int> view;
+  const auto add_view = [&](int id, bool fixed) {
+    view[id] = static_cast<int>(problem_.views.size());
+    problem_.views.push_back({map.keyframe(id)->cam_from_submap, fixed});
+    keyframe_ids_.push_back(id);
+  };
+  size_t to_fix = anchors.size() >= 2 ? 0 : 2 - anchors.size();
+  for (int id : free) {
+    const bool fixed = to_fix > 0 && id != keyframe_id;  // the oldest, ids being in order of time
+    if (fixed) --to_fix;
+    add_view(id, fixed);
+  }
+  for (const auto& [id, count] : anchors) add_view(id, true);
+
+  for (int id : points) {
+    const Landmark& lm = *map.landmark(id);
+    const int point = static_cast<int>(problem_.points.size());
+    problem_.points.push_back(lm.position);
+    landmark_ids_.push_back(id);
+    for (const Observation& o : lm.observations) {
+      const auto at = view.find(o.keyframe_id);
+      if (at == view.end()) continue;
+      const Features& features = *map.keyframe(o.keyframe_id)->features;
+      const BundleProblem::Observation observation{
+          at->second, point, features.undistorted[o.keypoint_index].cast<double>(),
+          submap.octave_scales[features.keypoints[o.keypoint_index].octave], features.whitening(o.keypoint_index)};
+      // From behind the camera nothing leads back, and the solver would refuse to begin.
+      const bool behind = std::isinf(reprojection_chi2(camera_, problem_, observation));
+      (behind ? impossible_ : problem_.observations).push_back(observation);
+    }
+  }
+}
+
+bool LocalBundle::solve() { return solve_bundle(camera_, {options_.bundle_iterations}, &problem_).usable; }
+
+void LocalBundle::apply(FrontSubmap& submap) const {
+  Submap& map = submap.map;
+  for (const BundleProblem::Observation& o : impossible_)
+    map.remove_observation(landmark_ids_[o.point], keyframe_ids_[o.view]);
+  for (size_t v = 0; v < problem_.views.size(); ++v) {
+    Keyframe* kf = map.keyframe(keyframe_ids_[v]);
+    if (!kf || problem_.views[v].fixed) continue;
+    kf->cam_from_submap = problem_.views[v].cam_from_submap;
+    map.touch(*kf);
+  }
+  for (size_t p = 0; p < problem_.points.size(); ++p) {
+    Landmark* lm = map.landmark(landmark_ids_[p]);
+    if (!lm) continue;
+    lm->position = problem_.points[p];
+    map.touch(*lm);
+  }
+  for (const BundleProblem::Observation& o : problem_.observations)
+    if (reprojection_chi2(camera_, problem_, o) > 5.991)
+      map.remove_observation(landmark_ids_[o.point], keyframe_ids_[o.view]);
+  for (int id : landmark_ids_) {
+    Landmark* lm = map.landmark(id);
+    if (!lm) continue;
+    if (lm->observations.size() < 2)
+      map.remove_landmark(id);
+    else
+      update_landmark_view(map, submap.octave_scales, lm);
+  }
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What follows a new keyframe: new landmarks by triangulation, fusion of doubles, local bundle adjustment, culling.
+#pragma once
+
+#include <mutex>
+#include <optional>
+
+#include "front_tracker/frame/front_submap.h"
+#include "front_tracker/mapping/mapping_options.h"
+
+namespace rumi::front_tracker {
+
+class Mapper {
+ public:
+  Mapper(const Camera& camera, const MappingOptions& options);
+
+  // `mutex` guards the submap; it is held for the short steps and free while the bundle adjustment is being solved.
+  void process(FrontSubmap& submap, int keyframe_id, std::mutex& mutex) const;
+
+ private:
+  void cull_landmarks(FrontSubmap& submap, int keyframe_id) const;
+  void make_landmarks(FrontSubmap& submap, int keyframe_id) const;
+  void make_landmarks_between(FrontSubmap& submap, Keyframe& keyframe, Keyframe& neighbour) const;
+  std::optional<Eigen::Vector3d> triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,
+                                                     const Keyframe& b, int keypoint_b) const;
+  void fuse_landmarks(FrontSubmap& submap, int keyframe_id) const;
+  void fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids, int keyframe_id) const;
+  void cull_keyframes(FrontSubmap& submap, int keyframe_id) const;
+  Camera camera_;
+  MappingOptions options_;
+};
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Matching landmarks to a frame's keypoints near where they should appear.
+#pragma once
+
+#include <vector>
+
+#include "front_tracker/frame/frame.h"
+
+namespace rumi::front_tracker {
+
+struct ProjectionSearch {
+  double radius_px = 15;         // at octave 0; grows with the predicted octave's scale
+  int max_distance = 64;         // Hamming
+  double max_ratio = 0.9;        // best over second best of the same octave
+  int octaves_below = 1;         // keypoints may be this much finer than predicted ...
+  int octaves_above = 1;         // ... or coarser
+  double min_view_cosine = 0.5;  // between the landmark's mean viewing direction and this one
+};
+
+// Where the landmark should appear from the pose; nothing if out of the image, out of its range of scales or seen from
+// a too different direction.
+struct Prediction {
+  Eigen::Vector2f pixel;  // undistorted
+  int octave = 0;
+};
+std::optional<Prediction> predict(const Camera& camera, const SE3& cam_from_submap, const Landmark& landmark,
+                                  const std::vector<double>& octave_scales, double min_view_cosine);
+
+// The best keypoint without a match near the prediction, or kNone.
+int find_keypoint(const Frame& frame, const Prediction& at, const Descriptor& descriptor,
+                  const ProjectionSearch& search, const std::vector<double>& octave_scales);
+
+// Matches those of the landmarks that are not matched in the frame yet, at its present pose. Returns how many were
+// found. `visible`, if given, receives the ids of all that should be in view.
+int search_by_projection(const Camera& camera, const std::vector<const Landmark*>& landmarks,
+                         const ProjectionSearch& search, const std::vector<double>& octave_scales, Frame* frame,
+                         std::vector<int>* visible = nullptr);
+
+}  // namespace rumi::front_tracker

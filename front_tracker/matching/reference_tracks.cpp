@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/matching/reference_tracks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/geometry/rotation_fit.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+constexpr int kMaxDistance = 60;   // Hamming distance of a match
+constexpr double kFarthest = 0.1;  // from where a keypoint is expected, of the image width
+constexpr double kMaxRatio = 0.8;  // of the best over the second-best distance
+
+std::vector<int> coarse_keypoints(const Features& features) {
+  constexpr int kCoarse = 3;  // octave from which a third of the keypoints is left: enough to tell a rotation
+  std::vector<int> coarse;
+  for (size_t i = 0; i < features.size(); ++i)
+    if (features.keypoints[i].octave >= kCoarse) coarse.push_back(static_cast<int>(i));
+  return coarse;
+}
+
+Eigen::Vector2f turn(const Camera& camera, const Eigen::Matrix3d& rotation, const Eigen::Vector2f& pixel) {
+  const Eigen::Vector3d ray = rotation * camera.ray(pixel);
+  return ray.z() > 0.1 ? camera.project_undistorted(ray).cast<float>() : pixel;
+}
+
+}  // namespace
+
+FrameMotion estimate_motion(const Camera& camera, const Features& a, const Features& b) {
+  constexpr size_t kFewest = 20;
+  const double farthest = kFarthest * camera.width, f = 0.5 * (camera.fx + camera.fy);
+  const std::vector<int> from = coarse_keypoints(a), to = coarse_keypoints(b);
+  std::vector<Eigen::Vector3d> rays_a, rays_b;
+  if (!from.empty() && !to.empty())
+    for (const Match& m : match_features(a, from, b, to, {})) {
+      rays_a.push_back(camera.ray(a.undistorted[m.first]));
+      rays_b.push_back(camera.ray(b.undistorted[m.second]));
+    }
+  if (rays_a.size() < kFewest) return {Eigen::Matrix3d::Identity(), farthest};
+  const auto fit = fit_rotation(std::move(rays_a), std::move(rays_b));
+  if (!fit) return {Eigen::Matrix3d::Identity(), farthest};
+  return {fit->b_from_a, std::min(farthest, 8 + 3 * f * fit->median_residual_rad)};
+}
+
+ReferenceTracks::ReferenceTracks(std::shared_ptr<const Features> reference)
+    : reference_(std::move(reference)), expected_(reference_->undistorted), unseen_(reference_->size(), 0) {}
+
+// The keypoint that looks most like one of the reference, near where it is expected; none if two do.
+BestMatch ReferenceTracks::find(size_t keypoint, const Frame& frame, float radius_px) const {
+  const Features& now = *frame.features;
+  const int octave = reference_->keypoints[keypoint].octave;
+  const Descriptor& descriptor = reference_->descriptors[keypoint];
+  BestMatch best;
+  frame.grid.for_each_near(expected_[keypoint], radius_px, [&](int i) {
+    if (std::abs(now.keypoints[i].octave - octave) > 1) return;
+    if ((now.undistorted[i] - expected_[keypoint]).squaredNorm() > radius_px * radius_px) return;
+    best.offer(hamming_distance(descriptor, now.descriptors[i]), i);
+  });
+  const bool is_match = best.distance <= kMaxDistance && best.distance <= kMaxRatio * best.second_distance;
+  return is_match ? best : BestMatch();
+}
+
+void ReferenceTracks::follow(const Camera& camera, const FrameMotion& motion, const Frame& frame) {
+  const Features& now = *frame.features;
+  const double farthest_px = kFarthest * camera.width;
+  std::vector<Match> claims(now.size(), {kNone, kNone, 257});  // per keypoint of the frame, the best that wants it
+  for (size_t i = 0; i < expected_.size(); ++i) {
+    expected_[i] = turn(camera, motion.b_from_a, expected_[i]);
+    const double radius = std::min(farthest_px, motion.radius_px * (1 + unseen_[i]));
+    const BestMatch match = find(i, frame, static_cast<float>(radius));
+    ++unseen_[i];
+    if (match.index != kNone && match.distance < claims[match.index].distance)
+      claims[match.index] = {static_cast<int>(i), match.index, match.distance};
+  }
+  std::erase_if(claims, [](const Match& m) { return m.first == kNone; });
+  keep_consistent_rotations(*reference_, now, &claims);
+  std::vector<int>& found = found_.emplace_back(expected_.size(), kNone);
+  for (const Match& m : claims) {
+    found[m.first] = m.second;
+    expected_[m.first] = now.undistorted[m.second];
+    unseen_[m.first] = 0;
+  }
+  count_ = static_cast<int>(claims.size());
+  measure_motion(camera, now);
+}
+
+void ReferenceTracks::measure_motion(const Camera& camera, const Features& now) {
+  constexpr int kMost = 300;
+  std::vector<Eigen::Vector3d> a, b;
+  const int step = std::max(1, count_ / kMost);
+  int seen = 0;
+  for (size_t i = 0; i < expected_.size(); ++i) {
+    const int at = found_.back()[i];
+    if (at == kNone || seen++ % step != 0) continue;
+    a.push_back(camera.ray(reference_->undistorted[i]));
+    b.push_back(camera.ray(now.undistorted[at]));
+  }
+  const auto fit = fit_rotation(std::move(a), std::move(b));
+  motion_px_ = fit ? 0.5 * (camera.fx + camera.fy) * fit->median_residual_rad : 0;
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/relocalization/back_submaps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "bus/wire/camera_file.h"
+#include "slam/map/landmark_view.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+// In units of the submap, whose scenes are about one away: nothing real is there, and squares must not overflow.
+constexpr double kFarthest = 1e9;
+
+std::string wrong_keypoint(const Keyframe& kf, const Camera& camera, size_t octaves) {
+  for (size_t i = 0; i < kf.features->size(); ++i) {
+    const Keypoint& keypoint = kf.features->keypoints[i];
+    if (keypoint.octave >= octaves)
+      return fmt::format("keyframe {}: keypoint {} is of octave {}, there are {}", kf.id, i, keypoint.octave, octaves);
+    if (!camera.contains(keypoint.pixel.cast<double>(), -1))
+      return fmt::format("keyframe {}: keypoint {} at {}, {} is outside the image", kf.id, i, keypoint.pixel.x(),
+                         keypoint.pixel.y());
+  }
+  return {};
+}
+
+// What the checks of every update (bus/wire/submap_update.h) leave open, and a tracker relies on.
+std::string problem_of(const Submap& submap, const Camera& camera, size_t octaves, int max_keyframes) {
+  if (submap.kind != SubmapKind::kBack) return "it is not a back submap";
+  if (camera_to_yaml(submap.camera) != camera_to_yaml(camera))
+    return fmt::format("it is of another camera: {} x {} px, fx {}, and not {} x {} px, fx {}", submap.camera.width,
+                       submap.camera.height, submap.camera.fx, camera.width, camera.height, camera.fx);
+  if (submap.keyframes.size() > static_cast<size_t>(max_keyframes))
+    return fmt::format("it has {} keyframes, {} are kept at most", submap.keyframes.size(), max_keyframes);
+  std::map<int64_t, int> at;
+  for (const auto& [id, kf] : submap.keyframes) {
+    if (const auto [other, is_new] = at.emplace(kf.utime_us, id); !is_new)
+      return fmt::format("keyframes {} and {} are both of utime {}", other->second, id, kf.utime_us);
+    if (!(kf.cam_from_submap.translation.norm() < kFarthest))
+      return fmt::format("keyframe {}: {} is too far away", id, kf.cam_from_submap.translation.norm());
+    if (const std::string wrong = wrong_keypoint(kf, camera, octaves); !wrong.empty()) return wrong;
+  }
+  for (const auto& [id, lm] : submap.landmarks)
+    if (!(lm.position.norm() < kFarthest))
+      return fmt::format("landmark {}: {} is too far away", id, lm.position.norm());
+  return {};
+}
+
+// Keyframes numbered in order of time, and the landmarks that at least two of them see from the front.
+Submap tidy(const Submap& received, const std::vector<double>& scales) {
+  Submap tidied;
+  tidied.key = received.key;
+  tidied.kind = received.kind;
+  tidied.camera = received.camera;
+  tidied.revision = received.revision;
+  std::map<int64_t, const Keyframe*> in_time;
+  for (const auto& [id, kf] : received.keyframes) in_time[kf.utime_us] = &kf;
+  std::map<int, int> new_id;
+  for (const auto& [utime_us, old] : in_time) {
+    const int id = static_cast<int>(tidied.keyframes.size());
+    Keyframe& kf = tidied.keyframes[id] = *old;
+    kf.id = new_id[old->id] = id;
+    std::fill(kf.landmark_ids.begin(), kf.landmark_ids.end(), kNone);
+    tidied.frames[utime_us] = {utime_us, id, SE3(), tidied.revision};
+  }
+  for (const auto& [old_id, old] : received.landmarks) {
+    std::vector<Observation> seen;
+    for (const Observation& o : old.observations)
+      if ((received.keyframe(o.keyframe_id)->cam_from_submap * old.position).z() > 0) seen.push_back(o);
+    if (seen.size() < 2) continue;
+    const int id = static_cast<int>(tidied.landmarks.size());
+    Landmark& lm = tidied.landmarks[id];
+    lm.id = id;
+    lm.position = old.position;
+    for (const Observation& o : seen) tidied.add_observation(id, new_id.at(o.keyframe_id), o.keypoint_index);
+    update_landmark_view(tidied, scales, &lm);
+  }
+  return tidied;
+}
+
+int64_t first_utime_us(const Submap& submap) { return submap.frames.begin()->first; }
+
+}  // namespace
+
+BackSubmaps::BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& scales)
+    : camera_(camera), options_(options), scales_(scales), relocalizer_(camera, options, scales) {}
+
+std::string BackSubmaps::add(Submap submap) {
+  std::string problem = problem_of(submap, camera_, scales_.size(), options_.back_keyframes);
+  if (!problem.empty()) return fmt::format("back submap {}: {}", submap.key.id, problem);
+  remove(submap.key.id);
+  if (submap.keyframes.empty()) return {};
+  Entry entry{next_number_++, tidy(submap, scales_)};
+  for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, entry.submap, kf);
+  const auto later = std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& other) {
+    return first_utime_us(other.submap) > first_utime_us(entry.submap);
+  });
+  submaps_.insert(later, std::move(entry));
+  while (keyframes() > options_.back_keyframes) remove(submaps_.begin());
+  return {};
+}
+
+void BackSubmaps::remove(int id) {
+  const auto entry =
+      std::find_if(submaps_.begin(), submaps_.end(), [id](const Entry& e) { return e.submap.key.id == id; });
+  if (entry != submaps_.end()) remove(entry);
+}
+
+void BackSubmaps::remove(std::vector<Entry>::iterator entry) {
+  relocalizer_.forget_submap(entry->number);
+  submaps_.erase(entry);
+}
+
+std::optional<Submap> BackSubmaps::relocalize(Frame* frame) {
+  if (submaps_.empty()) return std::nullopt;
+  for (const Relocalizer::Candidate& c : relocalizer_.candidates(*frame)) {
+    const auto entry =
+        std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& e) { return e.number == c.submap_index; });
+    if (!relocalizer_.relocalize(entry->submap, c.keyframe_id, frame)) continue;
+    Submap found = std::move(entry->submap);
+    remove(entry);
+    return found;
+  }
+  return std::nullopt;
+}
+
+int BackSubmaps::keyframes() const {
+  return std::accumulate(submaps_.begin(), submaps_.end(), 0, [](int sum, const Entry& entry) {
+    return sum + static_cast<int>(entry.submap.keyframes.size());
+  });
+}
+
+}  // namespace rumi::front_tracker

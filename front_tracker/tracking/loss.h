@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What became of a loss of track, in one line for whoever looks on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace rumi::front_tracker {
+
+struct Loss {
+  int64_t first_utime_us = 0;  // of the recording: times are told since then
+  int64_t utime_us = 0;        // of the first image that was lost
+  int submap_id = 0;           // that it was lost in
+  size_t frames_before = 0;    // that this submap had then
+  int images = 0;              // lost so far
+  int posed_afterwards = 0;    // of these
+  int withdrawn = 0;           // images before it whose poses turned out to be wrong
+  std::string outcome = {};    // "found again in submap 1"
+
+  // A single image, or one that was found again at once: nothing was lost that anybody would miss.
+  bool is_hiccup() const { return images <= 1 && withdrawn == 0; }
+};
+
+// utime_us: of the image that ended it, or of the last one.
+std::string describe(const Loss& loss, int64_t utime_us);
+
+}  // namespace rumi::front_tracker

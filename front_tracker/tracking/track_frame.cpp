@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The part of Tracker that finds a frame's pose: short-term association with the last frame, then mid-term association
+// with the landmarks nearby (equation 5 of the paper).
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "front_tracker/frame/scale_support.h"
+#include "front_tracker/matching/brute_force_matching.h"
+#include "front_tracker/matching/epipolar_matches.h"
+#include "front_tracker/matching/projection_search.h"
+#include "front_tracker/patches/align_keypoints.h"
+#include "front_tracker/patches/patch_search.h"
+#include "front_tracker/tracking/tracker.h"
+#include "slam/map/landmark_view.h"
+#include "slam/optimization/resection.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+// Of two poses of few landmarks.
+constexpr double kRotationNoise_deg = 0.3;
+constexpr double kTranslationNoise = 0.005;  // of the landmarks' median depth
+
+}  // namespace
+
+// Also brings the last frame to where mapping has moved its keyframe since.
+void Tracker::predict_pose(Frame* frame) {
+  const Keyframe* reference = active().map.keyframe(last_.reference_keyframe);
+  if (!reference) {
+    // Culled since: its frames hang on another keyframe now.
+    const FramePose* pose = active().map.frame(last_.utime_us);
+    last_.reference_keyframe = pose->reference_keyframe;
+    last_.cam_from_keyframe = pose->cam_from_keyframe;
+    reference = active().map.keyframe(last_.reference_keyframe);
+  }
+  last_.cam_from_submap = last_.cam_from_keyframe * reference->cam_from_submap;
+  const int64_t dt_us = frame->utime_us - last_.utime_us;
+  SE3 motion = velocity_;
+  if (velocity_dt_us_ > 0 && dt_us != velocity_dt_us_) {
+    const double ratio = std::min(3.0, static_cast<double>(dt_us) / static_cast<double>(velocity_dt_us_));
+    motion = SE3::exp(ratio * velocity_.log());
+  }
+  frame->cam_from_submap = motion * last_.cam_from_submap;
+  frame->reference_keyframe = last_.reference_keyframe;
+}
+
+void Tracker::note_motion(const Frame& frame) {
+  velocity_ = frame.cam_from_submap * last_.cam_from_submap.inverse();
+  velocity_dt_us_ = frame.utime_us - last_.utime_us;
+}
+
+bool Tracker::track(Frame* frame) {
+  predict_pose(frame);
+  const SE3 predicted = frame->cam_from_submap;
+  if (!match_last_frame(frame) && !match_regardless_of_place(frame)) return false;
+  if (!match_local_map(frame)) return false;
+  frame->is_believable = velocity_dt_us_ == 0 ||
+                         is_believable(*frame, predicted, std::max(frame->utime_us - last_.utime_us, velocity_dt_us_));
+  note_motion(*frame);
+  return true;
+}
+
+// Few landmarks, in a corner of the image or some of them wrong, may agree with a pose far off. The motion so far then
+// tells: `predicted` by constant velocity, over `dt_us`.
+bool Tracker::is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us) {
+  const TrackingOptions& o = options_.tracking;
+  if (frame.matches() >= o.sure_inliers) return true;
+  const double depth = median_depth(active().map, frame.cam_from_submap, frame.landmark_ids);
+  const double dt2 = std::pow(1e-6 * static_cast<double>(dt_us), 2);
+  const Vector6d off = (frame.cam_from_submap * predicted.inverse()).log();  // translation, rotation
+  return off.tail<3>().norm() <= (o.max_angular_acceleration * dt2 + kRotationNoise_deg) * M_PI / 180 &&
+         off.head<3>().norm() <= (o.max_acceleration * dt2 + kTranslationNoise) * depth;
+}
+
+bool Tracker::match_last_frame(Frame* frame) {
+  std::vector<const Landmark*> landmarks;
+  for (int id : last_.landmark_ids)
+    if (const Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) landmarks.push_back(lm);
+  const double radius = options_.tracking.search_radius_px * camera_.width / 640.0;
+  const SE3 predicted = frame->cam_from_submap;
+  for (const double widen : {1.0, 2.5}) {
+    frame->clear_matches();
+    frame->cam_from_submap = predicted;
+    ProjectionSearch search{.radius_px = widen * radius, .max_distance = options_.tracking.max_distance};
+    search.max_ratio = options_.tracking.max_ratio;
+    if (search_by_projection(camera_, landmarks, search, scales_, frame) < 20) continue;
+    if (refine_pose(camera_, active().map, scales_, frame) >= options_.tracking.min_first_inliers) return true;
+  }
+  return false;
+}
+
+// The motion model failed (a fast turn, dropped frames): compare descriptors, wherever they are.
+bool Tracker::match_regardless_of_place(Frame* frame) {
+  frame->clear_matches();
+  const LandmarkMatches matches = match_by_brute_force(active().map, scales_, *last_.features, last_.landmark_ids,
+                                                       *frame, options_.tracking.max_distance);
+  const auto pose = resect(camera_, matches.observations, {options_.tracking.min_first_inliers, 4.0, 300});
+  if (!pose) return false;
+  frame->cam_from_submap = pose->cam_from_submap;
+  take_inliers(matches, pose->inlier, frame);
+  return true;
+}
+
+// Landmarks of the keyframes that share most with the frame, and of their neighbours. Sets the reference keyframe.
+std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
+  const Submap& map = active().map;
+  std::map<int, int> votes;
+  std::set<int> matched;
+  for (int id : frame->landmark_ids) {
+    const Landmark* lm = id == kNone ? nullptr : map.landmark(id);
+    if (!lm) continue;
+    matched.insert(id);
+    for (const Observation& o : lm->observations) ++votes[o.keyframe_id];
+  }
+  std::vector<std::pair<int, int>> ranked(votes.begin(), votes.end());
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (!ranked.empty()) frame->reference_keyframe = ranked.front().first;
+  const size_t wanted = options_.tracking.local_keyframes;
+  if (ranked.size() > wanted) ranked.resize(wanted);
+  std::set<int> keyframes;
+  for (const auto& [id, count] : ranked) keyframes.insert(id);
+  if (keyframes.size() < wanted && !ranked.empty())
+    for (const auto& [id, shared] : map.covisible_keyframes(ranked.front().first)) {
+      if (keyframes.size() >= wanted) break;
+      keyframes.insert(id);
+    }
+  // Neighbours share most of their landmarks: mark them, rather than sort them all.
+  std::vector<bool> known(map.landmarks.empty() ? 0 : map.landmarks.rbegin()->first + 1, false);
+  for (int id : matched) known[id] = true;
+  std::vector<int> ids;
+  for (int id : keyframes)
+    for (int lm : map.keyframe(id)->landmark_ids) {
+      if (lm == kNone || known[lm]) continue;
+      known[lm] = true;
+      ids.push_back(lm);
+    }
+  std::sort(ids.begin(), ids.end());
+  std::vector<const Landmark*> landmarks;
+  landmarks.reserve(ids.size());
+  // Landmarks made together are seen together: the next is near in the tree.
+  constexpr int kNear = 16;
+  auto at = map.landmarks.begin();
+  for (int id : ids) {
+    if (id - at->first > kNear) at = map.landmarks.find(id);
+    while (at->first < id) ++at;
+    landmarks.push_back(&at->second);
+  }
+  return landmarks;
+}
+
+// In fast motion the detector finds other corners, in a blurred or dark image or of a blank wall it finds few: then
+// less than what tracking takes tells where to look.
+bool Tracker::patches_may_help(const Frame& frame, int inliers) const {
+  const TrackingOptions& o = options_.tracking;
+  if (frame.corners == Corners::kFew) return inliers >= o.min_first_inliers;
+  return inliers >= o.min_inliers && motion_since_last_frame(frame) > o.patch_motion;
+}
+
+bool Tracker::match_local_map(Frame* frame) {
+  std::vector<int> visible;
+  ProjectionSearch search{.radius_px = options_.tracking.local_radius_px * camera_.width / 640.0,
+                          .max_distance = options_.tracking.max_distance,
+                          .max_ratio = options_.tracking.max_ratio};
+  for (int id : frame->landmark_ids)
+    if (id != kNone) visible.push_back(id);
+  search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
+  int inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame, &templates_))
+    inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers < options_.tracking.patch_inliers && patches_may_help(*frame, inliers) &&
+      search_by_patch(active(), visible, options_.tracking.patch_inliers, frame, &templates_) > 0)
+    inliers = refine_pose(camera_, active().map, scales_, frame);
+  if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)
+    inliers = support_by_epipolar_matches(frame);
+  for (int id : visible)
+    if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
+  for (int id : frame->landmark_ids)
+    if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
+  return inliers >= options_.tracking.min_inliers && carries_scale(active().map, *frame, options_.tracking);
+}
+
+// A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
+int Tracker::support_by_epipolar_matches(Frame* frame) {
+  const Submap& map = active().map;
+  std::vector<EpipolarView> views = {
+      match_epipolar(camera_, scales_, {last_.features, last_.landmark_ids, last_.cam_from_submap}, *frame)};
+  const Keyframe& newest = map.keyframes.rbegin()->second;
+  const auto nearby = map.covisible_keyframes(frame->reference_keyframe);
+  const bool is_here = newest.id == frame->reference_keyframe ||  // else the camera was found again elsewhere
+                       std::any_of(nearby.begin(), nearby.end(), [&](const auto& kf) { return kf.first == newest.id; });
+  if (is_here && newest.utime_us != last_.utime_us)
+    views.push_back(
+        match_epipolar(camera_, scales_, {newest.features, newest.landmark_ids, newest.cam_from_submap}, *frame));
+  return refine_pose(camera_, map, scales_, frame, views);
+}
+
+// Of a frame of the past, from where its neighbour in time was.
+bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame) {
+  const ProjectionSearch search{.radius_px = options_.tracking.search_radius_px * camera_.width / 640.0,
+                                .max_distance = options_.tracking.max_distance};
+  frame->clear_matches();
+  frame->cam_from_submap = neighbour.cam_from_submap;
+  search_by_projection(camera_, landmarks, search, scales_, frame);
+  const Submap& map = active().map;
+  if (refine_pose(camera_, map, scales_, frame) < options_.tracking.min_inliers) return false;
+  frame->reference_keyframe = neighbour.reference_keyframe;
+  frame->cam_from_keyframe =
+      frame->cam_from_submap * map.keyframe(frame->reference_keyframe)->cam_from_submap.inverse();
+  return true;
+}
+
+// Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
+void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
+  const auto try_frame = [&](size_t from, size_t to) {
+    if (!pose_from_neighbour((*frames)[from], landmarks, &(*frames)[to])) return;
+    (*posed)[to] = true;
+    record_pose(&active(), (*frames)[to]);
+  };
+  for (size_t i = frames->size(); i-- > 1;)
+    if ((*posed)[i] && !(*posed)[i - 1]) try_frame(i, i - 1);
+  for (size_t i = 1; i < frames->size(); ++i)
+    if ((*posed)[i - 1] && !(*posed)[i]) try_frame(i - 1, i);
+}
+
+// Frames before one that was found again, the latest first, as far back as each can be tracked from the one after it.
+void Tracker::track_back(const Frame& found, std::deque<Frame> frames) {
+  constexpr size_t kMost = 60;  // the camera does not wait
+  Frame next = found;
+  for (size_t i = 0; i < kMost && !frames.empty(); ++i) {
+    std::vector<const Landmark*> landmarks = local_landmarks(&next);
+    for (int id : next.landmark_ids)
+      if (id != kNone) landmarks.push_back(active().map.landmark(id));
+    Frame frame = std::move(frames.back());
+    frames.pop_back();
+    if (!pose_from_neighbour(next, landmarks, &frame) || !carries_scale(active().map, frame, options_.tracking)) break;
+    record_pose(&active(), frame);
+    note_pose_afterwards(frame);
+    next = std::move(frame);
+  }
+  std::reverse(posed_afterwards_.begin(), posed_afterwards_.end());
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How one submap lies in another that was made of some of the same images (paper, section IV.C: initial alignment,
+// then eq. 8). Frames and landmarks vote together: every shared keyframe alone proposes a similarity (rotation from the
+// two poses, scale from the depths of its common landmarks, translation from the two camera centres), so neither a
+// straight path nor a short one leaves anything undetermined; the landmarks decide by reprojection in both directions.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "map_server/alignment/correspondences.h"
+#include "slam/geometry/transform.h"
+#include "slam/map/submap.h"
+
+namespace rumi::map_server {
+
+struct AlignmentOptions {
+  double max_pixel_distance_px = 1.0;  // between keypoints taken for one
+  int min_shared_keyframes = 3;
+  int min_landmarks = 40;               // M_com, of one keyframe for a proposal: a quarter of it
+  double max_reprojection_px = 4.0;     // of an inlier, in each direction, at octave 0
+  double min_inlier_ratio = 0.5;        // of M_com
+  double max_rotation_deg = 3.0;        // of a frame that agrees
+  double max_center_depth_ratio = 0.1;  // of a frame that agrees: distance of the centres over the median depth
+  double min_frame_ratio = 0.7;         // of the shared keyframes, that agree
+  double max_sigma_rotation_deg = 0.5;  // of the result
+  double max_sigma_log_scale = 0.03;
+  // What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
+  // never is it known better than that.
+  int independent_depths = 10;
+  double min_sigma_depth_scale = 0.005;
+};
+
+struct Alignment {
+  Sim3 b_from_a;
+  int landmarks = 0, landmark_inliers = 0;
+  int keyframes = 0, keyframe_inliers = 0;
+  double rmse_px = 0;                                  // of the inliers
+  double sigma_rotation_deg = 0, sigma_log_scale = 0;  // standard deviations, of the worst direction
+  std::vector<char> inlier;                            // per Correspondences::landmarks
+  std::vector<char> keyframe_inlier;                   // per Correspondences::keyframes
+  std::string doubt;                                   // empty, or why it is not to be believed
+};
+
+// Where that is in doubt, the part beside a bent end of a front submap is tried (bent_end.h), under the same
+// conditions; then the keyframes and landmarks of the end count as such that do not agree. Nothing but a doubt where
+// there is too little in common to propose anything.
+Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
+                        const AlignmentOptions& options);
+
+}  // namespace rumi::map_server

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/atlas/atlas.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace rumi::map_server {
+namespace {
+
+int64_t first_utime_us(const Submap& submap) {
+  return submap.frames.empty() ? std::numeric_limits<int64_t>::max() : submap.frames.begin()->first;
+}
+
+// The pose does not merely follow a neighbour of its keyframe that was placed. Always so where the submap lies in the
+// map as it is.
+bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) {
+  const Keyframe* keyframe = owner.submap.keyframe(frame.reference_keyframe);
+  const auto& places = owner.placement.map_from_submap;
+  return keyframe && (places.empty() || places.contains(keyframe->utime_us));
+}
+
+bool is_between_its_frames(int64_t utime_us, const Submap& submap) {
+  return !submap.frames.empty() && submap.frames.begin()->first <= utime_us &&
+         utime_us <= submap.frames.rbegin()->first;
+}
+
+bool overlap_in_time(const Submap& a, const Submap& b) {
+  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
+         b.frames.begin()->first <= a.frames.rbegin()->first;
+}
+
+bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
+
+void check_placement(SubmapKey key, const Placement& placement, const std::function<bool(SubmapKey)>& is_in_map) {
+  bool ok = true;
+  for (const auto& [utime_us, similarity] : placement.map_from_submap) ok = ok && is_similarity(similarity);
+  for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
+  for (const auto& [id, into] : placement.fused) ok = ok && is_in_map(into.submap);
+  if (!ok)
+    throw std::invalid_argument(fmt::format("the placement of submap {} of session {} is none", key.id, key.session));
+}
+
+}  // namespace
+
+std::string describe(const std::set<SubmapKey>& submaps) {
+  constexpr size_t kNamed = 8;
+  if (submaps.size() > kNamed || submaps.begin()->session != submaps.rbegin()->session)
+    return fmt::format("{} submaps", submaps.size());
+  std::vector<int> ids;
+  ids.reserve(submaps.size());
+  for (const SubmapKey& key : submaps) ids.push_back(key.id);
+  // A back submap comes after the front submap of its number, which it begins in.
+  std::sort(ids.begin(), ids.end(),
+            [](int a, int b) { return std::pair(std::abs(a), -a) < std::pair(std::abs(b), -b); });
+  if (ids.size() == 1) return fmt::format("submap {}", ids[0]);
+  return fmt::format("submaps {} and {}", fmt::join(ids.begin(), ids.end() - 1, ", "), ids.back());
+}
+
+std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change) {
+  const auto known = submaps_.find(key);
+  AtlasSubmap fresh;
+  fresh.submap.key = key;
+  Submap* submap = known == submaps_.end() ? &fresh.submap : &known->second.submap;
+  const int64_t before = submap->revision;
+  if (std::string problem = change(submap); !problem.empty()) return problem;
+  if (submap->revision == before) return {};
+  if (known == submaps_.end()) submap = &submaps_.emplace(key, std::move(fresh)).first->second.submap;
+  note_frames(*submap, before);
+  if (choose_map() || submaps_.at(key).in_map) ++revision_;
+  return {};
+}
+
+bool Atlas::record_frame(int64_t utime_us, const FrameRecord& record) {
+  const auto [it, is_new] = frames_.try_emplace(utime_us, record);
+  if (is_new) return true;
+  if (it->second == record) return false;
+  it->second = record;
+  return true;
+}
+
+void Atlas::restore_submap(AtlasSubmap submap) {
+  const SubmapKey key = submap.submap.key;
+  const auto it = submaps_.insert_or_assign(key, std::move(submap)).first;
+  note_frames(it->second.submap, std::numeric_limits<int64_t>::min());
+}
+
+void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
+  for (const auto& [utime_us, frame] : submap.frames)
+    if (frame.revision > after_revision) frames_.try_emplace(utime_us, FrameRecord{.session = submap.key.session});
+}
+
+void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
+  const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
+  const auto check_here = [this](SubmapKey key) {
+    if (!submaps_.contains(key))
+      throw std::invalid_argument(fmt::format("submap {} of session {} is not here to be placed", key.id, key.session));
+  };
+  for (const SubmapKey& key : unmoved) check_here(key);
+  for (const auto& [key, placement] : placements) {
+    check_here(key);
+    check_placement(key, placement, is_in_map);
+  }
+  ++revision_;
+  for (auto& [key, owner] : submaps_) {
+    if (unmoved.contains(key)) {
+      owner.in_map = true;
+      continue;
+    }
+    const auto placed = placements.find(key);
+    owner.in_map = placed != placements.end();
+    if (!owner.in_map) {
+      owner.placement = {};
+      continue;
+    }
+    const bool is_new = owner.placement.revision == 0 || !same_place(owner.placement, placed->second);
+    placed->second.revision = is_new ? revision_ : owner.placement.revision;
+    owner.placement = std::move(placed->second);
+  }
+  choose_map();
+}
+
+void Atlas::set_links(std::vector<Link> links) {
+  for (const Link& link : links)
+    if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
+        !std::isfinite(link.rmse_px))
+      throw std::invalid_argument(fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id));
+  links_ = std::move(links);
+}
+
+bool Atlas::is_placed() const {
+  return std::any_of(submaps_.begin(), submaps_.end(),
+                     [](const auto& entry) { return entry.second.in_map && entry.second.placement.revision > 0; });
+}
+
+bool Atlas::choose_map() {
+  if (is_placed()) return false;
+  const AtlasSubmap* best = nullptr;
+  for (const auto& [key, candidate] : submaps_) {
+    const auto rank = [](const Submap& s) {
+      return std::make_tuple(-static_cast<int64_t>(s.frames.size()), first_utime_us(s));
+    };
+    if (candidate.submap.kind == SubmapKind::kBack) continue;  // it serves to join front submaps
+    if (!best || rank(candidate.submap) < rank(best->submap)) best = &candidate;
+  }
+  bool changed = false;
+  for (auto& [key, submap] : submaps_) {
+    const bool in_map = &submap == best;
+    changed = changed || in_map != submap.in_map;
+    submap.in_map = in_map;
+  }
+  return changed;
+}
+
+const AtlasSubmap* Atlas::find(SubmapKey key) const {
+  const auto it = submaps_.find(key);
+  return it == submaps_.end() ? nullptr : &it->second;
+}
+
+bool Atlas::stands_for_itself(const AtlasSubmap& owner, int landmark_id) const {
+  const auto fused = owner.placement.fused.find(landmark_id);
+  if (fused == owner.placement.fused.end()) return true;
+  const AtlasSubmap* other = find(fused->second.submap);
+  return !other || !other->in_map || !other->submap.landmark(fused->second.id);
+}
+
+std::set<SubmapKey> Atlas::in_map() const {
+  std::set<SubmapKey> keys;
+  for (const auto& [key, owner] : submaps_)
+    if (owner.in_map) keys.insert(key);
+  return keys;
+}
+
+int64_t Atlas::frames_in_map() const {
+  std::vector<const Submap*> counted;
+  int64_t frames = 0;
+  for (const auto& [key, owner] : submaps_) {
+    if (!owner.in_map) continue;
+    std::vector<const Submap*> beside;
+    for (const Submap* other : counted)
+      if (overlap_in_time(*other, owner.submap)) beside.push_back(other);
+    for (const auto& [utime_us, frame] : owner.submap.frames)
+      frames += std::none_of(beside.begin(), beside.end(),
+                             [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
+    counted.push_back(&owner.submap);
+  }
+  return frames;
+}
+
+std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
+  const auto record = frames_.find(utime_us);
+  const auto order = [&](const AtlasSubmap& s) {
+    const bool tracked_in =
+        record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
+    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, *s.submap.frame(utime_us));
+    return std::make_tuple(!s.in_map, follows, !tracked_in, s.submap.kind != SubmapKind::kFront);
+  };
+  const AtlasSubmap* best = nullptr;
+  for (const auto& [key, candidate] : submaps_)
+    if (is_between_its_frames(utime_us, candidate.submap) && candidate.submap.frame(utime_us) &&
+        (!best || order(candidate) < order(*best)))
+      best = &candidate;
+  if (!best) return std::nullopt;
+  return LocatedFrame{best, best->submap.frame(utime_us)};
+}
+
+std::map<int64_t, SE3> Atlas::map_trajectory() const {
+  std::map<int64_t, SE3> trajectory;
+  for (const auto& [key, owner] : submaps_) {
+    if (!owner.in_map) continue;
+    for (const auto& [utime_us, frame] : owner.submap.frames) {
+      if (trajectory.contains(utime_us)) continue;
+      trajectory.emplace(utime_us, locate(utime_us)->cam_from_map().inverse());
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace rumi::map_server

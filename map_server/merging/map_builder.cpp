@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/merging/map_builder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "slam/numeric/median.h"
+
+namespace rumi::map_server {
+namespace {
+
+bool may_share_images(const Submap& a, const Submap& b) {
+  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
+         b.frames.begin()->first <= a.frames.rbegin()->first;
+}
+
+// The same similarity at every keyframe.
+Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
+  Placement placement;
+  for (const auto& [id, keyframe] : submap.keyframes) placement.map_from_submap[keyframe.utime_us] = map_from_submap;
+  return placement;
+}
+
+// Groups of submaps that hang together.
+class Groups {
+ public:
+  void unite(SubmapKey a, SubmapKey b) { parent_[find(a)] = find(b); }
+  SubmapKey find(SubmapKey key) {
+    const SubmapKey up = parent_.try_emplace(key, key).first->second;
+    return up == key ? key : parent_[key] = find(up);
+  }
+
+ private:
+  std::map<SubmapKey, SubmapKey> parent_;
+};
+
+// An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
+void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<SubmapKey, Placement>* placements) {
+  const std::map<int64_t, Sim3>& after = placements->at(anchor).map_from_submap;
+  if (after.empty()) return;
+  const int64_t first_us = after.begin()->first;
+  const Sim3 before_from_after = anchor_before.placement.at(first_us) * placements->at(anchor).at(first_us).inverse();
+  for (auto& [key, placement] : *placements) {
+    for (auto& [utime_us, map_from_submap] : placement.map_from_submap)
+      map_from_submap = before_from_after * map_from_submap;
+    for (auto& [id, position] : placement.landmarks) position = before_from_after * position;
+  }
+}
+
+}  // namespace
+
+MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
+  Pair pair;
+  pair.revision_a = a.revision;
+  pair.revision_b = b.revision;
+  if (!may_share_images(a, b)) return pair;
+  const Correspondences common = find_correspondences(a, b, options_.alignment.max_pixel_distance_px);
+  if (common.keyframes.empty()) return pair;
+  const Alignment alignment = align_submaps(a, b, common, options_.alignment);
+  pair.link = Link{.a = a.key,
+                   .b = b.key,
+                   .kind = Link::Kind::kSameImages,
+                   .b_from_a = alignment.b_from_a,
+                   .keyframes = alignment.keyframes,
+                   .keyframe_inliers = alignment.keyframe_inliers,
+                   .landmarks = alignment.landmarks,
+                   .landmark_inliers = alignment.landmark_inliers,
+                   .rmse_px = alignment.rmse_px,
+                   .doubt = alignment.doubt};
+  if (!pair.link->accepted()) return pair;
+  std::vector<int64_t> where;
+  for (size_t k = 0; k < common.keyframes.size(); ++k) {
+    if (!alignment.keyframe_inlier[k]) continue;  // one of the two is bent there
+    const SharedKeyframe& shared = common.keyframes[k];
+    const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options_.alignment.min_landmarks / 4);
+    where.push_back(shared.utime_us);
+    if (!std::isfinite(ratio.sigma)) continue;
+    // One camera, in the units of two submaps.
+    pair.joints.push_back({{a.key, shared.a},
+                           {b.key, shared.b},
+                           Sim3(std::exp(ratio.log_b_over_a), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()),
+                           options_.joint_sigma_rotation_deg * M_PI / 180,
+                           options_.joint_sigma_translation * ratio.depth_b,
+                           std::max(ratio.sigma, options_.joint_sigma_log_scale)});
+  }
+  pair.utime_us = where[where.size() / 2];
+  return pair;
+}
+
+void MapBuilder::fix(std::set<SubmapKey> submaps) {
+  built_ = fixed_ = std::move(submaps);
+  options_.culling.enabled = false;
+}
+
+void MapBuilder::find_links(const Submaps& submaps) {
+  for (auto a = submaps.begin(); a != submaps.end(); ++a)
+    for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
+      if (fixed_.contains(a->first) && fixed_.contains(b->first)) continue;
+      Pair& pair = pairs_[{a->first, b->first}];
+      if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
+      pair = compare(*a->second, *b->second);
+    }
+  for (const SubmapKey& key : fixed_) places_.add(*submaps.at(key));
+  places_.search(submaps, [this](const Place& a, const Place& b) { return cancelled() || is_joined(a, b); });
+}
+
+bool MapBuilder::is_joined(const Place& a, const Place& b) const {
+  if (joined_.contains(std::minmax(a.utime_us, b.utime_us))) return true;
+  if (a.submap == b.submap) return false;
+  const auto pair = pairs_.find(std::minmax(a.submap, b.submap));
+  if (pair == pairs_.end() || !pair->second.link) return false;
+  const Link& link = *pair->second.link;
+  if (link.accepted())
+    return static_cast<double>(std::abs(a.utime_us - b.utime_us)) <= options_.places.min_apart_s * 1e6;
+  // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
+  return link.keyframes >= options_.alignment.min_shared_keyframes &&
+         link.landmarks >= options_.alignment.min_landmarks;
+}
+
+std::vector<Link> MapBuilder::links() const {
+  std::vector<Link> links;
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link) links.push_back(*pair.link);
+  std::map<std::pair<SubmapKey, SubmapKey>, Link> places = places_.refused();
+  for (const PlaceLink& place : places_.found()) {
+    Link& best = places[std::minmax(place.link.a, place.link.b)];
+    if (!best.accepted() || best.landmark_inliers < place.link.landmark_inliers) best = place.link;
+  }
+  for (const auto& [keys, link] : places) links.push_back(link);
+  return links;
+}
+
+std::vector<MapBuilder::Tie> MapBuilder::ties(const Submaps& submaps) const {
+  std::vector<Tie> ties;
+  const auto exists = [&](const Link& link) { return submaps.contains(link.a) && submaps.contains(link.b); };
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted() && exists(*pair.link))
+      ties.push_back({&*pair.link, pair.utime_us, pair.utime_us});
+  for (const PlaceLink& place : places_.found())
+    if (exists(place.link)) ties.push_back({&place.link, place.utime_a_us, place.utime_b_us});
+  return ties;
+}
+
+std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
+                                               const std::map<SubmapKey, Placement>& placed) const {
+  Groups groups;
+  for (const Tie& tie : ties(submaps)) groups.unite(tie.link->a, tie.link->b);
+  for (const auto& [key, placement] : placed) groups.unite(key, placed.begin()->first);
+  std::map<SubmapKey, std::set<int64_t>> frames;  // by group, of those with a front submap
+  for (const auto& [key, submap] : submaps)
+    if (submap->kind == SubmapKind::kFront) frames[groups.find(key)];
+  for (const auto& [key, submap] : submaps) {
+    const auto group = frames.find(groups.find(key));
+    if (group == frames.end()) continue;
+    for (const auto& [utime_us, frame] : submap->frames) group->second.insert(utime_us);
+  }
+  if (!fixed_.empty()) std::erase_if(frames, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
+  const auto largest = std::max_element(frames.begin(), frames.end(),
+                                        [](const auto& x, const auto& y) { return x.second.size() < y.second.size(); });
+  std::set<SubmapKey> members;
+  if (largest == frames.end()) return members;
+  for (const auto& [key, submap] : submaps)
+    if (groups.find(key) == largest->first) members.insert(key);
+  return members;
+}
+
+std::set<SubmapKey> MapBuilder::search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
+                                              const Placements& placed) {
+  std::set<SubmapKey> beside;
+  for (const auto& [key, submap] : submaps)
+    if (!members.contains(key)) beside.insert(key);
+  const auto joined = [&](const Place& a, const Place& b) {
+    return cancelled() || beside.contains(b.submap) || is_joined(a, b);
+  };
+  return places_.search_again(beside, submaps, joined) ? choose_members(submaps, placed) : members;
+}
+
+MapPart MapBuilder::part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
+                            const Placements& placed) const {
+  std::set<SubmapKey> fresh;
+  for (const SubmapKey& key : members)
+    if (!built_.contains(key) || !placed.contains(key)) fresh.insert(key);
+  if (scope == Scope::kAll || fresh.empty()) return {members, {}};
+  SubmapContacts contacts = fused_;
+  for (const Tie& tie : ties(submaps)) contacts.insert(std::minmax(tie.link->a, tie.link->b));
+  return part_around(fresh, members, contacts, submaps, options_.weld_keyframes);
+}
+
+SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const {
+  if (!part.held.empty()) return *part.held.begin();
+  SubmapKey anchor;
+  size_t most = 0;
+  for (const SubmapKey& key : part.submaps) {
+    const Submap& submap = *submaps.at(key);
+    if (submap.kind != SubmapKind::kFront || submap.frames.empty()) continue;
+    if (fixed_.empty() ? placed.contains(key) : fixed_.contains(key)) return key;
+    if (submap.frames.size() <= most) continue;
+    most = submap.frames.size();
+    anchor = key;
+  }
+  return anchor;
+}
+
+// One after another, over the link with most inliers each time.
+MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor,
+                                             const Placements& placed) const {
+  Placed result;
+  for (const SubmapKey& key : part.submaps)
+    if (const auto place = placed.find(key); place != placed.end())
+      result[key] = {submaps.at(key), place->second, fixed_.contains(key) || part.held.contains(key)};
+  if (!result.contains(anchor)) result[anchor] = {submaps.at(anchor), rigid(*submaps.at(anchor), {})};
+  const std::vector<Tie> all = ties(submaps);
+  for (;;) {
+    const Tie* best = nullptr;
+    for (const Tie& tie : all)
+      if (part.submaps.contains(tie.link->a) && part.submaps.contains(tie.link->b) &&
+          result.contains(tie.link->a) != result.contains(tie.link->b) &&
+          (!best || tie.link->landmark_inliers > best->link->landmark_inliers))
+        best = &tie;
+    if (!best) return result;
+    const Link& link = *best->link;
+    if (result.contains(link.a)) {
+      const Sim3 map_from_b = result.at(link.a).placement.at(best->utime_a_us) * link.b_from_a.inverse();
+      result[link.b] = {submaps.at(link.b), rigid(*submaps.at(link.b), map_from_b)};
+    } else {
+      const Sim3 map_from_a = result.at(link.b).placement.at(best->utime_b_us) * link.b_from_a;
+      result[link.a] = {submaps.at(link.a), rigid(*submaps.at(link.a), map_from_a)};
+    }
+  }
+}
+
+// Those whose keyframes are still there.
+std::vector<KeyframeJoint> MapBuilder::joints(const Placed& submaps) const {
+  std::vector<KeyframeJoint> joints;
+  const auto add = [&](const KeyframeJoint& joint) {
+    const auto a = submaps.find(joint.a.submap), b = submaps.find(joint.b.submap);
+    if (a != submaps.end() && b != submaps.end() && a->second.submap->keyframe(joint.a.id) &&
+        b->second.submap->keyframe(joint.b.id))
+      joints.push_back(joint);
+  };
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted()) std::for_each(pair.joints.begin(), pair.joints.end(), add);
+  for (const PlaceLink& place : places_.found()) add(place.joint);
+  return joints;
+}
+
+void MapBuilder::fuse_places(Placed* submaps) const {
+  for (const PlaceLink& place : places_.found()) {
+    const auto a = submaps->find(place.link.a);
+    if (a == submaps->end() || !submaps->contains(place.link.b)) continue;
+    for (const LandmarkPair& pair : place.landmarks)
+      a->second.placement.fused.try_emplace(pair.a, LandmarkRef{place.link.b, pair.b});
+  }
+}
+
+bool MapBuilder::is_only_tie(const Link& link, const Submaps& submaps) const {
+  Groups groups;
+  for (const Tie& tie : ties(submaps))
+    if (tie.link != &link) groups.unite(tie.link->a, tie.link->b);
+  return groups.find(link.a) != groups.find(link.b);
+}
+
+bool MapBuilder::drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
+                                   const std::vector<double>& chi2) {
+  std::map<JointName, double> chi2_of;  // those of submaps outside the map are not in it
+  for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
+  // What is wrong pulls at what is right: the worst goes first.
+  double worst = options_.max_joint_chi2;
+  Pair* wrong_pair = nullptr;
+  int wrong_place = kNone;
+  for (auto& [keys, pair] : pairs_) {
+    std::vector<double> all;
+    for (const KeyframeJoint& joint : pair.joints) all.push_back(chi2_of[name_of(joint)]);
+    const double value = all.empty() ? 0 : median(&all);
+    if (!(value > worst)) continue;
+    worst = value;
+    wrong_pair = &pair;
+  }
+  for (size_t i = 0; i < places_.found().size(); ++i) {
+    const double value = chi2_of[name_of(places_.found()[i].joint)];
+    if (!(value > worst)) continue;
+    worst = value;
+    wrong_place = static_cast<int>(i);
+  }
+  const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", worst);
+  if (wrong_place != kNone) {
+    places_.refuse(wrong_place, doubt);
+    return true;
+  }
+  if (wrong_pair && is_only_tie(*wrong_pair->link, submaps)) {
+    // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
+    const auto chi2_less = [&](const KeyframeJoint& a, const KeyframeJoint& b) {
+      return chi2_of[name_of(a)] < chi2_of[name_of(b)];
+    };
+    std::vector<KeyframeJoint>& of_pair = wrong_pair->joints;
+    of_pair.erase(std::max_element(of_pair.begin(), of_pair.end(), chi2_less));
+    return true;
+  }
+  if (wrong_pair) {
+    wrong_pair->link->doubt = doubt;
+    wrong_pair->joints.clear();
+    return true;
+  }
+  size_t dropped = 0;
+  for (auto& [keys, pair] : pairs_)
+    dropped += std::erase_if(pair.joints, [&](const KeyframeJoint& j) { return chi2_of[name_of(j)] > worst; });
+  return dropped > 0;
+}
+
+std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Submaps& submaps, const Placements& placed,
+                                                        std::set<SubmapKey>* members) {
+  for (;;) {
+    Arranged arranged;
+    arranged.part = part_of(scope, *members, submaps, placed);
+    arranged.anchor = choose_anchor(submaps, arranged.part, placed);
+    if (!arranged.part.submaps.contains(arranged.anchor) || cancelled()) return std::nullopt;
+    arranged.submaps = place_members(submaps, arranged.part, arranged.anchor, placed);
+    const std::vector<KeyframeJoint> known = joints(arranged.submaps);
+    if (known.empty() && scope == Scope::kAll && members->size() == 1) return arranged;  // it is the whole map
+    if (known.empty()) return std::nullopt;
+    const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
+    if (!drop_contradicted(submaps, known, bent.joint_chi2)) return arranged;
+    *members = choose_members(submaps, placed);
+  }
+}
+
+BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
+  std::set<SubmapKey> members = choose_members(submaps, placed);
+  if (scope == Scope::kAll) members = search_beside(members, submaps, placed);
+  BuiltMap built;
+  built.report.members = static_cast<int>(members.size());
+  if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;
+  std::optional<Arranged> arranged = arrange(scope, submaps, placed, &members);
+  if (!arranged) return built;
+  Placed& before = arranged->submaps;
+  const std::set<SubmapKey>& part = arranged->part.submaps;
+  fuse_places(&before);
+  MapModel model = join(before, options_.alignment.max_pixel_distance_px);
+  built.report = adjust(scope, &model);
+  built.report.members = static_cast<int>(members.size());
+  if (cancelled()) return built;
+  note_joined(model, part == members);
+  built_ = members;
+  built.placements = split(model, before);
+  std::set_difference(members.begin(), members.end(), part.begin(), part.end(),
+                      std::inserter(built.unmoved, built.unmoved.end()));
+  if (scope == Scope::kAll) built.culled = cull(submaps, &before, &model, &built.placements);
+  if (fixed_.empty() && arranged->part.held.empty())
+    keep_gauge(before.at(arranged->anchor), arranged->anchor, &built.placements);
+  return built;
+}
+
+// The views of what is new, and those that share most points with them.
+std::vector<int> MapBuilder::weld_window(const MapModel& model) const {
+  std::vector<int> window;
+  std::map<int, int> shared;
+  for (size_t v = 0; v < model.views.size(); ++v) {
+    const auto is_new = [&](const KeyframeRef& ref) { return !built_.contains(ref.submap); };
+    if (std::none_of(model.views[v].keyframes.begin(), model.views[v].keyframes.end(), is_new)) continue;
+    window.push_back(static_cast<int>(v));
+    for (int point : model.views[v].points)
+      if (point != kNone)
+        for (const MapModel::Observation& o : model.points[point].observations) ++shared[o.view];
+  }
+  for (int view : window) shared.erase(view);
+  std::vector<std::pair<int, int>> neighbours;  // points, view
+  neighbours.reserve(shared.size());
+  for (const auto& [view, points] : shared) neighbours.emplace_back(-points, view);
+  std::sort(neighbours.begin(), neighbours.end());
+  for (size_t i = 0; i < neighbours.size() && static_cast<int>(i) < options_.weld_neighbours; ++i)
+    window.push_back(neighbours[i].second);
+  std::sort(window.begin(), window.end());
+  return window;
+}
+
+std::vector<int> MapBuilder::window_of(Scope scope, const MapModel& model) const {
+  std::vector<int> window;
+  if (scope == Scope::kWeld)
+    window = weld_window(model);
+  else
+    for (size_t v = 0; v < model.views.size() && !fixed_.empty(); ++v) window.push_back(static_cast<int>(v));
+  std::erase_if(window, [&](int v) { return model.views[v].fixed; });
+  return window;
+}
+
+MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
+  MapBuildReport report;
+  const std::vector<int> window = window_of(scope, *model);
+  if (window.empty() && !fixed_.empty()) return report;  // no image is new
+  MapBundleReport bundle = adjust_map(window, options_.bundle, model);
+  AssociationOptions association = options_.association;
+  const int rounds = scope == Scope::kAll ? options_.association_rounds : 0;
+  for (int round = 0; round < rounds && !cancelled(); ++round, association.radius_px /= 2) {
+    const AssociationReport found = associate(association, window, model);
+    report.observed += found.observed;
+    report.fused += found.fused;
+    bundle = adjust_map(window, options_.bundle, model);
+  }
+  report.views = static_cast<int>(model->views.size());
+  report.adjusted_views = bundle.views;
+  report.points = bundle.points;
+  report.observations = bundle.observations;
+  report.outliers = bundle.outliers;
+  report.rmse = bundle.rmse;
+  return report;
+}
+
+void MapBuilder::note_joined(const MapModel& model, bool whole) {
+  if (whole) {
+    joined_.clear();
+    fused_.clear();
+  }
+  std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
+  for (size_t v = 0; v < model.views.size(); ++v) {
+    for (int point : model.views[v].points)
+      if (point != kNone)
+        for (const MapModel::Observation& o : model.points[point].observations)
+          if (o.view < static_cast<int>(v) && shared[o.view]++ == 0) met.push_back(o.view);
+    for (int other : met)
+      if (std::exchange(shared[other], 0) >= options_.joined_points)
+        joined_.insert(std::minmax(model.views[other].utime_us, model.views[v].utime_us));
+    met.clear();
+  }
+  for (const MapModel::Point& point : model.points)
+    for (size_t i = 0; i < point.landmarks.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        if (point.landmarks[i].submap != point.landmarks[j].submap)
+          fused_.insert(std::minmax(point.landmarks[i].submap, point.landmarks[j].submap));
+}
+
+}  // namespace rumi::map_server

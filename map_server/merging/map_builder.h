@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Makes one map of submaps (paper, section IV.C): finds which hang together, places those that hang on the anchor,
+// bends them where their joints ask for it, welds and adjusts them. Knows no time and no threads: the same submaps in
+// the same order of calls give the same map.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "map_server/alignment/submap_alignment.h"
+#include "map_server/links/link.h"
+#include "map_server/merging/map_part.h"
+#include "map_server/model/map_association.h"
+#include "map_server/model/map_bundle.h"
+#include "map_server/model/map_graph.h"
+#include "map_server/model/map_model.h"
+#include "map_server/model/post_culling.h"
+#include "map_server/places/place_search.h"
+
+namespace rumi::map_server {
+
+struct MapBuilderOptions {
+  AlignmentOptions alignment;
+  MapGraphOptions graph;
+  double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
+  double joint_sigma_translation = 0.01;  // the same, of the median depth
+  double joint_sigma_log_scale = 0.02;    // at least
+  double max_joint_chi2 = 100;            // in the bent map; what is farther out is a mistake, and taken out
+  MapBundleOptions bundle;
+  AssociationOptions association;
+  PlaceSearchOptions places;
+  PostCullingOptions culling;
+  int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
+  int weld_neighbours = 30;    // views around what is new that are adjusted with it
+  int weld_keyframes = 500;    // of the submaps around what is new that are bent with it, about
+  int association_rounds = 4;  // association, then bundle adjustment; the radius is halved each time
+};
+
+struct MapBuildReport {
+  int members = 0;         // submaps that hang together
+  int views = 0;           // of the map
+  int adjusted_views = 0;  // of those
+  int points = 0, observations = 0, outliers = 0;
+  double rmse = 0;              // reprojection, sigma
+  int observed = 0, fused = 0;  // by association
+};
+
+using CulledSubmaps = std::map<SubmapKey, std::shared_ptr<const Submap>>;
+
+struct BuiltMap {
+  // Together the submaps that form the map. No placements: nothing was joined or adjusted.
+  std::map<SubmapKey, Placement> placements;
+  std::set<SubmapKey> unmoved;
+  CulledSubmaps culled;  // the next revision of back submaps of it, without what it can do without; placed like that
+  MapBuildReport report;
+};
+
+class MapBuilder {
+ public:
+  enum class Scope {
+    kWeld,  // submaps that have been joined since the last build, and what is around them; else nothing
+    kAll,   // the whole map
+  };
+
+  // `cancel`, if given and true, makes every call return soon; what it returns is to be thrown away.
+  explicit MapBuilder(const MapBuilderOptions& options, const std::atomic<bool>* cancel = nullptr)
+      : options_(options), cancel_(cancel), places_(options.places) {
+    options_.bundle.cancel = cancel;
+  }
+
+  using Submaps = std::map<SubmapKey, const Submap*>;
+
+  // A map of an earlier session, that stays as it is to the bit: what comes is placed in it. These submaps must be
+  // among the placed ones in every build(). Nothing is culled then.
+  void fix(std::set<SubmapKey> submaps);
+
+  // Looks at every pair of submaps of which one has changed since it was looked at, and for the place of every keyframe
+  // that is new.
+  void find_links(const Submaps& submaps);
+  // One for every two submaps that have something in common, of each kind: accepted and refused ones.
+  std::vector<Link> links() const;
+
+  // The submaps that hang together with the largest front submap by accepted links. `placed`: where submaps are in the
+  // map as it is; they stay there until the adjustment.
+  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll);
+
+ private:
+  // Two submaps made of some of the same images.
+  struct Pair {
+    int64_t revision_a = 0, revision_b = 0;
+    std::optional<Link> link;  // nothing: they have no image in common
+    int64_t utime_us = 0;      // of an image in the middle of those in common
+    std::vector<KeyframeJoint> joints;
+  };
+  // What hangs one submap on another.
+  struct Tie {
+    const Link* link = nullptr;
+    int64_t utime_a_us = 0, utime_b_us = 0;  // where
+  };
+  using Placed = std::map<SubmapKey, PlacedSubmap>;
+  using Placements = std::map<SubmapKey, Placement>;
+
+  Pair compare(const Submap& a, const Submap& b) const;
+  std::vector<Tie> ties(const Submaps& submaps) const;
+  // No need, or no use, to compare how the two look.
+  bool is_joined(const Place& a, const Place& b) const;
+  // The largest group, in frames, of submaps that hang together and with what is placed already.
+  std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;
+  // The members, after those of all other submaps were searched for once more among the places of the members.
+  std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
+                                    const Placements& placed);
+  // Of the members, what is looked at: all, or what lies around those that are new.
+  MapPart part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
+                  const Placements& placed) const;
+  // The front submap whose beginning stays where it is.
+  SubmapKey choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const;
+  Placed place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor, const Placements& placed) const;
+  std::vector<KeyframeJoint> joints(const Placed& submaps) const;
+  struct Arranged {
+    MapPart part;
+    SubmapKey anchor;
+    Placed submaps;  // of the part
+  };
+  // Places the members and bends them; again without what the others contradict, and with the members that this leaves,
+  // until nothing does. Nothing: none of them has a frame, or nothing joins them.
+  std::optional<Arranged> arrange(Scope scope, const Submaps& submaps, const Placements& placed,
+                                  std::set<SubmapKey>* members);
+  // Its two sides hang together by nothing else.
+  bool is_only_tie(const Link& link, const Submaps& submaps) const;
+  // Of the link that is farthest out of what the map says, all of its joints, or its worst where nothing else ties the
+  // two sides together; if there is none, every joint that is.
+  bool drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
+                         const std::vector<double>& chi2);
+  void fuse_places(Placed* submaps) const;
+  std::vector<int> weld_window(const MapModel& model) const;
+  // What is adjusted; none: all.
+  std::vector<int> window_of(Scope scope, const MapModel& model) const;
+  MapBuildReport adjust(Scope scope, MapModel* model) const;
+  // Leaves what the adjusted map can do without out of its back submaps, and of all else. Whatever was joined to them
+  // could be joined to what is left.
+  CulledSubmaps cull(const Submaps& submaps, Placed* placed, MapModel* model, Placements* placements);
+  CommonImages common_images(const Submaps& submaps) const;
+  bool stays_joined(const Submap& culled, const Submaps& submaps) const;
+  void note_culled(const Submap& culled);
+  bool cancelled() const { return cancel_ && *cancel_; }
+  void note_joined(const MapModel& model, bool whole);
+
+  MapBuilderOptions options_;
+  const std::atomic<bool>* cancel_;
+  std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
+  PlaceSearch places_;
+  std::set<SubmapKey> fixed_;
+  std::set<SubmapKey> built_;                     // the submaps of the last build
+  size_t built_places_ = 0;                       // and how many places were known then
+  std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
+  SubmapContacts fused_;                          // submaps that have points in common there
+};
+
+}  // namespace rumi::map_server

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
+// that the atlas goes on changing meanwhile.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+#include <vector>
+
+#include "map_server/atlas/atlas.h"
+#include "map_server/merging/map_builder.h"
+
+namespace rumi::map_server {
+
+// When the map is built.
+struct MergeOptions {
+  MapBuilderOptions builder;
+  bool enabled = true;                  // false: the map is the largest front submap
+  bool thread = true;                   // false: at once, as replay does
+  double interval_s = 2;                // from one look at what is new to the next
+  double adjustment_interval_s = 20;    // from one adjustment of the whole map to the next, and ...
+  double adjustment_s_per_view = 0.25;  // ... the same for each image of it
+  int nice = 10;                        // of the thread
+};
+
+struct MergeResult {
+  std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
+  std::set<SubmapKey> unmoved;                // form it too
+  CulledSubmaps culled;                       // take the place of these; placed like that
+  std::vector<Link> links;
+  MapBuildReport report;
+  MapBuilder::Scope scope = MapBuilder::Scope::kWeld;
+  double cpu_s = 0;
+};
+
+class MapMerger {
+ public:
+  explicit MapMerger(const MergeOptions& options);
+  ~MapMerger();  // gives up what is under way
+
+  // See MapBuilder::fix(). What is fixed and not in the map stays out of it. Before the first tick().
+  void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
+  // Begins what is due and returns what is done.
+  std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
+  // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
+  void hurry() { hurry_ = true; }
+  bool hurried() const { return hurry_; }
+  // Nothing is left to do, and nothing under way.
+  bool idle(const Atlas& atlas) const { return !running_ && !wants_adjustment_ && !has_news(atlas); }
+  bool running() const { return running_; }
+
+ private:
+  using Copies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
+  bool has_news(const Atlas& atlas) const;
+  bool is_settled(const Atlas& atlas) const;
+  void note_adjusted();
+  std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
+  void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
+  void copy(const Atlas& atlas);
+  void run(MapBuilder::Scope scope);
+  std::optional<MergeResult> end();
+
+  MergeOptions options_;
+  std::atomic<bool> cancel_ = false;
+  MapBuilder builder_;
+  std::set<SubmapKey> fixed_;
+  // Of the submaps, and of where they lay, when the last build began.
+  Copies copies_;
+  std::map<SubmapKey, Placement> placed_;
+  bool running_ = false, hurry_ = false;
+  bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
+  int64_t last_begin_us_ = INT64_MIN, last_adjustment_us_ = INT64_MIN;
+  size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
+  int views_ = 0;                                         // of the map as it was built last
+  MergeResult result_;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+}  // namespace rumi::map_server

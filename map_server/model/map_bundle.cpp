@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/model/map_bundle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <optional>
+
+#include "map_server/model/covisible_pieces.h"
+#include "slam/features/orb_extractor.h"
+#include "slam/optimization/bundle_adjustment.h"
+
+namespace rumi::map_server {
+namespace {
+
+// Observations of a view that it takes to place it: three place it anywhere, and of a few the wrong ones do not show.
+// An image that went dark while SIFT still placed it may have no more.
+constexpr int kLeastToPlace = 15;
+
+class Bundle {
+ public:
+  Bundle(const std::vector<int>& views, MapModel* model) : model_(*model), scales_(octave_scales({})) {
+    index_of_view_.assign(model_.views.size(), kNone);
+    for (int view : views) add_view(view, model_.views[view].fixed);
+    std::vector<char> wanted(model_.points.size(), 0);
+    for (int view : views)
+      for (int point : model_.views[view].points)
+        if (point != kNone) wanted[point] = 1;
+    for (size_t point = 0; point < wanted.size(); ++point)
+      if (wanted[point]) add_point(static_cast<int>(point));
+    const auto is_fixed = [](const BundleProblem::View& view) { return view.fixed; };
+    if (!problem_.views.empty() && std::none_of(problem_.views.begin(), problem_.views.end(), is_fixed))
+      problem_.views.front().fixed = true;
+  }
+
+  MapBundleReport run(const MapBundleOptions& options) {
+    MapBundleReport report;
+    for (double gate : options.gates_chi2) {
+      BundleProblem inliers = problem_;
+      inliers.observations = within(gate);
+      solve_bundle(camera_,
+                   {.iterations = options.iterations,
+                    .function_tolerance = options.function_tolerance,
+                    .cancel = options.cancel},
+                   &inliers);
+      problem_.views = std::move(inliers.views);
+      problem_.points = std::move(inliers.points);
+    }
+    report.views = static_cast<int>(free_views_);
+    report.points = static_cast<int>(problem_.points.size());
+    if (!options.gates_chi2.empty()) apply(options.gates_chi2.back(), &report);
+    return report;
+  }
+
+ private:
+  void add_view(int view, bool fixed) {
+    index_of_view_[view] = static_cast<int>(problem_.views.size());
+    problem_.views.push_back({model_.views[view].cam_from_map, fixed});
+    views_.push_back(view);
+    free_views_ += !fixed;
+    if (views_.size() == 1) camera_ = model_.views[view].camera;
+  }
+
+  void add_point(int point) {
+    const int index = static_cast<int>(problem_.points.size());
+    problem_.points.push_back(model_.points[point].position);
+    points_.push_back(point);
+    for (const MapModel::Observation& o : model_.points[point].observations) {
+      if (index_of_view_[o.view] == kNone) add_view(o.view, true);
+      const MapModel::View& view = model_.views[o.view];
+      const Keypoint& keypoint = view.features->keypoints[o.keypoint];
+      const Eigen::Vector2d pixel = view.features->undistorted[o.keypoint].cast<double>();
+      // All in the pixels of one camera.
+      const Eigen::Vector2d in_camera(camera_.fx * (pixel.x() - view.camera.cx) / view.camera.fx + camera_.cx,
+                                      camera_.fy * (pixel.y() - view.camera.cy) / view.camera.fy + camera_.cy);
+      const double sigma_px = scale_of(keypoint.octave, scales_);
+      problem_.observations.push_back(
+          {index_of_view_[o.view], index, in_camera, sigma_px * camera_.fx / view.camera.fx});
+    }
+  }
+
+  // Observations below the gate, of views that they can place and of points that have two of them at least.
+  std::vector<BundleProblem::Observation> within(double gate_chi2) {
+    std::vector<char> good(problem_.observations.size());
+    std::vector<int> of_view(problem_.views.size(), 0), of_point(problem_.points.size(), 0);
+    for (size_t i = 0; i < good.size(); ++i) {
+      good[i] = reprojection_chi2(camera_, problem_, problem_.observations[i]) <= gate_chi2;
+      of_view[problem_.observations[i].view] += good[i];
+    }
+    is_placed_.assign(problem_.views.size(), false);
+    for (size_t v = 0; v < is_placed_.size(); ++v)
+      is_placed_[v] = problem_.views[v].fixed || of_view[v] >= kLeastToPlace;
+    for (size_t i = 0; i < good.size(); ++i) {
+      good[i] = good[i] && is_placed_[problem_.observations[i].view];
+      of_point[problem_.observations[i].point] += good[i];
+    }
+    std::vector<BundleProblem::Observation> chosen;
+    for (size_t i = 0; i < good.size(); ++i)
+      if (good[i] && of_point[problem_.observations[i].point] >= 2) chosen.push_back(problem_.observations[i]);
+    return chosen;
+  }
+
+  // Where the view is if it goes with that which is next to it in time of those that were placed.
+  SE3 carried_along(size_t view) const {
+    const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
+    const auto apart_us = [&](size_t v) { return std::abs(before(v).utime_us - before(view).utime_us); };
+    std::optional<size_t> next;
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (is_placed_[v] && (!next || apart_us(v) < apart_us(*next))) next = v;
+    const SE3& was = before(view).cam_from_map;
+    if (!next || problem_.views[*next].fixed) return was;
+    return was * before(*next).cam_from_map.inverse() * problem_.views[*next].cam_from_submap;
+  }
+
+  void apply(double gate_chi2, MapBundleReport* report) {
+    // Before the model, which has where all were, is changed.
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (!is_placed_[v]) problem_.views[v].cam_from_submap = carried_along(v);
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (!problem_.views[v].fixed) model_.views[views_[v]].cam_from_map = problem_.views[v].cam_from_submap;
+    for (size_t p = 0; p < points_.size(); ++p) model_.points[points_[p]].position = problem_.points[p];
+    double sum = 0;
+    for (const BundleProblem::Observation& o : problem_.observations) {
+      const double chi2 = reprojection_chi2(camera_, problem_, o);
+      if (chi2 <= gate_chi2) {
+        sum += chi2;
+        ++report->observations;
+      } else {
+        model_.forget(points_[o.point], views_[o.view]);
+        ++report->outliers;
+      }
+    }
+    report->rmse = std::sqrt(sum / std::max(1, report->observations));
+  }
+
+  MapModel& model_;
+  std::vector<double> scales_;
+  Camera camera_;
+  BundleProblem problem_;
+  std::vector<int> views_, points_;  // of the model, by index in the problem
+  std::vector<int> index_of_view_;
+  std::vector<bool> is_placed_;  // by index in the problem: in the last round
+  size_t free_views_ = 0;
+};
+
+MapBundleReport adjust_in_pieces(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model) {
+  MapBundleReport sum;
+  for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
+    MapBundleOptions one = options;
+    one.gates_chi2 = {options.gates_chi2[round]};
+    sum = {};
+    double squares = 0;
+    for (const std::vector<int>& piece :
+         covisible_pieces(*model, views, options.most_views, round % 2 ? options.most_views / 2 : options.most_views)) {
+      if (options.cancel && *options.cancel) return sum;
+      const MapBundleReport report = Bundle(piece, model).run(one);
+      sum.views += report.views;
+      sum.points += report.points;
+      sum.observations += report.observations;
+      sum.outliers += report.outliers;
+      squares += report.rmse * report.rmse * report.observations;
+    }
+    sum.rmse = std::sqrt(squares / std::max(1, sum.observations));
+  }
+  return sum;
+}
+
+}  // namespace
+
+MapBundleReport adjust_map(const std::vector<int>& views, const MapBundleOptions& options, MapModel* model) {
+  if (model->views.empty()) return {};
+  std::vector<int> free = views;
+  if (free.empty()) {
+    free.resize(model->views.size());
+    std::iota(free.begin(), free.end(), 0);
+  }
+  if (free.size() <= static_cast<size_t>(options.most_views)) return Bundle(free, model).run(options);
+  return adjust_in_pieces(free, options, model);
+}
+
+}  // namespace rumi::map_server

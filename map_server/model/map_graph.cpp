@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/model/map_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/map/landmark_view.h"
+#include "slam/optimization/sim3_graph.h"
+
+namespace rumi::map_server {
+namespace {
+
+using Placed = std::map<SubmapKey, PlacedSubmap>;
+
+class Bender {
+ public:
+  Bender(const MapGraphOptions& options, SubmapKey anchor, Placed* submaps) : o_(options), submaps_(*submaps) {
+    for (const auto& [key, placed] : submaps_)
+      for (const auto& [id, keyframe] : placed.submap->keyframes) {
+        node_[{key, id}] = static_cast<int>(graph_.nodes.size());
+        graph_.nodes.push_back(
+            {placed.placement.at(keyframe.utime_us) * Sim3(keyframe.cam_from_submap.inverse()), placed.fixed});
+      }
+    const Submap& first = *submaps_.at(anchor).submap;
+    if (!first.keyframes.empty()) graph_.nodes[node_.at({anchor, first.keyframes.begin()->first})].fixed = true;
+  }
+
+  MapGraphReport run(const std::vector<KeyframeJoint>& joints) {
+    for (const auto& [key, placed] : submaps_)
+      if (!placed.fixed) add_submap(key, *placed.submap);
+    const size_t first_joint = graph_.edges.size();
+    for (const KeyframeJoint& joint : joints)
+      graph_.edges.push_back({node_.at({joint.a.submap, joint.a.id}), node_.at({joint.b.submap, joint.b.id}),
+                              joint.b_from_a, joint.sigma_rotation_rad, joint.sigma_translation, joint.sigma_log_scale,
+                              Eigen::Vector3d::Zero()});
+    const Sim3GraphReport solved = solve_sim3_graph({}, &graph_);
+    MapGraphReport report;
+    report.bent = solved.usable;
+    if (!solved.usable) return report;
+    report.joint_chi2.assign(solved.edge_chi2.begin() + static_cast<long>(first_joint), solved.edge_chi2.end());
+    apply();
+    return report;
+  }
+
+ private:
+  void add_submap(SubmapKey key, const Submap& submap) {
+    std::map<std::pair<int, int>, int> shared;  // landmarks, of pairs of keyframes
+    for (auto it = submap.keyframes.begin(); it != submap.keyframes.end(); ++it) {
+      if (const auto next = std::next(it); next != submap.keyframes.end()) shared[{it->first, next->first}] = 1;
+      int added = 0;
+      for (const auto& [other, count] : submap.covisible_keyframes(it->first)) {
+        if (count < o_.min_shared_landmarks || ++added > o_.neighbours) break;
+        shared[std::minmax(it->first, other)] = count;
+      }
+    }
+    for (const auto& [pair, count] : shared)
+      add_edge(key, submap, submap.keyframes.at(pair.first), submap.keyframes.at(pair.second), count);
+  }
+
+  void add_edge(SubmapKey key, const Submap& submap, const Keyframe& a, const Keyframe& b, int shared) {
+    const SE3 b_from_a = b.cam_from_submap * a.cam_from_submap.inverse();
+    const double weaker = std::sqrt(100.0 / shared),
+                 depth = std::max(median_depth(submap, b.cam_from_submap, b.landmark_ids), 1e-6);
+    graph_.edges.push_back({node_.at({key, a.id}), node_.at({key, b.id}), Sim3(b_from_a),
+                            weaker * o_.sigma_rotation_deg * M_PI / 180, weaker * o_.sigma_translation * depth,
+                            weaker * o_.sigma_log_scale, b_from_a.inverse() * Eigen::Vector3d(0, 0, depth)});
+  }
+
+  void apply() {
+    for (auto& [key, placed] : submaps_) {
+      if (placed.fixed) continue;
+      const Placement before = placed.placement;
+      for (const auto& [id, keyframe] : placed.submap->keyframes)
+        placed.placement.map_from_submap[keyframe.utime_us] =
+            graph_.nodes[node_.at({key, id})].map_from_node * Sim3(keyframe.cam_from_submap);
+      placed.placement.landmarks.clear();
+      for (const auto& [id, position] : before.landmarks) {
+        const Landmark* landmark = placed.submap->landmark(id);
+        const Keyframe* anchor = landmark ? anchor_of(*placed.submap, *landmark) : nullptr;
+        if (!anchor) continue;
+        const int64_t at_us = anchor->utime_us;
+        placed.placement.landmarks[id] = placed.placement.at(at_us) * (before.at(at_us).inverse() * position);
+      }
+    }
+  }
+
+  const MapGraphOptions& o_;
+  Placed& submaps_;
+  Sim3Graph graph_;
+  std::map<std::pair<SubmapKey, int>, int> node_;
+};
+
+}  // namespace
+
+MapGraphReport bend(const std::vector<KeyframeJoint>& joints, SubmapKey anchor, const MapGraphOptions& options,
+                    Placed* submaps) {
+  return Bender(options, anchor, submaps).run(joints);
+}
+
+}  // namespace rumi::map_server

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/outputs/writers.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "base/whole_file.h"
+
+namespace rumi::map_server {
+namespace {
+
+namespace fs = std::filesystem;
+
+// q and -q are the same rotation, 0 and -0 the same number: one spelling each, so that equal trajectories are equal
+// files.
+std::string tum_line(int64_t utime_us, const SE3& pose) {
+  Eigen::Vector4d q = pose.rotation.coeffs();  // x y z w
+  if (q.w() < 0) q = -q;
+  const auto text = [](double value) { return fmt::format(" {:.9f}", std::abs(value) < 5e-10 ? 0.0 : value); };
+  std::string line = seconds_text(utime_us);
+  for (int i = 0; i < 3; ++i) line += text(pose.translation[i]);
+  for (int i = 0; i < 4; ++i) line += text(q[i]);
+  return line + "\n";
+}
+
+std::string remove_stale_submaps(const fs::path& folder, const std::set<std::string>& ours) {
+  static const std::regex name(R"((s-?\d+-)?b?\d{3,}\.txt)");
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string file = entry.path().filename().string();
+    if (ours.contains(file) || !std::regex_match(file, name)) continue;
+    fs::remove(entry.path(), error);
+    if (error) break;
+  }
+  return error ? fmt::format("cannot clear {}: {}", folder.string(), error.message()) : "";
+}
+
+std::string write_submaps(const Atlas& atlas, const fs::path& folder) {
+  std::set<std::string> written;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    const std::string name = submap_file_name(atlas, key);
+    if (std::string problem = write_submap_tum(owner.submap, (folder / name).string()); !problem.empty())
+      return problem;
+    written.insert(name);
+  }
+  return remove_stale_submaps(folder, written);
+}
+
+}  // namespace
+
+std::string seconds_text(int64_t utime_us) {
+  const bool negative = utime_us < 0;
+  const uint64_t us = negative ? 0 - static_cast<uint64_t>(utime_us) : static_cast<uint64_t>(utime_us);
+  return fmt::format("{}{}.{:06}", negative ? "-" : "", us / 1'000'000, us % 1'000'000);
+}
+
+// Hues a golden angle apart: neighbours in number are far apart in colour, however many there are.
+Colour submap_colour(SubmapKey key) {
+  const double hue = std::fmod(0.58 + 0.61803398875 * std::abs(static_cast<double>(key.id)), 1.0);
+  const double strength = key.id < 0 ? 0.6 : 1.0;
+  const auto channel = [&](double offset) {
+    const double k = std::fmod(offset + hue * 6.0, 6.0);
+    const double saturation = 0.75;
+    const double value = 1.0 - saturation * std::max(0.0, std::min({k, 4.0 - k, 1.0}));
+    return static_cast<uint8_t>(std::lround(255 * strength * value));
+  };
+  return {channel(5), channel(3), channel(1)};
+}
+
+std::string write_trajectory_tum(const Atlas& atlas, const std::string& file) {
+  WholeFile out(file);
+  for (const auto& [utime_us, map_from_cam] : atlas.map_trajectory()) out.write(tum_line(utime_us, map_from_cam));
+  return out.commit();
+}
+
+std::string write_submap_tum(const Submap& submap, const std::string& file) {
+  WholeFile out(file);
+  for (const auto& [utime_us, frame] : submap.frames)
+    out.write(tum_line(utime_us, submap.cam_from_submap(frame).inverse()));
+  return out.commit();
+}
+
+std::string submap_file_name(const Atlas& atlas, SubmapKey key) {
+  int64_t served_session = key.session;
+  for (const auto& [other, owner] : atlas.submaps())
+    if (owner.in_map) served_session = other.session;
+  const std::string session = key.session == served_session ? "" : fmt::format("s{}-", key.session);
+  return fmt::format("{}{}{:03}.txt", session, key.id < 0 ? "b" : "", std::abs(static_cast<int64_t>(key.id)));
+}
+
+std::string write_frames_csv(const Atlas& atlas, const std::string& file) {
+  WholeFile out(file);
+  out.write("utime,state,submap,in_map\n");
+  for (const auto& [utime_us, record] : atlas.frames()) {
+    const std::optional<LocatedFrame> located = atlas.locate(utime_us);
+    out.write(fmt::format("{},{},{},{}\n", utime_us, to_string(record.state),
+                          located ? located->owner->submap.key.id : 0, located && located->owner->in_map ? 1 : 0));
+  }
+  return out.commit();
+}
+
+std::string write_ply(const Atlas& atlas, const std::string& file) {
+  const std::map<int64_t, SE3> trajectory = atlas.map_trajectory();
+  std::string body;
+  size_t vertices = 0;
+  const auto add = [&](const Eigen::Vector3d& p, Colour colour) {
+    const Eigen::Vector3f xyz = p.cast<float>();
+    body.append(reinterpret_cast<const char*>(xyz.data()), 12);
+    body.append({static_cast<char>(colour.red), static_cast<char>(colour.green), static_cast<char>(colour.blue)});
+    ++vertices;
+  };
+  for (const auto& [key, owner] : atlas.submaps()) {
+    if (!owner.in_map) continue;
+    for (const auto& [id, landmark] : owner.submap.landmarks)
+      if (atlas.stands_for_itself(owner, id))
+        add(owner.placement.position_in_map(owner.submap, landmark), submap_colour(key));
+  }
+  const size_t landmarks = vertices;
+  for (const auto& [utime_us, map_from_cam] : trajectory) add(map_from_cam.translation, {255, 255, 255});
+
+  WholeFile out(file);
+  out.write(
+      fmt::format("ply\nformat binary_little_endian 1.0\ncomment {} landmarks, then {} camera centres\n"
+                  "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+                  "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
+                  landmarks, vertices - landmarks, vertices));
+  out.write(body);
+  return out.commit();
+}
+
+std::string write_outputs(const Atlas& atlas, const std::string& folder) {
+  const fs::path root(folder);
+  std::error_code error;
+  fs::create_directories(root / "submaps", error);
+  if (error) return fmt::format("cannot create {}: {}", (root / "submaps").string(), error.message());
+  std::string problem = write_trajectory_tum(atlas, (root / "trajectory.txt").string());
+  if (problem.empty()) problem = write_submaps(atlas, root / "submaps");
+  if (problem.empty()) problem = write_frames_csv(atlas, (root / "frames.csv").string());
+  if (problem.empty()) problem = write_ply(atlas, (root / "map.ply").string());
+  return problem;
+}
+
+}  // namespace rumi::map_server

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// An atlas as files for other programs. Every function returns an empty string, or the file and why it could not be
+// written; a file is replaced whole or left as it was.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "map_server/atlas/atlas.h"
+
+namespace rumi::map_server {
+
+// TUM format, `t tx ty tz qx qy qz qw` = map_from_cam: one line per frame with a pose in the served map, in time order.
+// t: the frame's utime as seconds with 6 decimals, exactly.
+std::string write_trajectory_tum(const Atlas& atlas, const std::string& file);
+
+// The same for one submap, submap_from_cam in the submap's own gauge.
+std::string write_submap_tum(const Submap& submap, const std::string& file);
+
+// "003.txt", for a back submap "b003.txt"; of another session than the served map's "s<session>-003.txt".
+std::string submap_file_name(const Atlas& atlas, SubmapKey key);
+
+// Header and one line per frame ever heard of, in time order: utime,state,submap,in_map. submap: the one that has a
+// pose for it now (front 1, 2, ..., back -1, -2, ...), 0 for none. in_map: 1 if it has a pose in the served map. A
+// frame that got its pose after the fact has a submap although its state is NOT_INITIALIZED. state is UNKNOWN only
+// where the bus lost the message about the frame.
+std::string write_frames_csv(const Atlas& atlas, const std::string& file);
+
+// Binary PLY of the served map: landmarks in the colour of their submap, camera centres of all frames in white.
+std::string write_ply(const Atlas& atlas, const std::string& file);
+
+// All of it into a folder (created): trajectory.txt, submaps/NNN.txt, frames.csv, map.ply. Files in submaps/ that look
+// like ours but belong to no submap of this atlas are removed: they are from an earlier run.
+std::string write_outputs(const Atlas& atlas, const std::string& folder);
+
+struct Colour {
+  uint8_t red = 0, green = 0, blue = 0;
+};
+Colour submap_colour(SubmapKey key);
+
+// "1700000000.000042" for 1700000000000042.
+std::string seconds_text(int64_t utime_us);
+
+}  // namespace rumi::map_server

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Do two keyframes look at the same place, and how does one submap lie in the other then? For submaps that share no
+// images, and for the loops of one submap (Chen et al., "Rumination Meets VSLAM", section IV.C). Landmarks are matched
+// by descriptor; three pairs propose a similarity (Umeyama in RANSAC); all landmarks of both places are searched again
+// where it puts them; it is refined by reprojection in both directions (slam/optimization/sim3_refinement.h).
+//
+// A wrong join ruins a map and a missed one can be made later: whatever is in doubt is refused.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "map_server/places/place_matching.h"
+#include "slam/geometry/transform.h"
+#include "slam/map/submap.h"
+
+namespace rumi::map_server {
+
+struct PlaceAlignmentOptions {
+  PlaceMatchOptions matching;
+  int neighbours = 4;  // views of either place besides the keyframe itself
+  int witnesses = 6;   // of either place, kept out of the alignment
+
+  int min_proposed = 15;              // landmark pairs by descriptor
+  int ransac_iterations = 1000;       // at most
+  double consensus_px = 6.0;          // in both directions, at octave 0; landmarks themselves are off by some pixels
+  int min_consensus = 10;             // of the proposed pairs (those of the two keyframes alone, too), and ...
+  double min_consensus_ratio = 0.25;  // ... of them
+  double max_rival_ratio = 0.5;       // what another similarity explains of the rest, over the consensus
+
+  double guided_radius_px = 8.0;  // at octave 0
+  double inlier_px = 4.0;         // in both directions, at octave 0
+  int min_inliers = 40;
+  double min_inlier_ratio = 0.5;   // of the guided matches
+  double min_found_ratio = 0.1;    // inliers over the landmarks of a that should be in view of keyframe b
+  int min_cells = 12;              // of 8 x 6 over the image, with an inlier, in keyframe a and in keyframe b
+  double min_extent_ratio = 0.12;  // second largest standard deviation of the inliers' positions over their depth
+  double max_sigma_rotation_deg = 1.0;
+  double max_sigma_log_scale = 0.05;
+  double max_sigma_translation = 0.05;  // over the median depth of the inliers
+
+  double witness_radius_px = 5.0;  // at octave 0
+  int min_witness_found = 20;      // landmarks of the other place that a witness sees
+  double min_witness_ratio = 0.2;  // of those that should be in view of it
+  int min_witnesses = 2;           // of each place, that bear it out
+};
+
+struct LandmarkPair {
+  int a = kNone, b = kNone;  // ids
+  bool operator==(const LandmarkPair&) const = default;
+};
+
+struct PlaceAlignment {
+  Sim3 b_from_a;
+  std::vector<LandmarkPair> landmarks;  // the inliers: the same point in both
+  int proposed = 0;                     // pairs by descriptor alone
+  int consensus = 0, rival = 0;         // of those: with the best similarity, with the best of the rest
+  int guided = 0;                       // pairs found where b_from_a puts them
+  int inliers = 0;                      // of those
+  int visible = 0;                      // landmarks of a that should be in view of keyframe b
+  int cells = 0;                        // of 8 x 6 with an inlier, the fewer of the two keyframes
+  double rmse_px = 0;                   // of the inliers, both directions, in units of their octave
+  double extent_ratio = 0;
+  double median_depth = 0;  // of the inliers, from keyframe b, in the unit of b
+  double sigma_rotation_deg = 0, sigma_log_scale = 0;
+  double sigma_translation = 0;          // over the median depth
+  int witnesses_a = 0, witnesses_b = 0;  // keyframes kept out of it that bear it out
+  std::vector<Witness> heard;            // those of a, then those of b
+  std::string doubt;                     // empty, or why it is not to be believed, with the numbers
+};
+
+// `a` and `b` may be one submap: a loop. Lengths of sigma and extent are relative, so that the unit does not matter.
+// Deterministic. Some 15 ms for 1000 keypoints a keyframe, 50 at most, a third of it where nothing is in common.
+//
+// No image tells two places apart that are alike as far as all the keyframes here can see. Before it joins submaps for
+// good, the caller should have several alignments of different keyframes that say the same.
+PlaceAlignment align_places(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b,
+                            const PlaceAlignmentOptions& options = {});
+
+}  // namespace rumi::map_server

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The similarity that most pairs of landmarks agree with.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "map_server/places/place_matching.h"
+#include "slam/geometry/transform.h"
+
+namespace rumi::map_server {
+
+// A pair of landmarks with all that scoring a similarity needs.
+struct PlaceEquation {
+  Eigen::Vector3d point_a, point_b;
+  SE3 cam_from_a, cam_from_b;        // of the views that saw them
+  Eigen::Vector2d pixel_a, pixel_b;  // undistorted, in those views
+  double sigma_a_px = 1, sigma_b_px = 1;
+};
+
+std::vector<PlaceEquation> make_equations(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
+                                          const std::vector<PlaceMatch>& matches, double octave_scale);
+
+// The greater of the two reprojection errors (a's point in b's view and back) over sigma; infinite behind a camera.
+double reprojection_error_px(const PlaceEquation& equation, const Camera& camera_a, const Camera& camera_b,
+                             const Sim3& b_from_a, const Sim3& a_from_b);
+
+struct Consensus {
+  Sim3 b_from_a;
+  std::vector<int> members;  // indices of the equations, ascending
+};
+
+// RANSAC over three pairs, `among` the equations with these indices. Nothing if no three of them agree. Deterministic.
+std::optional<Consensus> find_consensus(const std::vector<PlaceEquation>& equations, const std::vector<int>& among,
+                                        const Camera& camera_a, const Camera& camera_b, double max_error_px,
+                                        int iterations);
+
+}  // namespace rumi::map_server

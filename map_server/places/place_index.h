@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which places of the atlas look like this image? The keyframes of all submaps in one index, by the descriptors of
+// their landmarks.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "slam/features/keyframe_index.h"
+#include "slam/map/submap.h"
+
+namespace rumi::map_server {
+
+struct Place {
+  SubmapKey submap;
+  int keyframe = kNone;  // id
+  int64_t utime_us = 0;
+  bool operator==(const Place&) const = default;
+};
+
+struct PlaceCandidate {
+  Place place;
+  double score = 0;  // of KeyframeIndex
+};
+
+class PlaceIndex {
+ public:
+  // Replaces what the index knew of the keyframe. Only keypoints that observe a landmark count.
+  void add(SubmapKey submap, const Keyframe& keyframe);
+  void remove(SubmapKey submap, int keyframe);
+  void remove_if(const std::function<bool(const Place&)>& gone);
+  bool contains(SubmapKey submap, int keyframe) const { return numbers_.contains({submap, keyframe}); }
+  size_t size() const { return numbers_.size(); }
+
+  // The best first, at most `count`, none that `exclude` names. Of keyframes of one submap within `separation_us` of
+  // each other only the best: the others show the same. Ties are broken by the order in which they were added.
+  std::vector<PlaceCandidate> query(const std::vector<Descriptor>& descriptors, size_t count, int64_t separation_us,
+                                    const std::function<bool(const Place&)>& exclude) const;
+
+ private:
+  KeyframeIndex index_;
+  int64_t next_number_ = 0;
+  std::map<std::pair<SubmapKey, int>, int64_t> numbers_;
+  std::map<int64_t, Place> places_;
+};
+
+// The descriptors of the keypoints that observe a landmark: what a keyframe is added with, and best queried with.
+std::vector<Descriptor> landmark_descriptors(const Keyframe& keyframe);
+
+// For the query of a keyframe: excludes it, what it shares landmarks with, and what is within `min_apart_us` of it in
+// its own submap.
+std::function<bool(const Place&)> exclude_surroundings(const Submap& submap, int keyframe, int64_t min_apart_us);
+
+}  // namespace rumi::map_server

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/places/place_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+namespace rumi::map_server {
+namespace {
+
+using Submaps = PlaceSearch::Submaps;
+
+Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
+  return {.a = a.submap,
+          .b = b.submap,
+          .kind = Link::Kind::kAppearance,
+          .b_from_a = alignment.b_from_a,
+          .keyframes = static_cast<int>(alignment.heard.size()),
+          .keyframe_inliers = alignment.witnesses_a + alignment.witnesses_b,
+          .landmarks = alignment.guided,
+          .landmark_inliers = alignment.inliers,
+          .rmse_px = alignment.rmse_px,
+          .doubt = alignment.doubt};
+}
+
+PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps, const PlaceSearchOptions& o,
+                          PlaceAlignment alignment) {
+  const double depth = alignment.median_depth;
+  const SE3& cam_from_a = submaps.at(a.submap)->keyframe(a.keyframe)->cam_from_submap;
+  const SE3& cam_from_b = submaps.at(b.submap)->keyframe(b.keyframe)->cam_from_submap;
+  const KeyframeJoint joint{{a.submap, a.keyframe},
+                            {b.submap, b.keyframe},
+                            Sim3(cam_from_b) * alignment.b_from_a * Sim3(cam_from_a.inverse()),
+                            std::max(alignment.sigma_rotation_deg, o.sigma_rotation_deg) * M_PI / 180,
+                            std::max(alignment.sigma_translation, o.sigma_translation) * depth,
+                            std::max(alignment.sigma_log_scale, o.sigma_log_scale)};
+  return {depth, make_link(a, b, alignment), a.utime_us, b.utime_us, joint, std::move(alignment.landmarks)};
+}
+
+// The same link told from the other side.
+PlaceLink turned(const PlaceLink& x) {
+  PlaceLink y = x;
+  const double scale = x.link.b_from_a.scale;
+  std::swap(y.link.a, y.link.b);
+  y.link.b_from_a = x.link.b_from_a.inverse();
+  std::swap(y.utime_a_us, y.utime_b_us);
+  y.median_depth = x.median_depth / scale;
+  return y;
+}
+
+}  // namespace
+
+void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined) {
+  forget_removed(submaps);
+  std::vector<Place> fresh;
+  for (const auto& [key, submap] : submaps)
+    for (const auto& [id, keyframe] : submap->keyframes)
+      if (seen_.insert({key, id}).second) {
+        index_.add(key, keyframe);
+        fresh.push_back({key, id, keyframe.utime_us});
+      }
+  for (const Place& place : fresh) {
+    std::vector<Place>& same_image = searched_for_[place.utime_us];
+    // What the image shows has been looked for by its other keyframe, where that tells of this one too.
+    const bool known =
+        std::any_of(same_image.begin(), same_image.end(), [&](const Place& other) { return joined(place, other); });
+    if (known) continue;
+    same_image.push_back(place);
+    search(place, submaps, joined);
+  }
+}
+
+// In a place that is seen for hours front_tracker makes and removes keyframes without end.
+void PlaceSearch::forget_removed(const Submaps& submaps) {
+  index_.remove_if([&](const Place& place) {
+    const auto owner = submaps.find(place.submap);
+    return owner == submaps.end() || !owner->second->keyframe(place.keyframe);
+  });
+}
+
+void PlaceSearch::add(const Submap& submap) {
+  for (const auto& [id, keyframe] : submap.keyframes)
+    if (seen_.insert({submap.key, id}).second) index_.add(submap.key, keyframe);
+}
+
+bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
+                               const std::function<bool(const Place&, const Place&)>& joined) {
+  std::vector<Place> places;
+  for (const SubmapKey& key : alone) {
+    const Submap& submap = *submaps.at(key);
+    if (std::exchange(searched_again_[key], submap.revision) == submap.revision) continue;
+    for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, keyframe.utime_us});
+  }
+  if (places.empty()) return false;
+  forget_removed(submaps);
+  for (const auto& [key, submap] : submaps)
+    for (const auto& [id, keyframe] : submap->keyframes) index_.add(key, keyframe);
+  for (const Place& place : places) search(place, submaps, joined);
+  return true;
+}
+
+bool PlaceSearch::is_known(const Place& a, const Place& b) const {
+  const auto near = [&](SubmapKey key, int64_t utime_us, const Place& place) {
+    return key == place.submap && std::abs(utime_us - place.utime_us) < o_.once_within_s * 1e6;
+  };
+  return std::any_of(found_.begin(), found_.end(), [&](const PlaceLink& known) {
+    return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||
+           (near(known.link.a, known.utime_a_us, b) && near(known.link.b, known.utime_b_us, a));
+  });
+}
+
+void PlaceSearch::refuse(int found, const std::string& doubt) {
+  Link link = found_[found].link;
+  found_.erase(found_.begin() + found);
+  link.doubt = doubt;
+  refused_[std::minmax(link.a, link.b)] = link;
+}
+
+// With what it is confirmed by, if it is.
+void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
+  const auto confirms = [&](const PlaceLink& other) { return agree(link, other, submaps); };
+  const auto other = std::find_if(unconfirmed_.begin(), unconfirmed_.end(), confirms);
+  if (other == unconfirmed_.end()) {
+    unconfirmed_.push_back(std::move(link));
+    return;
+  }
+  found_.push_back(std::move(*other));
+  found_.push_back(std::move(link));
+  unconfirmed_.erase(other);
+}
+
+bool PlaceSearch::agree(const PlaceLink& x, const PlaceLink& other, const Submaps& submaps) const {
+  const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
+  if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
+  // Of a loop, the ends that are nearer to each other.
+  const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
+                                                                std::abs(x.utime_a_us - other.utime_b_us));
+  const PlaceLink y = turn ? turned(other) : other;
+  const double within_us = o_.confirm_within_s * 1e6;
+  if (static_cast<double>(std::abs(x.utime_a_us - y.utime_a_us)) > within_us ||
+      static_cast<double>(std::abs(x.utime_b_us - y.utime_b_us)) > within_us ||
+      (x.utime_a_us == y.utime_a_us && x.utime_b_us == y.utime_b_us))
+    return false;
+  if (std::abs(std::log(x.link.b_from_a.scale / y.link.b_from_a.scale)) > o_.confirm_log_scale) return false;
+  const double angle = x.link.b_from_a.rotation.angularDistance(y.link.b_from_a.rotation);
+  if (angle > o_.confirm_rotation_deg * M_PI / 180) return false;
+  // Compared where the camera was, which may be far from the origin of either submap.
+  const Submap& a = *submaps.at(x.link.a);
+  const auto frame = a.frame(x.utime_a_us);
+  if (!frame) return false;
+  const Eigen::Vector3d center = a.cam_from_submap(*frame).center();
+  return (x.link.b_from_a * center - y.link.b_from_a * center).norm() <= o_.confirm_translation * x.median_depth;
+}
+
+void PlaceSearch::search(const Place& place, const Submaps& submaps,
+                         const std::function<bool(const Place&, const Place&)>& joined) {
+  const Submap& submap = *submaps.at(place.submap);
+  const auto surroundings = exclude_surroundings(submap, place.keyframe, static_cast<int64_t>(o_.min_apart_s * 1e6));
+  const auto exclude = [&](const Place& other) {
+    return surroundings(other) || is_known(place, other) || joined(place, other);
+  };
+  const std::vector<PlaceCandidate> candidates =
+      index_.query(landmark_descriptors(*submap.keyframe(place.keyframe)), static_cast<size_t>(o_.candidates),
+                   static_cast<int64_t>(o_.separation_s * 1e6), exclude);
+  for (const PlaceCandidate& candidate : candidates) {
+    const Place& other = candidate.place;
+    PlaceAlignment alignment =
+        align_places(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment);
+    if (alignment.doubt.empty()) {
+      take(make_place_link(place, other, submaps, o_, std::move(alignment)), submaps);
+      return;
+    }
+    // Where nothing agreed there is nothing to tell of.
+    if (place.submap != other.submap && alignment.inliers > 0)
+      refused_[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
+  }
+}
+
+}  // namespace rumi::map_server

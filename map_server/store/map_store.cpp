@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/store/map_store.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "base/log.h"
+#include "map_server/store/map_store_schema.h"
+
+namespace rumi::map_server {
+namespace {
+
+constexpr const char* kInMemory = ":memory:";
+constexpr int64_t kPagesPerFreeOne = 10;  // more free pages than every tenth are given back to the file system
+constexpr int kBusyTimeoutMs = 2000;      // for a reader (the sqlite3 tool, a backup) to get out of the way
+
+std::string holder_of(int fd) {
+  char text[32] = {};
+  const ssize_t n = pread(fd, text, sizeof(text) - 1, 0);
+  return n > 0 ? std::string(text, static_cast<size_t>(n)) : "unknown";
+}
+
+// A process that ends removes its lock file; one that opened the file just before must not take the removed one for it.
+bool is_still_there(int fd, const std::string& file) {
+  struct stat ours {
+  }, there{};
+  return fstat(fd, &ours) == 0 && stat(file.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+         ours.st_dev == there.st_dev;
+}
+
+}  // namespace
+
+FileLock::FileLock(std::string file) : file_(std::move(file)) {
+  for (;;) {
+    fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (fd_ < 0)
+      throw std::runtime_error(
+          fmt::format("cannot create {}: {}; the folder must exist and be writable", file_, std::strerror(errno)));
+    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+      const std::string pid = holder_of(fd_);
+      ::close(std::exchange(fd_, -1));
+      throw std::runtime_error(fmt::format(
+          "another map_server (pid {}) has the map open: it holds {}; stop that one or give this one another database",
+          pid, file_));
+    }
+    if (is_still_there(fd_, file_)) break;
+    ::close(fd_);
+  }
+  const std::string pid = std::to_string(getpid());
+  // The pid is there for people only; on a full disk the lock holds without it.
+  if (ftruncate(fd_, 0) != 0 || pwrite(fd_, pid.data(), pid.size(), 0) < 0) return;
+}
+
+FileLock::~FileLock() {
+  if (fd_ < 0) return;
+  ::unlink(file_.c_str());
+  ::close(fd_);
+}
+
+FileLock::FileLock(FileLock&& other) noexcept : file_(std::move(other.file_)), fd_(std::exchange(other.fd_, -1)) {}
+
+FileLock& FileLock::operator=(FileLock&& other) noexcept {
+  std::swap(file_, other.file_);
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+MapStore::MapStore(const std::string& file) : file_(file) {
+  if (file_.empty()) throw std::runtime_error("map_server.database is empty; give a file name or :memory:");
+  if (file_ != kInMemory) lock_ = FileLock(file_ + ".lock");
+  try {
+    db_ = Database(file_);
+    open();
+  } catch (const SqliteError& error) {
+    throw std::runtime_error(explain(error));
+  }
+}
+
+MapStore MapStore::copy_in_memory(const std::string& file) {
+  if (!std::filesystem::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such map", file));
+  MapStore store;
+  store.file_ = file;  // that errors are about
+  try {
+    Database original = Database::open_existing(file);
+    sqlite3_busy_timeout(original.handle(), kBusyTimeoutMs);
+    store.db_ = Database(kInMemory);
+    store.db_.copy_from(original);
+    store.open();
+  } catch (const SqliteError& error) {
+    throw std::runtime_error(store.explain(error));
+  }
+  store.file_ = kInMemory;
+  return store;
+}
+
+void MapStore::open() {
+  sqlite3_busy_timeout(db_.handle(), kBusyTimeoutMs);
+  const int64_t version = db_.integer("PRAGMA user_version");
+  const int64_t application = db_.integer("PRAGMA application_id");
+  const bool is_new = version == 0 && application == 0 && db_.integer("SELECT count(*) FROM sqlite_master") == 0;
+  if (!is_new && application != kMapApplicationId)
+    throw std::runtime_error(fmt::format("{} is an SQLite database but no map of ours; give another file", file_));
+  if (version > kMapSchemaVersion)
+    throw std::runtime_error(fmt::format(
+        "{} has schema version {}, written by a newer program; this one knows version {} and leaves the file "
+        "as it is: update it or give another file",
+        file_, version, kMapSchemaVersion));
+  if (const std::string wrong = is_new ? "ok" : db_.text("PRAGMA quick_check(1)"); wrong != "ok")
+    throw SqliteError(SQLITE_CORRUPT, wrong);
+  if (is_new) db_.execute("PRAGMA auto_vacuum = INCREMENTAL");  // or never
+  db_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+  // A readable but not writable file must be refused now, not when the first update comes: hence the transaction, also
+  // where there is nothing to do.
+  Transaction transaction(db_);
+  if (version == kMapSchemaVersion) return;
+  if (is_new) {
+    db_.execute(kMapSchema);
+    db_.execute(kMapSchemaPlacements);
+  } else {
+    if (version == 1) {
+      db_.execute(kMapSchemaPlacements);
+      db_.execute(kMapSchemaFrom1To2);
+    }
+    db_.execute(kMapSchemaFrom2To3);
+    log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
+  }
+  db_.execute(
+      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kMapApplicationId, kMapSchemaVersion));
+  transaction.commit();
+}
+
+std::string MapStore::explain(const SqliteError& error) const {
+  const char* what = error.what();
+  switch (error.code()) {
+    case SQLITE_FULL:
+      return fmt::format("cannot write {}: no space left ({}); free some, nothing that was acknowledged is lost", file_,
+                         what);
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+      return fmt::format("cannot write {}: it or its folder is read-only ({})", file_, what);
+    case SQLITE_CANTOPEN:
+      return fmt::format("cannot open {}: {}; the folder must exist and be writable", file_, what);
+    case SQLITE_NOTADB:
+      return fmt::format("{} is not an SQLite database; give another file or move it away", file_);
+    case SQLITE_CORRUPT:
+      return fmt::format("{} is damaged ({}); move it away, `sqlite3 {} .recover` may save what is left", file_, what,
+                         file_);
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      return fmt::format("{} is locked by another program ({}); close it", file_, what);
+    default:
+      return fmt::format("{}: {}", file_, what);
+  }
+}
+
+int64_t MapStore::stored_revision(SubmapKey key) const {
+  const auto it = stored_.find(key);
+  return it == stored_.end() ? 0 : it->second.revision;
+}
+
+int64_t MapStore::bytes() { return db_.integer("PRAGMA page_count") * db_.integer("PRAGMA page_size"); }
+
+void MapStore::give_back_pages() {
+  try {
+    if (db_.integer("PRAGMA freelist_count") * kPagesPerFreeOne > db_.integer("PRAGMA page_count"))
+      db_.execute("PRAGMA incremental_vacuum");
+  } catch (const SqliteError&) {
+    return;  // nothing is lost by it; after the next save() again
+  }
+}
+
+void MapStore::limit_bytes(int64_t bytes) {
+  const int64_t pages = std::max<int64_t>(1, bytes / db_.integer("PRAGMA page_size"));
+  db_.execute(fmt::format("PRAGMA max_page_count = {}", pages));
+}
+
+int64_t MapStore::changes() const { return sqlite3_total_changes(db_.handle()); }
+
+std::string MapStore::write_copy(const std::string& file) {
+  const std::string temporary = file + ".tmp";
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
+  try {
+    Statement(db_, "VACUUM INTO ?").bind(temporary).run();
+  } catch (const SqliteError& error) {
+    std::filesystem::remove(temporary, ignored);
+    return fmt::format("cannot write {}: {}", file, error.what());
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, file, error);
+  if (!error) return {};
+  std::filesystem::remove(temporary, ignored);
+  return fmt::format("cannot write {}: {}", file, error.message());
+}
+
+std::vector<uint8_t> MapStore::copy_bytes(std::string* error) {
+  const bool in_memory = file_ == kInMemory;
+  const std::string beside = in_memory ? (std::filesystem::temp_directory_path() / "map.db").string() : file_;
+  const std::string temporary = fmt::format("{}.snapshot-{}", beside, getpid());
+  std::vector<uint8_t> bytes;
+  *error = write_copy(temporary);
+  if (error->empty()) {
+    std::ifstream in(temporary, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+    if (!in.good() && !in.eof()) *error = fmt::format("cannot read {}", temporary);
+  }
+  std::error_code ignored;
+  std::filesystem::remove(temporary, ignored);
+  return error->empty() ? bytes : std::vector<uint8_t>{};
+}
+
+}  // namespace rumi::map_server

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The atlas on disk: one SQLite file. What save() has accepted is there after a kill -9 at any moment, and after a loss
+// of power too (WAL, synchronous=FULL). The schema is in map_store_schema.h.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/sqlite.h"
+#include "map_server/atlas/atlas.h"
+
+namespace rumi::map_server {
+
+// Held as long as the object lives, by one process at a time; the kernel gives it back when the process dies.
+class FileLock {
+ public:
+  // Locks `file` (created). Throws std::runtime_error naming the holder's pid if another process has it.
+  explicit FileLock(std::string file);
+  FileLock() = default;
+  ~FileLock();
+  FileLock(FileLock&& other) noexcept;
+  FileLock& operator=(FileLock&& other) noexcept;
+
+ private:
+  std::string file_;
+  int fd_ = -1;
+};
+
+class MapStore {
+ public:
+  // Opens or creates FILE and takes FILE.lock; ":memory:" keeps everything in memory. A file of an older schema version
+  // is brought to ours in one transaction. Throws std::runtime_error with a
+  // message for the user if the file is locked, damaged, no map, of a newer version or not writable.
+  explicit MapStore(const std::string& file);
+  // In memory, what the file holds now: whatever becomes of it, the file stays as it is. Another process may have it
+  // open. Throws std::runtime_error if it is not there, or as above.
+  static MapStore copy_in_memory(const std::string& file);
+
+  // The atlas as it was when last saved, bit for bit. Throws std::runtime_error if the content contradicts itself.
+  Atlas load();
+
+  // Writes what changed in the atlas since it was last saved or loaded, and the records of the frames named, in one
+  // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up.
+  std::string save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
+
+  // Revision of the submap in the file, 0 if it is not there.
+  int64_t stored_revision(SubmapKey key) const;
+
+  // A consistent, compact copy of all that is saved. An existing file is replaced in one step. Returns what went wrong.
+  std::string write_copy(const std::string& file);
+  // The same as bytes. On failure empty, with the reason in *error.
+  std::vector<uint8_t> copy_bytes(std::string* error);
+
+  int64_t bytes();          // of the database
+  int64_t changes() const;  // rows written since it was opened: whether there is anything new to copy
+  const std::string& file() const { return file_; }
+  // No more than this many bytes (rounded to pages): a save() beyond it fails like one on a full disk.
+  void limit_bytes(int64_t bytes);
+
+ private:
+  MapStore() = default;
+  struct Stored {
+    int64_t row = 0;  // submaps.submap
+    int64_t revision = 0;
+    bool in_map = false;
+    int64_t placement_revision = 0;
+  };
+  void open();  // db_: checks what is there, or makes it
+  Stored save_submap(const AtlasSubmap& owner, const Stored& before);
+  bool remove_elements(const Submap& submap, const Stored& row);
+  void save_keyframes(const Submap& submap, const Stored& row);
+  void save_landmarks(const Submap& submap, const Stored& row);
+  void save_poses(const Submap& submap, const Stored& row);
+  void save_map(const Atlas& atlas, std::map<SubmapKey, Stored>* rows);
+  void save_placement(const Placement& placement, int64_t row, const std::map<SubmapKey, Stored>& rows);
+  void save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows);
+  void save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
+  int64_t camera_row(const Camera& camera);
+  Camera load_camera(int64_t row);
+  void load_submaps(Atlas* atlas);
+  void load_elements(int64_t row, Submap* submap);
+  void load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
+  void load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
+  void give_back_pages();
+  std::string explain(const SqliteError& error) const;
+
+  std::string file_;
+  FileLock lock_;
+  Database db_;
+  std::map<SubmapKey, Stored> stored_;
+  std::vector<Link> stored_links_;
+};
+
+}  // namespace rumi::map_server

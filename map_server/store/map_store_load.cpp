@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reading. SQLite has checked the pages; here the content is checked, because a wrong index would crash whoever uses
+// it.
+#include <fmt/format.h>
+
+#include <memory>
+#include <stdexcept>
+
+#include "map_server/store/blob.h"
+#include "map_server/store/map_store.h"
+
+namespace rumi::map_server {
+namespace {
+
+std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Camera& camera) {
+  const auto keypoints = vector_from_blob<float>(row.blob(first_column));
+  const auto octaves = vector_from_blob<uint8_t>(row.blob(first_column + 1));
+  auto features = std::make_shared<Features>();
+  features->descriptors = vector_from_blob<Descriptor>(row.blob(first_column + 2));
+  if (keypoints.size() != octaves.size() * 3 || features->descriptors.size() != octaves.size())
+    throw std::runtime_error("keypoints, octaves and descriptors do not have the same length");
+  for (size_t i = 0; i < octaves.size(); ++i)
+    features->keypoints.push_back({{keypoints[3 * i], keypoints[3 * i + 1]}, keypoints[3 * i + 2], octaves[i]});
+  features->undistort(camera);
+  return features;
+}
+
+// Keyframes come in order of id, so the observations of every landmark do too.
+void restore_observations(const std::vector<int32_t>& pairs, Keyframe* keyframe, Submap* submap) {
+  if (pairs.size() % 2 != 0) throw std::runtime_error("a blob has the wrong size");
+  for (size_t i = 0; i < pairs.size(); i += 2) {
+    Landmark* landmark = submap->landmark(pairs[i + 1]);
+    if (pairs[i] < 0 || pairs[i] >= static_cast<int>(keyframe->landmark_ids.size()) || !landmark)
+      throw std::runtime_error(fmt::format("keyframe {} observes what does not exist", keyframe->id));
+    keyframe->landmark_ids[pairs[i]] = landmark->id;
+    landmark->observations.push_back({keyframe->id, pairs[i]});
+  }
+}
+
+}  // namespace
+
+Atlas MapStore::load() {
+  Atlas atlas;
+  try {
+    stored_.clear();
+    Statement frames(db_, "SELECT utime, session, state, submap FROM frames");
+    while (frames.step())
+      atlas.record_frame(frames.integer(0), {.session = frames.integer(1),
+                                             .state = static_cast<TrackingState>(frames.integer(2)),
+                                             .submap_id = static_cast<int32_t>(frames.integer(3))});
+    load_submaps(&atlas);
+    atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
+  } catch (const SqliteError& error) {
+    throw std::runtime_error(explain(error));
+  } catch (const std::exception& error) {
+    throw std::runtime_error(fmt::format("{} is damaged: {}; move it away", file_, error.what()));
+  }
+  return atlas;
+}
+
+void MapStore::load_submaps(Atlas* atlas) {
+  std::map<int64_t, SubmapKey> keys;
+  Statement rows(db_,
+                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision FROM submaps");
+  while (rows.step()) {
+    AtlasSubmap owner;
+    Submap& s = owner.submap;
+    s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
+    s.kind = static_cast<SubmapKind>(rows.integer(3));
+    s.closed = rows.integer(4) != 0;
+    s.revision = rows.integer(5);
+    s.camera = load_camera(rows.integer(6));
+    owner.in_map = rows.integer(7) != 0;
+    load_elements(rows.integer(0), &s);
+    stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8)};
+    keys[rows.integer(0)] = s.key;
+    atlas->restore_submap(std::move(owner));
+  }
+  load_placements(atlas, keys);
+  load_links(atlas, keys);
+}
+
+Camera MapStore::load_camera(int64_t row) {
+  Statement select(db_, "SELECT * FROM cameras WHERE camera = ?");
+  if (!select.bind(row).step()) throw std::runtime_error(fmt::format("camera {} is missing", row));
+  Camera c;
+  c.model = static_cast<Camera::Model>(select.integer(1));
+  c.width = static_cast<int>(select.integer(2));
+  c.height = static_cast<int>(select.integer(3));
+  int column = 4;
+  for (double* field : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3, &c.k4, &c.fps})
+    *field = select.real(column++);
+  return c;
+}
+
+void MapStore::load_elements(int64_t row, Submap* s) {
+  Statement landmarks(db_, "SELECT id, position, descriptor, revision FROM landmarks WHERE submap = ? ORDER BY id");
+  for (landmarks.bind(row); landmarks.step();) {
+    Landmark landmark;
+    landmark.id = static_cast<int>(landmarks.integer(0));
+    const auto position = array_from_blob<std::array<double, 3>>(landmarks.blob(1));
+    landmark.position = {position[0], position[1], position[2]};
+    landmark.descriptor = array_from_blob<Descriptor>(landmarks.blob(2));
+    landmark.revision = landmarks.integer(3);
+    s->landmarks.emplace_hint(s->landmarks.end(), landmark.id, std::move(landmark));
+  }
+  Statement keyframes(db_,
+                      "SELECT k.id, k.utime, k.cam_from_submap, k.revision, k.created_revision, o.pairs, f.keypoints, "
+                      "f.octaves, f.descriptors FROM keyframes k JOIN observations o ON o.submap = k.submap AND "
+                      "o.keyframe = k.id JOIN features f ON f.submap = k.submap AND f.keyframe = k.id "
+                      "WHERE k.submap = ? ORDER BY k.id");
+  for (keyframes.bind(row); keyframes.step();) {
+    Keyframe keyframe;
+    keyframe.id = static_cast<int>(keyframes.integer(0));
+    keyframe.utime_us = keyframes.integer(1);
+    keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
+    keyframe.revision = keyframes.integer(3);
+    keyframe.created_revision = keyframes.integer(4);
+    keyframe.features = features_from_row(keyframes, 6, s->camera);
+    keyframe.landmark_ids.assign(keyframe.features->keypoints.size(), kNone);
+    restore_observations(vector_from_blob<int32_t>(keyframes.blob(5)), &keyframe, s);
+    s->keyframes.emplace_hint(s->keyframes.end(), keyframe.id, std::move(keyframe));
+  }
+  Statement poses(db_,
+                  "SELECT utime, reference_keyframe, cam_from_keyframe, revision FROM frame_poses WHERE submap = ?");
+  for (poses.bind(row); poses.step();) {
+    FramePose pose{poses.integer(0), static_cast<int>(poses.integer(1)),
+                   pose_from_numbers(array_from_blob<PoseNumbers>(poses.blob(2))), poses.integer(3)};
+    if (!s->keyframe(pose.reference_keyframe))
+      throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
+    s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);
+  }
+  // The file does not tell what was removed before.
+  s->removed_keyframes.forget(s->revision);
+  s->removed_landmarks.forget(s->revision);
+}
+
+}  // namespace rumi::map_server

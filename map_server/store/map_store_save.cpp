@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Writing: only what carries a later revision than the file has.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "map_server/store/blob.h"
+#include "map_server/store/map_store.h"
+
+namespace rumi::map_server {
+namespace {
+
+std::vector<int32_t> observation_pairs(const Keyframe& keyframe) {
+  std::vector<int32_t> pairs;
+  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i) {
+    if (keyframe.landmark_ids[i] == kNone) continue;
+    pairs.push_back(static_cast<int32_t>(i));
+    pairs.push_back(keyframe.landmark_ids[i]);
+  }
+  return pairs;
+}
+
+void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
+  std::vector<float> keypoints;
+  std::vector<uint8_t> octaves;
+  for (const Keypoint& k : keyframe.features->keypoints) {
+    keypoints.insert(keypoints.end(), {k.pixel.x(), k.pixel.y(), k.angle_rad});
+    octaves.push_back(k.octave);
+  }
+  insert.bind(row, keyframe.id, as_blob(keypoints), as_blob(octaves), as_blob(keyframe.features->descriptors)).run();
+}
+
+}  // namespace
+
+std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+  try {
+    Transaction transaction(db_);
+    std::map<SubmapKey, Stored> rows = stored_;
+    for (const auto& [key, owner] : atlas.submaps())
+      if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
+    save_map(atlas, &rows);
+    save_links(atlas, rows);
+    save_frames(atlas, frame_utimes_us);
+    transaction.commit();
+    stored_ = std::move(rows);
+    stored_links_ = atlas.links();
+    give_back_pages();
+    return {};
+  } catch (const SqliteError& error) {
+    return explain(error);
+  }
+}
+
+MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
+  const Submap& s = owner.submap;
+  Statement upsert(db_,
+                   "INSERT INTO submaps (session, id, kind, closed, revision, camera) VALUES (?, ?, ?, ?, ?, ?) "
+                   "ON CONFLICT (session, id) DO UPDATE SET kind = excluded.kind, closed = excluded.closed, "
+                   "revision = excluded.revision, camera = excluded.camera RETURNING submap");
+  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera));
+  upsert.step();
+  Stored since = before;
+  since.row = upsert.integer(0);
+  while (upsert.step()) {
+  }
+  if (!remove_elements(s, since)) since.revision = 0;
+  save_keyframes(s, since);
+  save_landmarks(s, since);
+  save_poses(s, since);
+  since.revision = s.revision;
+  return since;
+}
+
+// False if the submap no longer remembers all that was removed since: then all its elements are gone from the file.
+bool MapStore::remove_elements(const Submap& s, const Stored& since) {
+  const auto keyframes = s.removed_keyframes.since(since.revision);
+  const auto landmarks = s.removed_landmarks.since(since.revision);
+  if (!keyframes || !landmarks) {
+    for (const char* table : {"keyframes", "features", "observations", "landmarks", "frame_poses"})
+      Statement(db_, fmt::format("DELETE FROM {} WHERE submap = ?", table)).bind(since.row).run();
+    return false;
+  }
+  for (const char* sql :
+       {"DELETE FROM keyframes WHERE submap = ? AND id = ?", "DELETE FROM features WHERE submap = ? AND keyframe = ?",
+        "DELETE FROM observations WHERE submap = ? AND keyframe = ?"}) {
+    Statement erase(db_, sql);
+    for (int id : *keyframes)
+      if (!s.keyframe(id)) erase.bind(since.row, id).run();
+  }
+  Statement erase(db_, "DELETE FROM landmarks WHERE submap = ? AND id = ?");
+  for (int id : *landmarks)
+    if (!s.landmark(id)) erase.bind(since.row, id).run();
+  return true;
+}
+
+void MapStore::save_keyframes(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO keyframes VALUES (?, ?, ?, ?, ?, ?)");
+  Statement features(db_, "INSERT OR REPLACE INTO features VALUES (?, ?, ?, ?, ?)");
+  Statement observations(db_, "INSERT OR REPLACE INTO observations VALUES (?, ?, ?)");
+  for (const auto& [id, keyframe] : s.keyframes) {
+    if (keyframe.revision <= since.revision) continue;
+    const PoseNumbers pose = pose_numbers(keyframe.cam_from_submap);
+    insert.bind(since.row, id, keyframe.utime_us, as_blob(pose), keyframe.revision, keyframe.created_revision).run();
+    if (keyframe.created_revision > since.revision) insert_features(features, since.row, keyframe);
+    const std::vector<int32_t> pairs = observation_pairs(keyframe);
+    observations.bind(since.row, id, as_blob(pairs)).run();
+  }
+}
+
+void MapStore::save_landmarks(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO landmarks VALUES (?, ?, ?, ?, ?)");
+  for (const auto& [id, landmark] : s.landmarks) {
+    if (landmark.revision <= since.revision) continue;
+    const std::array<double, 3> position{landmark.position.x(), landmark.position.y(), landmark.position.z()};
+    insert.bind(since.row, id, as_blob(position), as_blob(landmark.descriptor), landmark.revision).run();
+  }
+}
+
+void MapStore::save_poses(const Submap& s, const Stored& since) {
+  Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?)");
+  for (const auto& [utime_us, frame] : s.frames) {
+    if (frame.revision <= since.revision) continue;
+    const PoseNumbers pose = pose_numbers(frame.cam_from_keyframe);
+    insert.bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision).run();
+  }
+}
+
+void MapStore::save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+  Statement insert(db_, "INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?)");
+  for (const int64_t utime_us : frame_utimes_us) {
+    const auto it = atlas.frames().find(utime_us);
+    if (it == atlas.frames().end() || it->second.state == TrackingState::kUnknown) continue;
+    insert.bind(utime_us, it->second.session, static_cast<int>(it->second.state), it->second.submap_id).run();
+  }
+}
+
+int64_t MapStore::camera_row(const Camera& c) {
+  Statement find(
+      db_,
+      "SELECT camera FROM cameras WHERE model = ? AND width = ? AND height = ? AND fx = ? AND fy = ? AND cx = ? "
+      "AND cy = ? AND k1 = ? AND k2 = ? AND p1 = ? AND p2 = ? AND k3 = ? AND k4 = ? AND fps = ?");
+  const auto bind = [&c](Statement& s) -> Statement& {
+    return s.bind(static_cast<int>(c.model), c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3,
+                  c.k4, c.fps);
+  };
+  if (bind(find).step()) return find.integer(0);
+  Statement insert(db_, "INSERT INTO cameras VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  bind(insert).run();
+  return sqlite3_last_insert_rowid(db_.handle());
+}
+
+}  // namespace rumi::map_server

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi calibrate [SOURCE] -o camera.yaml: a camera's calibration from images of a board.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "base/command_line.h"
+#include "base/log.h"
+#include "base/whole_file.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "rumi/calibration/capture.h"
+#include "rumi/calibration/report.h"
+#include "rumi/commands/commands.h"
+#include "rumi/report/coverage_picture.h"
+#include "viewer_offscreen/picture/draw_map.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string source, file, picture, board = Board().to_string(), model = "pinhole", lcm_url = kDefaultLcmUrl;
+  ChannelNames names;
+  int every = 1;
+  bool force = false, quiet = false;
+  CalibratorOptions options;
+};
+
+constexpr std::chrono::milliseconds kRefresh{1000}, kSlowRefresh{5000};
+
+std::atomic<bool> g_stop = false;
+
+// Ctrl-C: calibrate with what there is. A second one ends at once.
+void stop_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = true; };
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// What is seen while images come in: in a terminal a picture that is drawn again, else a line now and then.
+class Progress {
+ public:
+  // live: somebody holds the board and can be told what to do with it.
+  Progress(bool quiet, bool live) : quiet_(quiet), live_(live), terminal_(isatty(STDERR_FILENO) != 0) {}
+
+  // waiting: what is said as long as there is no image.
+  void tick(const ViewCollector& collector, const std::string& waiting) {
+    const auto now = std::chrono::steady_clock::now();
+    if (quiet_ || now - last_ < (terminal_ || live_ ? kRefresh : kSlowRefresh)) return;
+    last_ = now;
+    if (collector.counts().images == 0)
+      fmt::print(stderr, "{}\n", waiting);
+    else if (terminal_)
+      show(collector);
+    else
+      fmt::print(stderr, "{}{}\n", collector.counts().to_string(), live_ ? advice(collector) : "");
+  }
+
+ private:
+  static std::string advice(const ViewCollector& collector) {
+    const std::vector<std::string> missing = collector.coverage().missing();
+    return missing.empty() ? "; enough" : "; " + missing.front();
+  }
+  void show(const ViewCollector& collector) const {
+    constexpr const char* kClearScreen = "\x1B[H\x1B[2J";
+    fmt::print(stderr, "{}{}\n{}", kClearScreen, collector.counts().to_string(), collector.coverage().to_text());
+    if (!live_) return;
+    for (const std::string& what : collector.coverage().missing()) fmt::print(stderr, "  - {}\n", what);
+    fmt::print(stderr, "Ctrl-C: calibrate with what there is\n");
+  }
+
+  bool quiet_, live_, terminal_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::string collect_live(const Arguments& arguments, Progress& progress, ViewCollector* collector) {
+  std::string error;
+  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
+  if (!bus) return error;
+  collect_from_bus(*bus, collector);
+  const std::string waiting = fmt::format("no image yet on {} ({}); is camera_driver running?",
+                                          arguments.names.on_wire(channels::kCamera), arguments.lcm_url);
+  while (!g_stop && collector->problem().empty()) {
+    bus->dispatch(50);
+    progress.tick(*collector, waiting);
+    if (collector->counts().taken > 0 && collector->coverage().missing().empty()) break;
+  }
+  return collector->problem();
+}
+
+std::string collect(const Arguments& arguments, ViewCollector* collector) {
+  stop_on_signals();
+  Progress progress(arguments.quiet, arguments.source.empty());
+  if (arguments.source.empty()) return collect_live(arguments, progress, collector);
+  const auto go_on = [&] {
+    progress.tick(*collector, "");
+    return !g_stop;
+  };
+  return collect_from_recording(arguments.source, arguments.names.camera, arguments.every, go_on, collector);
+}
+
+// That an output cannot be written should not turn out after minutes of holding a board.
+std::string check_writable(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (fs::is_directory(file, code)) return file + ": is a folder; give the name of a file";
+  fs::path folder = fs::path(file).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, code)) return fmt::format("{}: there is no folder {}", file, folder.string());
+  if (access(folder.c_str(), W_OK) != 0) return fmt::format("{}: no permission to write there", file);
+  return {};
+}
+
+std::string write_text(const std::string& file, const std::string& text) {
+  WholeFile out(file);
+  out.write(text);
+  return out.commit();
+}
+
+// With everything that speaks against it; nothing is written then.
+std::string refusal(const Calibration& calibration, const ViewCollector& collector) {
+  std::string text = calibration.error;
+  for (const std::string& doubt : calibration.doubts) text += (text.empty() ? "" : "\n  ") + doubt;
+  for (const std::string& what : collector.coverage().missing()) text += "\n  missing: " + what;
+  if (calibration.ok()) text += "\n  nothing was written (--force writes it anyway)";
+  return text;
+}
+
+std::string calibrate_from(const Arguments& arguments, const ViewCollector& collector) {
+  const std::string source = arguments.source.empty() ? "CAMERA" : arguments.source;
+  if (collector.counts().taken == 0) return why_no_views(collector, source);
+  if (!arguments.quiet)
+    fmt::print("{}: {}\n{}", source, collector.counts().to_string(), collector.coverage().to_text());
+  std::fflush(stdout);
+  if (!arguments.picture.empty()) {
+    const std::string error = viewer_offscreen::write_png(draw_coverage(collector), arguments.picture);
+    if (!error.empty()) return error;
+  }
+  const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
+  const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
+                                            collector.image_size(), model, arguments.options);
+  if (!calibration.ok()) return refusal(calibration, collector);
+  if (!arguments.quiet) fmt::print("{}", describe(calibration));
+  if (!calibration.doubts.empty() && !arguments.force) return refusal(calibration, collector);
+  const std::string error = write_text(arguments.file, calibration_to_yaml(calibration, collector));
+  if (!error.empty()) return error;
+  for (const std::string& doubt : calibration.doubts) fmt::print(stderr, "doubtful: {}\n", doubt);
+  for (const std::string& what : collector.coverage().missing()) fmt::print(stderr, "would be better: {}\n", what);
+  if (!arguments.quiet) fmt::print("{}\n", arguments.file);
+  return {};
+}
+
+int run(const Arguments& arguments) {
+  const auto complain = [](const std::string& problem, int exit_code) {
+    std::fflush(stdout);
+    fmt::print(stderr, "rumi calibrate: {}\n", problem);
+    return exit_code;
+  };
+  Board board;
+  std::string error = parse_board(arguments.board, &board);
+  if (!error.empty()) return complain(error, 2);
+  error = check_writable(arguments.file);
+  if (error.empty() && !arguments.picture.empty()) error = check_writable(arguments.picture);
+  if (!error.empty()) return complain(error, 1);
+  start_logging("rumi", false, arguments.quiet);
+  ViewCollector collector(board, {});
+  error = collect(arguments, &collector);
+  if (error.empty()) error = calibrate_from(arguments, collector);
+  return error.empty() ? 0 : complain(error, 1);
+}
+
+}  // namespace
+
+void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("calibrate", "Calibrate a camera from images of a board (see draw-board)");
+  command->add_option(
+      "SOURCE", arguments->source,
+      "images of the board: a folder, a dataset folder, a video or an lcm log; without it: those that come in live, "
+      "until there are enough or Ctrl-C");
+  command->add_option("-o,--output", arguments->file, "the calibration, our YAML")->required();
+  command->add_option(
+      "--picture", arguments->picture,
+      "PNG of where in the image and from which sides the board was seen; also where the calibration is "
+      "refused");
+  command->add_option("--board", arguments->board, "as written below it; columns and rows count squares")
+      ->type_name(kBoardSyntax)
+      ->show_default();
+  command->add_option("--model", arguments->model, "fisheye: of Kannala and Brandt, from some 110 degrees of view on")
+      ->one_of({"pinhole", "fisheye"})
+      ->show_default();
+  command->add_option("--every", arguments->every, "look at every Nth image of a recording only")
+      ->in_range(1, 1'000'000)
+      ->show_default();
+  command->add_option("--max-rms", arguments->options.max_rms_px, "refuse a reprojection error above it, px")
+      ->positive()
+      ->show_default();
+  command->add_flag("--force", arguments->force, "write a calibration that is refused because it is doubtful");
+  command->add_option("-c,--channel", arguments->names.camera, "channel of the images, live or in a log")
+      ->show_default();
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
+  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name, live");
+  command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The subcommands of `rumi`. Each function registers one; when the user calls it, *chosen becomes what is to be run,
+// and its result is the exit code: 0, 1 for a failure, 2 for a wrong command line.
+#pragma once
+
+#include <functional>
+
+namespace rumi {
+class CommandLine;
+}
+
+namespace rumi::tool {
+
+void add_demo_command(CommandLine& app, std::function<int()>* chosen);
+void add_up_command(CommandLine& app, std::function<int()>* chosen);
+void add_replay_command(CommandLine& app, std::function<int()>* chosen);
+void add_ruminate_command(CommandLine& app, std::function<int()>* chosen);
+void add_evaluate_command(CommandLine& app, std::function<int()>* chosen);
+void add_report_command(CommandLine& app, std::function<int()>* chosen);
+void add_snapshot_command(CommandLine& app, std::function<int()>* chosen);
+void add_status_command(CommandLine& app, std::function<int()>* chosen);
+void add_view_command(CommandLine& app, std::function<int()>* chosen);
+void add_cut_window_command(CommandLine& app, std::function<int()>* chosen);
+void add_draw_window_command(CommandLine& app, std::function<int()>* chosen);
+void add_export_map_command(CommandLine& app, std::function<int()>* chosen);
+void add_draw_board_command(CommandLine& app, std::function<int()>* chosen);
+void add_calibrate_command(CommandLine& app, std::function<int()>* chosen);
+void add_synth_command(CommandLine& app, std::function<int()>* chosen);
+void add_export_command(CommandLine& app, std::function<int()>* chosen);
+void add_import_command(CommandLine& app, std::function<int()>* chosen);
+void add_config_command(CommandLine& app, std::function<int()>* chosen);
+
+}  // namespace rumi::tool

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi cut-window INPUT -o FILE: chosen frames of a recording as a window that `rumi ruminate` rebuilds.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "base/command_line.h"
+#include "base/log.h"
+#include "bus/process/process.h"
+#include "camera_driver/open_source.h"
+#include "camera_driver/source/image_source.h"
+#include "rumi/commands/commands.h"
+#include "rumi/windows/cut_window.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string input, file, approach, gap, departure;
+  camera_driver::CameraOptions camera;
+  bool quiet = false;
+};
+
+int complain(const std::string& problem, int exit_code) {
+  fmt::print(stderr, "rumi cut-window: {}\n", problem);
+  return exit_code;
+}
+
+// What is wrong, or an empty string.
+std::string parse(const Arguments& arguments, WindowCut* cut) {
+  std::string error = parse_frame_range(arguments.gap, &cut->gap);
+  const auto optional = [&error](const std::string& text, std::optional<FrameRange>* range) {
+    if (error.empty() && !text.empty()) error = parse_frame_range(text, &range->emplace());
+  };
+  optional(arguments.approach, &cut->approach);
+  optional(arguments.departure, &cut->departure);
+  return error.empty() ? cut->check() : error;
+}
+
+int cut_window(const Arguments& arguments) {
+  WindowCut cut;
+  std::string error = parse(arguments, &cut);
+  if (error.empty()) error = check(arguments.camera);
+  if (!error.empty()) return complain(error, 2);
+  start_logging("rumi", false, arguments.quiet);
+  camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
+  if (!opened.ok()) return complain(opened.error, 1);
+  const CutWindow window = cut_window(*opened.source, cut);
+  if (!window.ok()) return complain(window.error, 1);
+  error = ruminator::write_window_job(arguments.file, window.job);
+  if (!error.empty()) return complain(error, 1);
+  const ruminator::RuminationWindow& w = window.job.window;
+  if (!arguments.quiet)
+    fmt::print("{}: {} + {} + {} frames\n", arguments.file, w.approach.size(), w.gap.size(), w.departure.size());
+  return 0;
+}
+
+}  // namespace
+
+void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command =
+      app.add_command("cut-window", "Make a window of chosen frames of a recording, for `rumi ruminate`");
+  command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("-o,--output", arguments->file, "the window file, by custom *.window")->required();
+  const std::string form = "FIRST..LAST[:STRIDE]";
+  command->add_option("--gap", arguments->gap, "the frames that shall be rebuilt, counted from 0")
+      ->type_name(form)
+      ->required();
+  command->add_option("--approach", arguments->approach, "frames before the gap")->type_name(form);
+  command->add_option("--departure", arguments->departure, "frames after the gap")->type_name(form);
+  command->add_option("--camera", arguments->camera.camera_file, "calibration file, instead of the one beside the data")
+      ->type_name("FILE");
+  command->add_option("--start", arguments->camera.start_s, "leave out so many seconds; the next frame is frame 0")
+      ->show_default();
+  command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return cut_window(*arguments); }; });
+}
+
+}  // namespace rumi::tool

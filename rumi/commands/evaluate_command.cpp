@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi evaluate OUT --groundtruth F: how good the outputs of a run are.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "base/command_line.h"
+#include "rumi/commands/commands.h"
+#include "rumi/evaluation/run_evaluation.h"
+#include "rumi/report/evaluation_plot.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+struct Arguments {
+  std::string out, groundtruth;
+  bool json = false;
+  TruthOptions truth;
+  MetricOptions metrics;
+};
+
+std::string number(const ordered_json& value, const char* unit) {
+  return value.is_number() ? fmt::format("{:.4f}{}", value.get<double>(), unit) : "cannot be computed";
+}
+
+void print_report(const ordered_json& json) {
+  const auto line = [&](const char* what, const char* key, const char* unit) {
+    fmt::print("{:<44}{}\n", what, number(json[key], unit));
+  };
+  line("ATE RMSE after Sim(3) alignment", "ate_rmse_m", " m");
+  line("ATE RMSE after SE(3) alignment", "ate_se3_rmse_m", " m");
+  line("RPE over the interval, translation", "rpe_trans_m", " m");
+  line("RPE over the interval, rotation", "rpe_rot_deg", " deg");
+  line("tracked_frame_ratio (in the served map)", "tracked_frame_ratio", "");
+  line("submap_frame_ratio (in any submap)", "submap_frame_ratio", "");
+  line("span_rate (first to last pose)", "span_rate", "");
+  line("true_rate (near the truth / all frames)", "true_rate", "");
+  line("CPU of all components", "ms_per_frame", " ms per frame");
+  fmt::print("{:<44}{} of {}, {} with a truth\n", "frames with a pose", json["tracked_frames"].get<int>(),
+             json["frames"].get<int>(), json["frames_with_truth"].get<int>());
+  fmt::print("{:<44}{}\n", "submaps", json["submaps"].get<int>());
+  for (const auto& submap : json["per_submap"]) {
+    fmt::print("  submap {:<35}{} frames, ATE {} (as the map has them {}), path {}\n",
+               submap["name"].get<std::string>(), submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"),
+               number(submap["ate_in_map_rmse_m"], " m"), number(submap["path_m"], " m"));
+  }
+  if (const auto reason = json["reason"].get<std::string>(); !reason.empty()) fmt::print("note: {}\n", reason);
+}
+
+int evaluate(const Arguments& arguments) {
+  RunEvaluation evaluation;
+  if (const std::string error =
+          evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation);
+      !error.empty()) {
+    fmt::print(stderr, "rumi evaluate: {}\n", error);
+    return 1;
+  }
+  const ordered_json json = to_json(evaluation);
+  if (arguments.json) {
+    fmt::print("{}\n", json.dump(2));
+  } else {
+    print_report(json);
+  }
+  const std::string png = (fs::path(arguments.out) / "evaluation.png").string();
+  if (const std::string error = plot_evaluation(evaluation.run, evaluation.truth, png); !error.empty()) {
+    fmt::print(stderr, "rumi evaluate: {}\n", error);
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("evaluate", "Measure the outputs of a run against the true path");
+  command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
+  command
+      ->add_option("--groundtruth", arguments->groundtruth,
+                   "true path of the camera in TUM format, or EuRoC's state_groundtruth_estimate0/data.csv")
+      ->required();
+  command->add_flag("--json", arguments->json, "print JSON");
+  command
+      ->add_option("--groundtruth-rate", arguments->truth.frames_per_second,
+                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+      ->not_negative()
+      ->show_default();
+  command
+      ->add_option("--max-time-difference", arguments->metrics.max_time_difference_s,
+                   "between a pose and its truth, s; never more than half the frame period")
+      ->positive()
+      ->show_default();
+  command
+      ->add_option("--true-distance", arguments->metrics.true_distance_m,
+                   "true_rate counts frames nearer to the truth than this, m")
+      ->positive()
+      ->show_default();
+  command->add_option("--rpe-interval", arguments->metrics.rpe_interval_s, "of the relative pose error, s")
+      ->positive()
+      ->show_default();
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return evaluate(*arguments); }; });
+}
+
+}  // namespace rumi::tool

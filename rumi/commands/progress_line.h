@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+
+#include "base/log.h"
+
+namespace rumi::tool {
+
+// How far long work is. On a terminal one line, over and over; elsewhere a line in the log now and then.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool show) : show_(show) {}
+  ~ProgressLine() { erase(); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  // total: -1 if nobody knows. make_text() is called twice a second at most; on no terminal every ten seconds, and only
+  // once a twentieth of all is done since the last time.
+  template <class MakeText>
+  void update(int64_t done, int64_t total, const MakeText& make_text) {
+    if (!show_ || Clock::now() - last_ < (terminal_ ? std::chrono::milliseconds(500) : std::chrono::seconds(10)))
+      return;
+    if (!terminal_ && 20 * (done - told_) < total) return;
+    if (terminal_)
+      fmt::print(stderr, "\r{}\x1b[K", make_text());
+    else
+      log_info("{}", make_text());
+    last_ = Clock::now();
+    told_ = done;
+    shown_ = terminal_;
+  }
+  // Takes the line away.
+  void erase() {
+    if (shown_) fmt::print(stderr, "\r\x1b[K");
+    shown_ = false;
+  }
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  bool show_, terminal_ = isatty(STDERR_FILENO) != 0, shown_ = false;
+  Clock::time_point begin_ = Clock::now(), last_ = begin_;
+  int64_t told_ = 0;
+};
+
+}  // namespace rumi::tool

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi replay INPUT -o OUT
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "base/command_line.h"
+#include "base/log.h"
+#include "bus/process/process.h"
+#include "rumi/commands/commands.h"
+#include "rumi/commands/progress_line.h"
+#include "rumi/commands/replay_run.h"
+#include "rumi/outputs/run_record.h"
+#include "rumi/outputs/run_summary.h"
+#include "rumi/run/all_options.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  ReplayRun run;
+  std::string config;
+  std::vector<std::string> settings;
+  bool quiet = false, verbose = false;
+};
+
+int replay(Arguments& arguments) {
+  ReplayRun& run = arguments.run;
+  OptionTable table;
+  describe(table, run.options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = check(run.options.camera_driver);
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi replay: {}\n", error);
+    return 2;
+  }
+  start_logging("rumi", arguments.verbose, arguments.quiet);
+  run.options_yaml = table.to_yaml();
+  ProgressLine line(!arguments.quiet);
+  run.on_progress = [&line](const ReplayProgress& progress) {
+    line.update(progress.frames, progress.total, [&] {
+      return describe_progress(progress.frames, progress.total, line.seconds()) + "; " + progress.state();
+    });
+  };
+  const ReplayOutcome outcome = run_replay(run);
+  line.erase();
+  if (!outcome.warning.empty()) fmt::print(stderr, "rumi replay: {}\n", outcome.warning);
+  if (!outcome.error.empty()) {
+    fmt::print(stderr, "rumi replay: {}\n", outcome.error);
+    return 1;
+  }
+  if (!arguments.quiet) {
+    print_summary(outcome.counts, outcome.left_out, run.out);
+    fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command =
+      app.add_command("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
+  command->add_option("INPUT", arguments->run.input, "dataset folder, folder of images, video or lcm log")->required();
+  command
+      ->add_option("-o,--output", arguments->run.out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
+  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included");
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+  command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
+  command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
+  // The flags that camera_driver has too are short for options of its section.
+  const auto shorthand = [&](const char* flag, const char* key, const char* help) {
+    command->add_option(
+        flag,
+        [arguments, key](const std::string& value) { arguments->settings.push_back(fmt::format("{}={}", key, value)); },
+        help);
+  };
+  shorthand("--camera", "camera_driver.camera_file", "calibration file, instead of the one beside the data");
+  shorthand("--every", "camera_driver.every", "every Nth frame only");
+  shorthand("--start", "camera_driver.start", "leave out so much at the beginning, s");
+  shorthand("--duration", "camera_driver.duration", "end after so much, s; 0: all");
+  shorthand("--rate", "camera_driver.rate", "new times at this rate, Hz (needed for images without times)");
+  shorthand("--encoding", "camera_driver.encoding", "grey, rgb, jpeg or auto");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/commands/replay_run.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "base/cpu_clock.h"
+#include "base/whole_file.h"
+#include "camera_driver/source/image_source.h"
+#include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/run_record.h"
+#include "rumi/outputs/run_summary.h"
+#include "rumi/run/metered_bus.h"
+#include "ruminator/queue/spool.h"
+#include "ruminator/window/window_message.h"
+
+namespace rumi::tool {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+double peak_rss_mb() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
+}
+
+// OUT/windows: the windows as files that `rumi ruminate` rebuilds, and in OUT/windows.csv what came of them here.
+class WindowOutput {
+ public:
+  explicit WindowOutput(const std::string& out) : out_(out) {}
+
+  // Removes the windows of an earlier run. What is wrong, or an empty string.
+  std::string prepare() {
+    std::error_code error;
+    fs::create_directories(out_ / "windows", error);
+    for (fs::directory_iterator it(out_ / "windows", error), end; !error && it != end; it.increment(error))
+      if (it->path().extension() == ".window") fs::remove(it->path(), error);
+    return error ? fmt::format("{}: {}", (out_ / "windows").string(), error.message()) : "";
+  }
+  ReplayHooks hooks() {
+    return {[this](const ruminator::WindowJob& job) {
+              ++complete_;
+              const std::string name = to_string(name_of(job.window)) + ".window";
+              const std::string error = ruminator::write_window_job((out_ / "windows" / name).string(), job);
+              if (error_.empty()) error_ = error;
+            },
+            [this](const ruminator::RuminationWindow& window, const ruminator::BuildResult& result) {
+              rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
+            }};
+  }
+  std::string finish() {
+    WholeFile csv((out_ / "windows.csv").string());
+    csv.write(window_csv_header() + "\n");
+    for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
+    const std::string error = csv.commit();
+    return error_.empty() ? error : error_;
+  }
+  // A line for each that gave nothing.
+  std::vector<std::string> failures() const {
+    std::vector<std::string> lines;
+    for (const WindowRow& row : rows_)
+      if (!row.ok)
+        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+    return lines;
+  }
+  const std::vector<WindowRow>& rows() const { return rows_; }
+  ordered_json counts() const {
+    return {{"complete", complete_},
+            {"rebuilt", std::count_if(rows_.begin(), rows_.end(), [](const WindowRow& row) { return row.ok; })}};
+  }
+
+ private:
+  fs::path out_;
+  int complete_ = 0;
+  std::vector<WindowRow> rows_;
+  std::string error_;  // the first
+};
+
+// All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
+ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, double run_cpu_s,
+                        double wall_s) {
+  const int64_t frames = replay.progress().frames;
+  ordered_json run{{"finished", true},
+                   {"command", "replay"},
+                   {"input", what.input},
+                   {"options", options_to_json(what.options_yaml)},
+                   {"images", frames}};
+  const camera_driver::SkippedFrames& skipped = replay.skipped();
+  run["skipped_images"] = {{"malformed", skipped.malformed},
+                           {"duplicate", skipped.duplicate},
+                           {"out_of_order", skipped.out_of_order},
+                           {"unreadable", skipped.unreadable},
+                           {"wrong_size", skipped.wrong_size}};
+  run["counts"] = counts_to_json(count(replay.atlas()));
+  run["windows"] = windows.counts();
+  run["channels"] = ordered_json::object();
+  for (const ChannelCounts& channel : replay.channel_counts()) {
+    run["channels"][channel.channel] = {
+        {"received", channel.received}, {"dropped", channel.dropped}, {"undecodable", channel.undecodable}};
+  }
+  run["cpu_ms_per_frame"] = ordered_json::object();
+  for (const auto& [name, cpu_s] : replay.cpu_s()) {
+    run["cpu_ms_per_frame"][name] =
+        frames > 0 ? ordered_json(cpu_s * 1e3 / static_cast<double>(frames)) : ordered_json();
+  }
+  run["cpu_s"] = run_cpu_s;
+  run["wall_s"] = wall_s;
+  if (what.is_only_one) run["peak_rss_mb"] = peak_rss_mb();
+  return run;
+}
+
+std::string write_everything(Replay& replay, const std::string& out) {
+  if (std::string error = write_run_outputs(replay.atlas(), out); !error.empty()) return error;
+  return replay.store().write_copy((fs::path(out) / "map.db").string());
+}
+
+std::string begin_log(const ReplayRun& run, Replay* replay) {
+  if (run.log.empty()) return {};
+  std::error_code none;
+  if (fs::equivalent(run.log, run.input, none)) return fmt::format("--log {} is the input itself", run.log);
+  return replay->record(run.log);
+}
+
+// Everything up to the end of the input, and what follows from it.
+void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
+  while (replay->step()) {
+    const ReplayProgress progress = replay->progress();
+    if (progress.frames == 1) outcome->begin_us = progress.utime_us;
+    if (run.on_progress) run.on_progress(progress);
+  }
+  if (!replay->finish()) outcome->warning = "not everything could be handed on at the end";
+}
+
+std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
+  std::vector<std::string> lines = left_out(replay.atlas());
+  for (const std::string& line : windows.failures()) lines.push_back(line);
+  if (const camera_driver::SkippedFrames& skipped = replay.skipped(); skipped.total() > 0)
+    lines.push_back("of the recording: " + skipped.to_string());
+  return lines;
+}
+
+}  // namespace
+
+ReplayOutcome run_replay(const ReplayRun& run) {
+  ReplayOutcome outcome;
+  const auto begin = Clock::now();
+  const double begin_cpu_s = process_cpu_s();
+  WindowOutput windows(run.out);
+  AllOptions options = run.options;
+  options.viewer_offscreen.output = run.out;
+  Replay replay(options, run.input, windows.hooks());
+  std::string& error = outcome.error;
+  error = prepare_output_folder(run.out);
+  if (error.empty()) error = begin_log(run, &replay);
+  if (error.empty()) error = windows.prepare();
+  if (error.empty()) {
+    play(run, &replay, &outcome);
+    error = replay.close_log();
+  }
+  if (error.empty()) error = windows.finish();
+  if (error.empty()) error = write_everything(replay, run.out);
+  outcome.wall_s = seconds_since(begin);
+  const double cpu_s = process_cpu_s() - begin_cpu_s;
+  if (error.empty()) error = write_run_json(run.out, run_record(run, replay, windows, cpu_s, outcome.wall_s));
+  outcome.counts = count(replay.atlas());
+  outcome.left_out = what_is_left_out(replay, windows);
+  outcome.windows = windows.rows();
+  outcome.images = replay.progress().frames;
+  return outcome;
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi report OUT: a run as one web page.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "base/command_line.h"
+#include "base/whole_file.h"
+#include "rumi/commands/commands.h"
+#include "rumi/report/run_report.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string out, file;
+  ReportOptions options;
+};
+
+int report(const Arguments& arguments) {
+  const std::string file =
+      arguments.file.empty() ? (std::filesystem::path(arguments.out) / "report.html").string() : arguments.file;
+  std::string error;
+  try {
+    const std::string page = make_report(arguments.out, arguments.options);
+    WholeFile output(file);
+    output.write(page);
+    error = output.commit();
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) {
+    fmt::print("report  {}\n", file);
+    return 0;
+  }
+  fmt::print(stderr, "rumi report: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_report_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("report", "Make one web page of a run, which opens from disk");
+  command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
+  command->add_option("-o,--output", arguments->file, "the page; default: OUT/report.html");
+  command->add_option("--groundtruth", arguments->options.groundtruth, "true path, for errors; see `rumi evaluate`");
+  command
+      ->add_option("--groundtruth-rate", arguments->options.truth.frames_per_second,
+                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+      ->not_negative()
+      ->show_default();
+  command->add_option("--log", arguments->options.log,
+                      "lcm log of a live run, for the load of its processes over time");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return report(*arguments); }; });
+}
+
+}  // namespace rumi::tool

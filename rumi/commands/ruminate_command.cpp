@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi ruminate WINDOW...: rebuilds windows from their files, anywhere.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "base/command_line.h"
+#include "base/log.h"
+#include "base/whole_file.h"
+#include "bus/process/process.h"
+#include "bus/transport/bus.h"
+#include "bus/wire/submap_update.h"
+#include "map_server/outputs/writers.h"
+#include "rumi/commands/commands.h"
+#include "rumi/run/all_options.h"
+#include "rumi/windows/window_report.h"
+#include "ruminator/colmap_builder.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::vector<std::string> windows;
+  std::string out, truth, config;
+  std::vector<std::string> settings;
+  bool keep_work = false, json = false, quiet = false, verbose = false;
+  TruthOptions truth_options;
+};
+
+std::atomic<bool> g_cancel = false;
+
+void cancel_on_signals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_cancel = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int complain(const std::string& problem, int exit_code) {
+  fmt::print(stderr, "rumi ruminate: {}\n", problem);
+  return exit_code;
+}
+
+// Folders stand for the windows in them, by session and number.
+std::vector<std::string> window_files(const std::vector<std::string>& arguments) {
+  std::vector<std::string> files;
+  for (const std::string& argument : arguments) {
+    std::error_code error;
+    if (!fs::is_directory(argument, error)) {
+      files.push_back(argument);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : fs::directory_iterator(argument, error))
+      if (entry.path().extension() == ".window") inside.push_back(entry.path().string());
+    // Of two names of numbers without leading zeros the shorter is the smaller.
+    std::sort(inside.begin(), inside.end(), [](const std::string& a, const std::string& b) {
+      return a.size() != b.size() ? a.size() < b.size() : a < b;
+    });
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+// What is wrong, or an empty string.
+std::string write_results(const Arguments& arguments, const std::string& name, const Submap& submap) {
+  const fs::path base = fs::path(arguments.out) / name;
+  const std::vector<uint8_t> bytes = encode_message(make_submap_update(submap, 0));
+  WholeFile file(base.string() + ".submap");
+  file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::string error = file.commit();
+  return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt") : error;
+}
+
+class Ruminate {
+ public:
+  Ruminate(const Arguments& arguments, const ruminator::BuildOptions& options, std::vector<TimedPose> truth)
+      : arguments_(arguments), builder_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
+
+  // Returns how many windows could not be rebuilt.
+  int run(const std::vector<std::string>& files) {
+    if (!arguments_.json) fmt::print("{}\n", window_table_header(!truth_.empty()));
+    int failures = 0;
+    for (const std::string& file : files) {
+      if (g_cancel) break;
+      failures += !rebuild(file);
+    }
+    return failures;
+  }
+  // What is wrong, or an empty string.
+  std::string write_csv() const {
+    if (arguments_.out.empty()) return "";
+    WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
+    file.write(window_csv_header() + "\n");
+    for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
+    return file.commit();
+  }
+
+ private:
+  bool rebuild(const std::string& file) {
+    const std::string name = fs::path(file).stem().string();
+    const ruminator::WindowJobFile read = ruminator::read_window_job(file);
+    if (read.broken_images > 0)
+      fmt::print(stderr, "rumi ruminate: {}: {} broken images left out\n", file, read.broken_images);
+    ruminator::BuildResult result;
+    result.failure = read.error;
+    if (read.ok()) result = build(name, read.job);
+    rows_.push_back(make_window_row(name, read.job.window, result, truth_));
+    const WindowRow& row = rows_.back();
+    fmt::print("{}\n", arguments_.json ? to_json(row).dump() : window_table_line(row, !truth_.empty()));
+    std::fflush(stdout);
+    if (!result.submap) return false;
+    if (arguments_.out.empty()) return true;
+    const std::string error = write_results(arguments_, name, *result.submap);
+    if (!error.empty()) complain(error, 1);
+    return error.empty();
+  }
+
+  ruminator::BuildResult build(const std::string& name, const ruminator::WindowJob& job) {
+    const fs::path in = arguments_.keep_work ? fs::path(arguments_.out) : fs::temp_directory_path();
+    const std::string work =
+        (in / (arguments_.keep_work ? name + ".work" : fmt::format("rumi-{}-{}", getpid(), name))).string();
+    ruminator::BuildResult result;
+    try {
+      result = builder_(
+          job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
+    } catch (const std::exception& e) {
+      result.failure = e.what();
+    }
+    clear_line();
+    std::error_code ignored;
+    if (!arguments_.keep_work) fs::remove_all(work, ignored);
+    if (result.cancelled && !result.submap) result.failure = "called off";
+    return result;
+  }
+
+  // One line on a terminal, over and over.
+  void show(const std::string& name, const ruminator::BuildProgress& progress) {
+    if (arguments_.quiet || !isatty(STDERR_FILENO)) return;
+    constexpr const char* kStages[] = {"extracting", "matching", "mapping"};
+    const std::string rest = progress.remaining_s < 0 ? "" : fmt::format(", about {:.0f} s left", progress.remaining_s);
+    fmt::print(stderr, "\r{}: {} {:.0f} %{}\x1b[K", name, kStages[static_cast<int>(progress.stage)],
+               100 * progress.fraction, rest);
+    line_is_shown_ = true;
+  }
+  void clear_line() {
+    if (line_is_shown_) fmt::print(stderr, "\r\x1b[K");
+    line_is_shown_ = false;
+  }
+
+  const Arguments& arguments_;
+  ruminator::Builder builder_;
+  std::vector<TimedPose> truth_;
+  std::vector<WindowRow> rows_;
+  bool line_is_shown_ = false;
+};
+
+int ruminate(const Arguments& arguments) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  if (const std::string error = load_options(table, arguments.config, arguments.settings); !error.empty())
+    return complain(error, 2);
+  const std::vector<std::string> files = window_files(arguments.windows);
+  if (files.empty()) return complain(fmt::format("{}: no *.window in it", arguments.windows.front()), 1);
+  TrajectoryFile truth;
+  if (!arguments.truth.empty()) truth = read_groundtruth(arguments.truth, arguments.truth_options);
+  if (!truth.ok()) return complain(truth.error, 1);
+  if (!arguments.out.empty()) {
+    std::error_code error;
+    fs::create_directories(arguments.out, error);
+    if (error) return complain(fmt::format("{}: cannot be made: {}", arguments.out, error.message()), 1);
+  }
+  start_logging("rumi", arguments.verbose, arguments.quiet);
+  cancel_on_signals();
+  Ruminate command(arguments, options.ruminator.build, std::move(truth.poses));
+  const int failures = command.run(files);
+  if (const std::string error = command.write_csv(); !error.empty()) return complain(error, 1);
+  if (g_cancel) return complain("called off", 1);
+  return failures == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+void add_ruminate_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("ruminate", "Rebuild windows from their files, one after another");
+  command->add_option("WINDOW", arguments->windows, "*.window of a spool or of `rumi replay`, or a folder of them")
+      ->required();
+  command->add_option("-o,--output", arguments->out,
+                      "folder for windows.csv and, per window, its back submap (.submap) and its path (.txt, TUM)");
+  command->add_option("--truth", arguments->truth,
+                      "true path of the camera in TUM format, or EuRoC's data.csv: adds the error of each back submap");
+  command
+      ->add_option("--truth-rate", arguments->truth_options.frames_per_second,
+                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+      ->not_negative()
+      ->show_default();
+  command->add_flag("--keep-work", arguments->keep_work,
+                    "leave COLMAP's files and log of windows that fail, as WINDOW.work in the output folder or here");
+  command->add_flag("--json", arguments->json, "a line of JSON per window instead of the table");
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+  command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
+  command->add_flag("-v,--verbose", arguments->verbose, "log more");
+  command->footer("Exit code: 0 if all could be rebuilt, 1 if not, 2 for a wrong command line.");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return ruminate(*arguments); }; });
+}
+
+}  // namespace rumi::tool

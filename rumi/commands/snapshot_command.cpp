@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi snapshot -o OUT: what a live system has so far, in the same files as `rumi replay` writes.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "base/command_line.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "rumi/commands/commands.h"
+#include "rumi/outputs/map_file.h"
+#include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/run_record.h"
+#include "rumi/outputs/run_summary.h"
+#include "rumi/outputs/snapshot.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string out, lcm_url = kDefaultLcmUrl;
+  ChannelNames names;
+  double timeout_s = 10;
+  bool update = false;
+};
+
+constexpr double kListenS = 1.5;  // every process tells its status once a second
+
+nlohmann::ordered_json to_json(const process_status_t& status) {
+  nlohmann::ordered_json channels = nlohmann::ordered_json::object();
+  for (const channel_count_t& channel : status.channels) {
+    channels[channel.channel] = {
+        {"received", channel.received}, {"dropped", channel.dropped}, {"undecodable", channel.undecodable}};
+  }
+  return {{"version", status.version}, {"pid", status.pid},
+          {"detail", status.detail},   {"running_s", static_cast<double>(status.utime - status.started_utime) * 1e-6},
+          {"cpu_s", status.cpu_s},     {"rss_mb", static_cast<double>(status.rss_bytes) / 1e6},
+          {"channels", channels}};
+}
+
+// How many images reached front_tracker, those included that it had no time for: the map knows nothing of the latter.
+std::optional<int64_t> images_of(const nlohmann::ordered_json& processes) {
+  const nlohmann::ordered_json::json_pointer received("/front_tracker/channels/CAMERA/received");
+  if (!processes.contains(received)) return std::nullopt;
+  return processes[received].get<int64_t>();
+}
+
+nlohmann::ordered_json run_record(const Arguments& arguments, const map_server::Atlas& atlas,
+                                  const nlohmann::ordered_json& processes) {
+  nlohmann::ordered_json run{{"finished", true}, {"command", "snapshot"}, {"lcm_url", arguments.lcm_url}};
+  run["counts"] = counts_to_json(count(atlas));
+  run["processes"] = processes;
+  if (const auto images = images_of(processes)) run["images"] = *images;
+  run["cpu_ms_per_frame"] = nlohmann::ordered_json::object();
+  for (const auto& [name, status] : processes.items()) {
+    if (atlas.frames().empty() || !status.contains("cpu_s")) continue;
+    run["cpu_ms_per_frame"][name] = status["cpu_s"].get<double>() * 1e3 / static_cast<double>(atlas.frames().size());
+  }
+  return run;
+}
+
+// What is known of each process: what was heard now, or, with --update, what the earlier snapshot heard of those that
+// have ended since.
+nlohmann::ordered_json known_processes(const Arguments& arguments, const SnapshotResult& snapshot) {
+  nlohmann::ordered_json processes = nlohmann::ordered_json::object();
+  if (arguments.update) {
+    const nlohmann::ordered_json earlier = read_run_json(arguments.out);
+    if (earlier.contains("processes")) processes = earlier["processes"];
+  }
+  for (const auto& [name, status] : snapshot.processes) processes[name] = to_json(status);
+  return processes;
+}
+
+void print_processes(const nlohmann::ordered_json& processes) {
+  fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8}{:>9}\n", "process", "received", "dropped", "undecodable", "CPU %", "MB");
+  for (const auto& [name, status] : processes.items()) {
+    int64_t received = 0, dropped = 0, undecodable = 0;
+    for (const auto& [channel, counts] : status["channels"].items()) {
+      received += counts["received"].get<int64_t>();
+      dropped += counts["dropped"].get<int64_t>();
+      undecodable += counts["undecodable"].get<int64_t>();
+    }
+    const double running_s = std::max(1e-3, status["running_s"].get<double>());
+    fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8.1f}{:>9.1f}\n", name, received, dropped, undecodable,
+               100 * status["cpu_s"].get<double>() / running_s, status["rss_mb"].get<double>());
+  }
+}
+
+std::string take_snapshot(const Arguments& arguments) {
+  std::string error = check_output_folder(arguments.out);
+  if (!error.empty()) return error;
+  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
+  if (!bus) return error;
+  const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
+  if (!snapshot.error.empty()) return snapshot.error;
+  const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
+  const map_server::Atlas atlas =
+      load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string());
+  error = write_run_outputs(atlas, arguments.out);
+  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, processes));
+  if (error.empty()) {
+    print_summary(count(atlas), left_out(atlas), arguments.out);
+    print_processes(processes);
+  }
+  return error;
+}
+
+int run(const Arguments& arguments) {
+  std::string error;
+  try {
+    error = take_snapshot(arguments);
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) return 0;
+  fmt::print(stderr, "rumi snapshot: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("snapshot", "Write what a live system has so far, as `rumi replay` would");
+  command
+      ->add_option("-o,--output", arguments->out,
+                   "folder; one with files that would be overwritten is refused, unless an earlier run made them")
+      ->required();
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
+  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
+  command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
+  command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi status: a running system at a glance.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "base/command_line.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "rumi/commands/commands.h"
+#include "rumi/run/live_status.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string lcm_url = kDefaultLcmUrl;
+  ChannelNames names;
+  bool json = false, follow = false;
+};
+
+constexpr std::chrono::milliseconds kListen{2500};  // two statuses of every process, for rates
+constexpr std::chrono::milliseconds kRefresh{1000};
+
+void listen(Bus& bus, std::chrono::milliseconds duration) {
+  const auto end = std::chrono::steady_clock::now() + duration;
+  while (std::chrono::steady_clock::now() < end) bus.dispatch(50);
+}
+
+void print(const LiveStatus& status, const Arguments& arguments) {
+  constexpr const char* kClearScreen = "\x1B[H\x1B[2J";
+  if (arguments.follow && !arguments.json && isatty(STDOUT_FILENO)) fmt::print("{}", kClearScreen);
+  // What processes say may hold bytes that are no text.
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  fmt::print("{}", arguments.json ? status.to_json().dump(arguments.follow ? -1 : 2, ' ', false, kReplace) + "\n"
+                                  : status.to_text());
+  std::fflush(stdout);
+}
+
+int run(const Arguments& arguments) {
+  std::string error;
+  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
+  if (!bus) {
+    fmt::print(stderr, "rumi status: {}\n", error);
+    return 1;
+  }
+  LiveStatus status(*bus);
+  listen(*bus, kListen);
+  if (status.to_json()["processes"].empty() && !arguments.follow) {
+    fmt::print(stderr, "rumi status: nothing is heard on {}; is Rumi running, with the same --lcm-url and prefix?\n",
+               arguments.lcm_url);
+    return 1;
+  }
+  print(status, arguments);
+  while (arguments.follow && std::fflush(stdout) == 0) {
+    listen(*bus, kRefresh);
+    print(status, arguments);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_status_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("status", "Show how a live system does: rates, latency, drops, tracking, map");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
+  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
+  command->add_flag("--json", arguments->json, "as JSON");
+  command->add_flag("-f,--follow", arguments->follow, "again every second, until Ctrl-C (JSON: a line each time)");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace rumi::tool

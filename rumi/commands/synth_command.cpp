@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi synth
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+
+#include "base/command_line.h"
+#include "bus/wire/camera_file.h"
+#include "rumi/commands/commands.h"
+#include "rumi/synth/write_sequence.h"
+
+namespace rumi::tool {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;
+
+struct Flags {
+  SynthOptions synth;
+  std::string folder, camera_file, size, walk = "loop";
+  std::vector<std::string> hard;
+  std::vector<double> at_s, for_s;
+  bool overwrite = false, quiet = false;
+};
+
+// Turns --size, --camera and --hard --at --for into options; returns what is wrong.
+std::string resolve(Flags& f) {
+  if (!f.size.empty() && !f.camera_file.empty())
+    return "--size and --camera: give one of them, the camera file has a size";
+  if (!f.size.empty()) {
+    int width = 0, height = 0, used = 0;
+    if (std::sscanf(f.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(f.size.size()))
+      return fmt::format("--size {}: must be WIDTHxHEIGHT, for example 640x480", f.size);
+    f.synth.camera = default_synth_camera(width, height);
+  }
+  if (!f.camera_file.empty()) {
+    const CameraFileResult read = read_camera_file(f.camera_file);
+    if (!read.ok()) return read.error;
+    f.synth.camera = read.camera;
+  }
+  if (const std::string error = parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
+  if (f.hard.size() != f.at_s.size() || f.hard.size() != f.for_s.size())
+    return fmt::format("--hard was given {} times, --at {} and --for {}: each hard passage needs all three",
+                       f.hard.size(), f.at_s.size(), f.for_s.size());
+  f.synth.hard.clear();
+  for (size_t i = 0; i < f.hard.size(); ++i) {
+    HardPassage passage{HardPassage::Kind::kBlur, f.at_s[i], f.for_s[i]};
+    if (const std::string error = parse_hard_kind(f.hard[i], &passage.kind); !error.empty()) return error;
+    f.synth.hard.push_back(passage);
+  }
+  return f.synth.check();
+}
+
+int run(Flags& f) {
+  if (const std::string error = resolve(f); !error.empty()) {
+    fmt::print(stderr, "rumi synth: {}\n", error);
+    return 2;
+  }
+  const bool live = !f.quiet && isatty(STDERR_FILENO);
+  int frames = 0;
+  const auto progress = [&](int done, int all) {
+    frames = done;
+    if (live && (done % 10 == 0 || done == all))
+      fmt::print(stderr, "\rframe {}/{}{}", done, all, done == all ? "\n" : "");
+    return !g_stop;
+  };
+  std::signal(SIGINT, [](int) { g_stop = 1; });
+  std::signal(SIGTERM, [](int) { g_stop = 1; });
+  if (const std::string error = write_sequence(f.synth, f.folder, f.overwrite, progress); !error.empty()) {
+    fmt::print(stderr, "{}rumi synth: {}\n", live ? "\n" : "", error);
+    return 1;
+  }
+  if (!f.quiet) fmt::print("{}: {} frames, {}x{}\n", f.folder, frames, f.synth.camera.width, f.synth.camera.height);
+  return 0;
+}
+
+}  // namespace
+
+void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
+  CommandLine* sub =
+      app.add_command("synth", "Renders a sequence of a furnished room with its true path: a TUM-style folder.");
+  auto f = std::make_shared<Flags>();
+  sub->add_option("-o,--output", f->folder, "folder to write")->required();
+  sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
+  sub->add_option("--seed", f->synth.seed, "of the room, the walk and the noise")->show_default();
+  sub->add_option("--walk", f->walk,
+                  "the own walk: loop, about in a room; next-room, lost in a dark turn through a doorway into a second "
+                  "room, which is seen from neither side else")
+      ->show_default();
+  sub->add_option("--seconds", f->synth.seconds, "length of the own walk")->show_default();
+  sub->add_option("--rate", f->synth.rate_hz, "frames per second; 0: 30, or the times of --path")->show_default();
+  sub->add_option("--size", f->size, "WIDTHxHEIGHT in pixels, with a TUM camera's field of view (default 640x480)");
+  sub->add_option("--camera", f->camera_file, "calibration file; its lens distortion is rendered");
+  sub->add_option("--path", f->synth.path_file, "move along a TUM trajectory (t tx ty tz qx qy qz qw, map_from_cam)");
+  sub->add_option("--start", f->synth.start_s, "seconds into the path")->show_default();
+  sub->add_option("--duration", f->synth.duration_s, "seconds of it; 0: to its end")->show_default();
+  sub->add_option("--blur", f->synth.exposure_s, "shutter time in seconds: motion blur; 0: none")->show_default();
+  sub->add_option("--noise", f->synth.noise, "sensor noise, times the default; 0: none")->show_default();
+  sub->add_option("--exposure", f->synth.exposure_swing, "slow change of the exposure, fraction")->show_default();
+  sub->add_flag("--grey", f->synth.grey, "grey images");
+  sub->add_option("--quality", f->synth.jpeg_quality, "of the JPEG files, 1 to 100")->show_default();
+  sub->add_option("--hard", f->hard,
+                  "a hard passage: blur, dark, textureless or rotation; with --at and --for; may be repeated")
+      ->one_each();
+  sub->add_option("--at", f->at_s, "seconds after the first frame at which the hard passage begins")->one_each();
+  sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
+  sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
+  sub->on_chosen([f, chosen] { *chosen = [f] { return run(*f); }; });
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi up CONFIG: the five processes on LCM, started, watched and stopped together.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "base/command_line.h"
+#include "rumi/commands/commands.h"
+#include "rumi/run/all_options.h"
+#include "rumi/run/supervisor.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string config, input, lcm_url, snapshot;
+  std::vector<std::string> settings, camera_flags;
+};
+
+std::atomic<bool> g_stop = false, g_at_once = false, g_reload = false;
+
+void listen_to_signals() {
+  struct sigaction action {};
+  // Who asks twice does not want to wait.
+  action.sa_handler = [](int) {
+    if (g_stop.exchange(true)) g_at_once = true;
+  };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = [](int) { g_reload = true; };
+  sigaction(SIGUSR2, &action, nullptr);
+}
+
+// The options as all processes are to have them, in a file that lives as long as this object.
+class SharedConfig {
+ public:
+  // Throws std::runtime_error.
+  explicit SharedConfig(const std::string& yaml) {
+    std::string name = (fs::temp_directory_path() / "rumi-up-XXXXXX").string();
+    const int fd = mkstemp(name.data());
+    file_ = name;
+    if (fd >= 0) close(fd);
+    write(yaml);
+  }
+  // Throws std::runtime_error.
+  void write(const std::string& yaml) const {
+    std::ofstream stream(file_);
+    if (!(stream << yaml << std::flush)) throw std::runtime_error(fmt::format("{}: cannot be written", file_));
+  }
+  ~SharedConfig() { unlink(file_.c_str()); }
+  SharedConfig(const SharedConfig&) = delete;
+  SharedConfig& operator=(const SharedConfig&) = delete;
+  const std::string& file() const { return file_; }
+
+ private:
+  std::string file_;
+};
+
+fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+std::vector<std::string> bus_flags(const UpOptions& up) {
+  std::vector<std::string> flags;
+  if (!up.lcm_url.empty()) flags.insert(flags.end(), {"--lcm-url", up.lcm_url});
+  if (!up.channel_prefix.empty()) flags.insert(flags.end(), {"--channel-prefix", up.channel_prefix});
+  flags.insert(flags.end(), {"--channel", up.channel});
+  return flags;
+}
+
+// map_server is stopped after the others, so that what they hand on at their end still arrives.
+std::vector<ChildProcess> processes(const UpOptions& up, const std::string& config_file,
+                                    const std::vector<std::string>& camera_flags) {
+  std::vector<ChildProcess> children;
+  const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
+    ChildProcess child{name, {(own_folder() / name).string()}, false, stop_stage};
+    child.command.insert(child.command.end(), more.begin(), more.end());
+    child.command.insert(child.command.end(), {"--config", config_file});
+    for (const std::string& flag : bus_flags(up)) child.command.push_back(flag);
+    children.push_back(std::move(child));
+  };
+  // Listeners first, the source last.
+  add("map_server", 1);
+  add("ruminator", 0);
+  children.back().finishes = true;
+  if (up.viewer) add("viewer_offscreen", 0);
+  add("front_tracker", 0);
+  if (!up.input.empty()) {
+    std::vector<std::string> arguments{up.input};
+    arguments.insert(arguments.end(), camera_flags.begin(), camera_flags.end());
+    add("camera_driver", 0, arguments);
+    children.back().source = true;
+    children.back().reloads = true;
+  }
+  return children;
+}
+
+ChildProcess snapshot_process(const UpOptions& up, const std::string& out, bool update) {
+  std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
+  if (update) command.push_back("--update");
+  if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
+  if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
+  return {"snapshot", command};
+}
+
+// On SIGUSR2. True if the shared options are new.
+bool read_again(const Arguments& arguments, const SharedConfig& config) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = check(options.camera_driver);
+  if (error.empty()) config.write(table.to_yaml());
+  if (!error.empty()) fmt::print(stderr, "rumi up: options read again, but not used: {}\n", error);
+  return error.empty();
+}
+
+int up(const Arguments& arguments) {
+  AllOptions options;
+  OptionTable table;
+  describe(table, options);
+  std::string error = load_options(table, arguments.config, arguments.settings);
+  if (error.empty()) error = check(options.camera_driver);
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi up: {}\n", error);
+    return 2;
+  }
+  if (!arguments.input.empty()) options.up.input = arguments.input;
+  if (!arguments.lcm_url.empty()) options.up.lcm_url = arguments.lcm_url;
+  if (options.up.input.empty() && !arguments.camera_flags.empty()) {
+    fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n", arguments.camera_flags[0]);
+    return 2;
+  }
+  listen_to_signals();
+  try {
+    const SharedConfig config(table.to_yaml());
+    SupervisorOptions supervision;
+    supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
+    Supervisor supervisor(
+        processes(options.up, config.file(), arguments.camera_flags), supervision,
+        [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
+    // Once while everybody can still say how it went, and once when the last poses have arrived.
+    Supervisor::Hooks hooks;
+    hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
+    std::string snapshot_error = arguments.snapshot.empty() ? "" : "no snapshot was written, as all was to end at once";
+    const auto snapshot = [&](bool update) {
+      snapshot_error = supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, update), g_at_once);
+    };
+    if (!arguments.snapshot.empty()) {
+      hooks.before_stop = [&] { snapshot(false); };
+      hooks.before_last_stage = [&] { snapshot(true); };
+    }
+    error = supervisor.run(g_stop, g_at_once, hooks);
+    if (error.empty()) error = snapshot_error;
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) return 0;
+  fmt::print(stderr, "rumi up: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_up_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command =
+      app.add_command("up", "Run the five processes on LCM and watch over them until the input ends");
+  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->required()->existing_file();
+  command->add_option(
+      "INPUT", arguments->input,
+      "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
+      "(lcm-logplayer)");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
+  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")->one_each();
+  command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
+  command->footer(
+      "Whatever follows that is not known here, such as --speed 2, goes to camera_driver. SIGUSR2: CONFIG is read "
+      "again and "
+      "the controls of a camera set as it says.");
+  command->allow_extras();
+  command->on_chosen([arguments, chosen, command] {
+    arguments->camera_flags = command->remaining();
+    *chosen = [arguments] { return up(*arguments); };
+  });
+}
+
+}  // namespace rumi::tool

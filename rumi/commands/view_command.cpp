@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// rumi view MAP.db -o PNG: a picture of a map.
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "base/command_line.h"
+#include "rumi/commands/commands.h"
+#include "rumi/evaluation/trajectory.h"
+#include "rumi/outputs/map_file.h"
+#include "viewer_offscreen/picture/draw_map.h"
+
+namespace rumi::tool {
+namespace {
+
+struct Arguments {
+  std::string map, out, groundtruth, view = "all";
+};
+
+const std::map<std::string, std::optional<viewer_offscreen::ViewKind>> kViews = {
+    {"all", std::nullopt},
+    {"oblique", viewer_offscreen::ViewKind::kOblique},
+    {"top", viewer_offscreen::ViewKind::kTop},
+    {"side", viewer_offscreen::ViewKind::kSide},
+    {"follow", viewer_offscreen::ViewKind::kFollow}};
+
+std::string view(const Arguments& arguments) {
+  const map_server::Atlas atlas = load_map(arguments.map);
+  AtlasPicture shown = make_picture(atlas, arguments.map);
+  viewer_offscreen::MapPicture& picture = shown.picture;
+  if (!arguments.groundtruth.empty()) {
+    const TrajectoryFile truth = read_groundtruth(arguments.groundtruth);
+    if (!truth.ok()) return truth.error;
+    for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
+  }
+  return viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out);
+}
+
+int run(const Arguments& arguments) {
+  std::string error;
+  try {
+    error = view(arguments);
+  } catch (const std::exception& e) {
+    error = e.what();
+  }
+  if (error.empty()) return 0;
+  fmt::print(stderr, "rumi view: {}\n", error);
+  return 1;
+}
+
+}  // namespace
+
+void add_view_command(CommandLine& app, std::function<int()>* chosen) {
+  auto arguments = std::make_shared<Arguments>();
+  CommandLine* command = app.add_command("view", "Draw a map");
+  command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
+  command->add_option("-o,--output", arguments->out, "PNG file")->required();
+  command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
+  command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
+      ->one_of({"all", "oblique", "top", "side", "follow"})
+      ->show_default();
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace rumi::tool

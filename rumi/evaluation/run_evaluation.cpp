@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/evaluation/run_evaluation.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::ordered_json;
+
+template <class T>
+ordered_json or_null(const std::optional<T>& value) {
+  return value ? ordered_json(*value) : ordered_json();
+}
+
+// What the run said of itself; its absence is no reason not to evaluate the trajectory.
+ordered_json read_run(const fs::path& run_json) {
+  std::ifstream in(run_json);
+  ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
+  return run.is_object() ? run : ordered_json::object();
+}
+
+// The poses of `map` at the times of `submap`; both by time.
+std::vector<TimedPose> at_times_of(const std::vector<TimedPose>& submap, const std::vector<TimedPose>& map) {
+  std::vector<TimedPose> poses;
+  const auto earlier = [](const TimedPose& a, const TimedPose& b) { return a.utime_us < b.utime_us; };
+  std::set_intersection(map.begin(), map.end(), submap.begin(), submap.end(), std::back_inserter(poses), earlier);
+  return poses;
+}
+
+}  // namespace
+
+std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
+                            const TruthOptions& truth_options, const MetricOptions& metric_options,
+                            RunEvaluation* evaluation) {
+  const fs::path out = folder;
+  const TrajectoryFile map = read_trajectory((out / "trajectory.txt").string());
+  if (!map.ok()) return map.error;
+  const FramesFile frames = read_frames((out / "frames.csv").string());
+  if (!frames.ok()) return frames.error;
+  TrajectoryFile truth = read_groundtruth(groundtruth, truth_options);
+  if (!truth.ok()) return truth.error;
+
+  std::vector<fs::path> files;
+  std::error_code no_folder;
+  for (const auto& entry : fs::directory_iterator(out / "submaps", no_folder)) {
+    if (entry.path().extension() == ".txt") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<std::vector<TimedPose>> submaps;
+  for (const fs::path& file : files) {
+    const TrajectoryFile submap = read_trajectory(file.string());
+    if (!submap.ok()) return submap.error;
+    submaps.push_back(submap.poses);
+    evaluation->submaps.push_back(
+        {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, metric_options),
+         evaluate_trajectory(at_times_of(submap.poses, map.poses), truth.poses, metric_options).ate_rmse_m});
+  }
+  const ordered_json run = read_run(out / "run.json");
+  const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
+  evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
+  evaluation->truth = std::move(truth.poses);
+  if (run.contains("cpu_ms_per_frame") && run["cpu_ms_per_frame"].is_object()) {
+    evaluation->cpu_ms_per_frame = run["cpu_ms_per_frame"];
+  }
+  return "";
+}
+
+ordered_json to_json(const RunEvaluation& evaluation) {
+  const RunMetrics& run = evaluation.run;
+  double cpu_ms = 0;
+  for (const auto& [component, ms] : evaluation.cpu_ms_per_frame.items())
+    cpu_ms += ms.is_number() ? ms.get<double>() : 0;
+  ordered_json json{
+      {"ate_rmse_m", or_null(run.map.ate_rmse_m)},
+      {"ate_se3_rmse_m", or_null(run.map.ate_se3_rmse_m)},
+      {"rpe_trans_m", or_null(run.map.rpe_trans_m)},
+      {"rpe_rot_deg", or_null(run.map.rpe_rot_deg)},
+      {"tracked_frame_ratio", or_null(run.tracked_frame_ratio)},
+      {"span_rate", or_null(run.span_rate)},
+      {"true_rate", or_null(run.true_rate)},
+      {"submap_frame_ratio", or_null(run.submap_frame_ratio)},
+      {"frames", run.frames},
+      {"tracked_frames", run.tracked_frames},
+      {"frames_with_truth", run.map.associated},
+      {"scale", run.map.truth_from_estimate ? ordered_json(run.map.truth_from_estimate->scale) : ordered_json()},
+      {"submaps", evaluation.submaps.size()},
+      {"per_submap", ordered_json::array()},
+      {"ms_per_frame", evaluation.cpu_ms_per_frame.is_null() ? ordered_json() : ordered_json(cpu_ms)},
+      {"cpu_ms_per_frame", evaluation.cpu_ms_per_frame},
+      {"reason", run.map.reason},
+  };
+  for (const SubmapResult& submap : evaluation.submaps) {
+    json["per_submap"].push_back({{"name", submap.name},
+                                  {"frames", submap.metrics.poses},
+                                  {"frames_with_truth", submap.metrics.associated},
+                                  {"ate_rmse_m", or_null(submap.metrics.ate_rmse_m)},
+                                  {"ate_in_map_rmse_m", or_null(submap.ate_in_map_rmse_m)},
+                                  {"path_m", submap.metrics.path_m},
+                                  {"reason", submap.metrics.reason}});
+  }
+  return json;
+}
+
+}  // namespace rumi::tool

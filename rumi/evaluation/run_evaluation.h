@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The outputs of a run against the true path.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "rumi/evaluation/metrics.h"
+
+namespace rumi::tool {
+
+struct SubmapResult {
+  std::string name;  // of its file
+  TrajectoryMetrics metrics;
+  std::optional<double> ate_in_map_rmse_m;  // of the same frames in the served map, aligned by themselves
+};
+
+struct RunEvaluation {
+  RunMetrics run;
+  std::vector<SubmapResult> submaps;
+  std::vector<TimedPose> truth;
+  nlohmann::ordered_json cpu_ms_per_frame;  // by component, from run.json; null if it is not there
+};
+
+// Reads trajectory.txt, frames.csv and submaps/ in the folder, and the truth. Returns what is wrong, or nothing.
+std::string evaluate_folder(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth,
+                            const MetricOptions& metrics, RunEvaluation* evaluation);
+
+nlohmann::ordered_json to_json(const RunEvaluation& evaluation);
+
+}  // namespace rumi::tool

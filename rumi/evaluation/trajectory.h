@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Trajectories as files: TUM format (time tx ty tz qx qy qz qw, map_from_cam), EuRoC's ground truth, and frames.csv.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "slam/geometry/transform.h"
+
+namespace rumi::tool {
+
+struct TimedPose {
+  int64_t utime_us = 0;
+  SE3 map_from_cam;
+};
+
+struct TrajectoryFile {
+  std::vector<TimedPose> poses;  // by time, one per time
+  int skipped_lines = 0;         // not a number, not finite, no rotation, or a time that was there before
+  std::string error;             // empty, or why the file could not be used
+  bool ok() const { return error.empty(); }
+};
+
+struct TruthOptions {
+  // The first column counts frames at this rate instead of giving seconds (ICL-NUIM's *.gt.freiburg); 0 = seconds.
+  double frames_per_second = 0;
+};
+
+// TUM format; lines that start with '#' are comments. A file without a single usable line is an error only if it had
+// lines.
+TrajectoryFile read_trajectory(const std::string& file, const TruthOptions& options = {});
+
+// The above, or EuRoC's state_groundtruth_estimate0/data.csv (nanoseconds; poses of the body, which become poses of the
+// camera by T_BS of ../cam0/sensor.yaml).
+TrajectoryFile read_groundtruth(const std::string& file, const TruthOptions& options = {});
+
+struct InputFrame {
+  int64_t utime_us = 0;
+  std::string state;
+  int submap = 0;  // 0: no pose
+  bool in_map = false;
+};
+
+struct FramesFile {
+  std::vector<InputFrame> frames;  // by time
+  std::string error;
+  bool ok() const { return error.empty(); }
+};
+
+// frames.csv: columns utime, state, submap, in_map in any order, named by the first line.
+FramesFile read_frames(const std::string& file);
+
+}  // namespace rumi::tool

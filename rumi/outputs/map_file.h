@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// map.db as a file that somebody else may be using, and an atlas as the outputs of a run.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+
+#include "map_server/atlas/atlas.h"
+#include "map_server/store/map_store.h"
+#include "viewer_offscreen/scene/scene.h"
+
+namespace rumi::tool {
+
+// Reads a map without locking or changing it, also while a map_server has it open. Throws std::runtime_error with a
+// message for the user.
+map_server::Atlas load_map(const std::string& file);
+
+// A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
+map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);
+
+// What a picture of the atlas shows. It points into the atlas and into `placed`.
+struct AtlasPicture {
+  AtlasPicture() = default;
+  AtlasPicture(AtlasPicture&&) = default;  // a copy would point into the original
+  std::map<SubmapKey, Submap> placed;      // those of the map, as they lie in it
+  viewer_offscreen::MapPicture picture;
+};
+AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title);
+
+// trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
+std::string write_run_outputs(const map_server::Atlas& atlas, const std::string& folder);
+
+// What there is to say about an atlas in numbers.
+struct AtlasCounts {
+  int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;
+  int submaps = 0, keyframes = 0, landmarks = 0;
+  int front_submaps = 0, front_submaps_in_map = 0;
+};
+AtlasCounts count(const map_server::Atlas& atlas);
+
+}  // namespace rumi::tool

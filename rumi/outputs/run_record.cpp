@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/outputs/run_record.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace rumi::tool {
+
+nlohmann::ordered_json counts_to_json(const AtlasCounts& counts) {
+  return {
+      {"frames", counts.frames},   {"tracked_frames", counts.tracked_frames}, {"frames_in_map", counts.frames_in_map},
+      {"submaps", counts.submaps}, {"keyframes", counts.keyframes},           {"landmarks", counts.landmarks}};
+}
+
+void print_summary(const AtlasCounts& counts, const std::vector<std::string>& left_out, const std::string& folder) {
+  const auto file = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
+  fmt::print("{} of {} frames have a pose in the map, {} in any of {} submaps; {} keyframes, {} landmarks\n",
+             counts.frames_in_map, counts.frames, counts.tracked_frames, counts.submaps, counts.keyframes,
+             counts.landmarks);
+  for (const std::string& line : left_out) fmt::print("left out    {}\n", line);
+  fmt::print("trajectory  {}\nmap         {}  and  {}\npicture     {}\n", file("trajectory.txt"), file("map.db"),
+             file("map.ply"), file("trajectory.png"));
+}
+
+}  // namespace rumi::tool

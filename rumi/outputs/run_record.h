@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a run says about itself, in run.json and on the terminal.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "rumi/outputs/map_file.h"
+
+namespace rumi::tool {
+
+nlohmann::ordered_json counts_to_json(const AtlasCounts& counts);
+// What came out, what was left out (a line each) and where everything is, for a person.
+void print_summary(const AtlasCounts& counts, const std::vector<std::string>& left_out, const std::string& folder);
+
+}  // namespace rumi::tool

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/outputs/run_summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace rumi::tool {
+namespace {
+
+struct Gap {
+  int64_t begin_us = 0, end_us = 0;  // of its first frame, and of the one after it
+  int64_t frames = 0;
+};
+
+// Frames without a pose: before any has one, in the middle, and after the last.
+struct WithoutPose {
+  int64_t before = 0, after = 0, inside = 0;
+  std::vector<Gap> gaps;
+};
+
+WithoutPose find_frames_without_pose(const map_server::Atlas& atlas) {
+  WithoutPose found;
+  Gap open;
+  bool any_posed = false;
+  for (const auto& [utime_us, frame] : atlas.frames()) {
+    if (!atlas.locate(utime_us)) {
+      if (open.frames++ == 0) open.begin_us = utime_us;
+      continue;
+    }
+    open.end_us = utime_us;
+    if (!any_posed)
+      found.before = open.frames;
+    else if (open.frames > 0)
+      found.gaps.push_back(open);
+    any_posed = true;
+    open = {};
+  }
+  (any_posed ? found.after : found.before) = open.frames;
+  for (const Gap& gap : found.gaps) found.inside += gap.frames;
+  return found;
+}
+
+double seconds(int64_t us) { return 1e-6 * static_cast<double>(us); }
+
+std::string describe(const WithoutPose& found, int64_t first_us) {
+  const int64_t all = found.before + found.inside + found.after;
+  std::string text = fmt::format("{} {} no pose:", all, all == 1 ? "frame has" : "frames have");
+  if (found.before > 0) text += fmt::format(" {} before the first submap,", found.before);
+  if (!found.gaps.empty()) {
+    const Gap& longest = *std::max_element(found.gaps.begin(), found.gaps.end(),
+                                           [](const Gap& a, const Gap& b) { return a.frames < b.frames; });
+    text += fmt::format(" {} in {}{:.2f} s, from {:.2f} s on),", found.inside,
+                        found.gaps.size() == 1 ? "a gap (" : fmt::format("{} gaps (the longest ", found.gaps.size()),
+                        seconds(longest.end_us - longest.begin_us), seconds(longest.begin_us - first_us));
+  }
+  if (found.after > 0) text += fmt::format(" {} at the end,", found.after);
+  text.pop_back();
+  return text;
+}
+
+// Of what is known of the submap and others, what comes nearest to a link.
+std::string why_not_in_map(const map_server::Atlas& atlas, SubmapKey key) {
+  const map_server::Link* best = nullptr;
+  for (const map_server::Link& link : atlas.links()) {
+    if (link.a == link.b || (link.a != key && link.b != key)) continue;
+    if (!best ||
+        std::pair(link.accepted(), link.landmark_inliers) > std::pair(best->accepted(), best->landmark_inliers))
+      best = &link;
+  }
+  if (!best) return "nothing links it to another submap";
+  const int other = best->a == key ? best->b.id : best->a.id;
+  if (best->accepted()) return fmt::format("it is linked to submap {} only, which is not in the map either", other);
+  return fmt::format("its link to submap {} is refused: {}", other, best->doubt);
+}
+
+}  // namespace
+
+std::string describe_progress(int64_t images, int64_t total, double elapsed_s) {
+  const double rate_hz = static_cast<double>(images) / std::max(elapsed_s, 1e-3);
+  std::string text =
+      fmt::format("{}{} images, {:.1f} per second", images, total < 0 ? "" : fmt::format(" of {}", total), rate_hz);
+  if (total >= images && images > 0)
+    text += fmt::format(", about {:.0f} s left", std::ceil(static_cast<double>(total - images) / rate_hz));
+  return text;
+}
+
+std::vector<std::string> left_out(const map_server::Atlas& atlas) {
+  std::vector<std::string> lines;
+  const WithoutPose without = find_frames_without_pose(atlas);
+  if (without.before + without.inside + without.after > 0)
+    lines.push_back(describe(without, atlas.frames().begin()->first));
+  std::map<SubmapKey, int64_t> frames;
+  for (const auto& [utime_us, frame] : atlas.frames())
+    if (const auto located = atlas.locate(utime_us); located && !located->owner->in_map)
+      ++frames[located->owner->submap.key];
+  for (const auto& [key, count] : frames)
+    lines.push_back(fmt::format("{} {} of submap {}: {}", count, count == 1 ? "frame" : "frames", key.id,
+                                why_not_in_map(atlas, key)));
+  return lines;
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/recordings/import_log.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <span>
+
+#include "bus/transport/log_file.h"
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
+#include "camera_driver/source/image_source.h"
+#include "camera_driver/source/timestamps.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+int fail(const std::string& problem) {
+  fmt::print(stderr, "rumi import: {}\n", problem);
+  return 1;
+}
+
+// Empty, or why the file could not be written.
+std::string write_file(const fs::path& file, std::span<const uint8_t> bytes) {
+  errno = 0;
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (stream) return {};
+  return fmt::format("{}: cannot be written: {}", file.string(), errno != 0 ? std::strerror(errno) : "unknown reason");
+}
+
+std::string write_text(const fs::path& file, const std::string& text) {
+  return write_file(file, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
+// The file's contents and its extension; an empty extension and why in *error if the pixels cannot be read.
+std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::string* error) {
+  if (image.pixelformat == image_t::PIXEL_FORMAT_MJPEG) {
+    *bytes = image.data;
+    return ".jpg";
+  }
+  const bool grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
+  const cv::Mat pixels = grey ? decode_grey(image, error) : decode_bgr(image, error);
+  if (pixels.empty() || !cv::imencode(".png", pixels, *bytes)) return {};
+  return ".png";
+}
+
+// Empty, or what went wrong.
+std::string write_folder(camera_driver::ImageSource& source, const fs::path& folder, int64_t* count) {
+  std::error_code code;
+  fs::create_directories(folder / "rgb", code);
+  if (code) return fmt::format("{}: cannot be created: {}", (folder / "rgb").string(), code.message());
+  std::string list = "# seconds file\n", problem;
+  std::vector<uint8_t> bytes;
+  while (const std::optional<image_t> image = source.next()) {
+    const std::string extension = to_file(*image, &bytes, &problem);
+    if (extension.empty())
+      return fmt::format("the image at {} s: {}", camera_driver::format_seconds(image->utime), problem);
+    const std::string time = camera_driver::format_seconds(image->utime);
+    const std::string name = "rgb/" + time + extension;
+    if (problem = write_file(folder / name, bytes); !problem.empty()) return problem;
+    list += time + " " + name + "\n";
+    ++*count;
+  }
+  if (problem = write_text(folder / "rgb.txt", list); !problem.empty()) return problem;
+  return write_text(folder / "calibration.yaml", camera_to_yaml(source.camera()));
+}
+
+}  // namespace
+
+int run_import(const ImportOptions& options) {
+  std::error_code code;
+  if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
+    return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
+  if (options.camera.loop) return fail("camera_driver.loop is true: an import must end");
+  if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log))
+    return fail(fmt::format("{}: is no lcm log", options.log));
+  camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
+  if (!opened.ok()) return fail(opened.error);
+
+  int64_t count = 0;
+  const std::string problem = write_folder(*opened.source, options.folder, &count);
+  if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
+  fmt::print("{}: {} images\n", options.folder, count);
+  return 0;
+}
+
+}  // namespace rumi::tool

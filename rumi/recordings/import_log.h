@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// lcm log with images -> TUM-style folder: rgb/SECONDS.jpg or .png, rgb.txt, calibration.yaml.
+#pragma once
+
+#include <string>
+
+#include "camera_driver/options.h"
+
+namespace rumi::tool {
+
+struct ImportOptions {
+  std::string log;
+  std::string folder;  // created; if it exists it must be empty
+  camera_driver::CameraOptions camera;
+};
+
+// JPEG images are written as they are, all others as PNG. Tells what it does, and what is wrong, on stderr. Returns the
+// exit code. Whatever has been written when something fails stays, and is named.
+int run_import(const ImportOptions& options);
+
+}  // namespace rumi::tool

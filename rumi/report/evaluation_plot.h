@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "rumi/evaluation/metrics.h"
+
+namespace rumi::tool {
+
+// Error over time, and estimate and truth from the side from which they are widest. BGR.
+cv::Mat draw_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth);
+// The same as a file. Returns what went wrong, or nothing.
+std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
+                            const std::string& png_file);
+
+}  // namespace rumi::tool

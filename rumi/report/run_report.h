@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "rumi/evaluation/trajectory.h"
+
+namespace rumi::tool {
+
+struct ReportOptions {
+  std::string groundtruth = {};  // file of the true path; empty: no errors
+  TruthOptions truth = {};
+  std::string log = {};  // lcm log with RUMI_STATUS of a live run; empty: no load over time
+};
+
+// The folder of a run as one web page: counts, views of the map, tracking over time, the error where the truth is
+// given, windows with their images, joins with their reasons, matched features over time, load by process. Throws
+// std::runtime_error with a message for the user if the folder is none of a finished run.
+std::string make_report(const std::string& folder, const ReportOptions& options = {});
+
+}  // namespace rumi::tool

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/run/all_options.h"
+
+namespace rumi::tool {
+
+void describe(OptionTable& table, UpOptions& o) {
+  table.add("up.input", &o.input,
+            "of camera_driver: camera, dataset, image folder, video or lcm log; empty: images come from elsewhere");
+  table.add("up.lcm_url", &o.lcm_url, "LCM URL; empty: LCM_DEFAULT_URL, else this machine only");
+  table.add("up.channel_prefix", &o.channel_prefix, "put before every channel name");
+  table.add("up.channel", &o.channel, "channel of the camera images");
+  table.add("up.viewer", &o.viewer, "start viewer_offscreen too");
+  table.add("up.settle_s", &o.settle_s, "s", "from the end of the input to the stop of the others", 0, 3600);
+}
+
+void describe(OptionTable& table, AllOptions& o) {
+  describe(table, o.up);
+  describe(table, o.camera_driver);
+  describe(table, o.front_tracker);
+  describe(table, o.ruminator);
+  describe(table, o.map_server);
+  describe(table, o.viewer_offscreen);
+}
+
+std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings) {
+  if (!config_file.empty()) {
+    if (std::string error = table.load_yaml(config_file); !error.empty()) return error;
+  }
+  for (const std::string& setting : settings) {
+    if (std::string error = table.set(setting); !error.empty()) return error;
+  }
+  return "";
+}
+
+}  // namespace rumi::tool

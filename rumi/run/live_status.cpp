@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/run/live_status.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "slam/map/tracking_state.h"
+
+namespace rumi::tool {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int64_t kRecentUs = 5'000'000;  // of what rates are made
+constexpr int64_t kSilentUs = 3'000'000;  // every process tells its status once a second
+constexpr std::array kProcessStates = {"starting", "running", "degraded", "stopping"};
+constexpr std::array kWindowStates = {"collecting", "queued",    "extracting", "matching",
+                                      "mapping",    "published", "failed"};
+
+template <size_t N>
+const char* name_of(const std::array<const char*, N>& names, int state) {
+  return state >= 0 && state < static_cast<int>(N) ? names[static_cast<size_t>(state)] : "unknown";
+}
+
+double rounded(double value) { return std::round(value * 10) / 10; }
+
+double per_second(double amount, int64_t span_us) {
+  return span_us > 0 ? rounded(amount * 1e6 / static_cast<double>(span_us)) : 0;
+}
+
+double quantile(std::vector<double> values, double q) {
+  std::sort(values.begin(), values.end());
+  return rounded(values[static_cast<size_t>(q * static_cast<double>(values.size() - 1))]);
+}
+
+}  // namespace
+
+LiveStatus::LiveStatus(Bus& bus) : bus_(bus) {
+  bus.subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) { on_status(m); });
+  bus.subscribe<track_t>(channels::kTrack, {}, [this](const track_t& m) { on_track(m); });
+  bus.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& m) { map_ = m; });
+  bus.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& m) { windows_[{m.session, m.window_id}] = m; });
+}
+
+void LiveStatus::on_status(const process_status_t& status) {
+  Process& process = processes_[status.process];
+  const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
+  if (same_run) process.before = std::move(process.latest);
+  if (!same_run) process.before.reset();
+  process.latest = status;
+}
+
+void LiveStatus::on_track(const track_t& track) {
+  const bool told_again = !tracks_.empty() && track.session == tracks_.back().track.session &&
+                          track.sequence <= tracks_.back().track.sequence;
+  if (told_again) return;
+  tracks_.push_back({bus_.now_us(), track});
+  while (tracks_.back().at_us - tracks_.front().at_us > kRecentUs) tracks_.pop_front();
+}
+
+Json LiveStatus::process_json(const Process& process) const {
+  const process_status_t& now = process.latest;
+  const process_status_t& before = process.before.value_or(now);
+  const int64_t span_us = now.utime - before.utime, silent_us = bus_.now_us() - now.utime;
+  int64_t dropped = 0, undecodable = 0, waiting = 0;
+  for (const channel_count_t& channel : now.channels) {
+    dropped += channel.dropped;
+    undecodable += channel.undecodable;
+    waiting += channel.queue_depth;
+  }
+  return {{"state", silent_us > kSilentUs ? "silent" : name_of(kProcessStates, now.state)},
+          {"in_hz", per_second(static_cast<double>(now.messages_in - before.messages_in), span_us)},
+          {"out_hz", per_second(static_cast<double>(now.messages_out - before.messages_out), span_us)},
+          {"dropped", dropped},
+          {"undecodable", undecodable},
+          {"waiting", waiting},
+          {"processing_ms", rounded(now.processing_ms)},
+          {"cpu_percent", per_second(100 * (now.cpu_s - before.cpu_s), span_us)},
+          {"memory_mb", rounded(static_cast<double>(now.rss_bytes) / 1e6)},
+          {"running_s", rounded(static_cast<double>(now.utime - now.started_utime) * 1e-6)},
+          {"detail", now.detail}};
+}
+
+Json LiveStatus::tracking_json() const {
+  const track_t& latest = tracks_.back().track;
+  std::vector<double> latencies, costs;
+  int64_t tracked = 0, lost_by_bus = 0;
+  for (size_t i = 0; i < tracks_.size(); ++i) {
+    const track_t& track = tracks_[i].track;
+    latencies.push_back(track.latency_ms);
+    costs.push_back(track.processing_ms);
+    tracked += track.state == track_t::TRACKING;
+    if (i > 0 && track.session == tracks_[i - 1].track.session)
+      lost_by_bus += track.sequence - tracks_[i - 1].track.sequence - 1;
+  }
+  const auto frames = static_cast<double>(tracks_.size());
+  return {{"state", to_string(static_cast<TrackingState>(latest.state))},
+          {"submap", latest.submap_id},
+          {"inliers", latest.inliers},
+          {"keypoints", latest.keypoints},
+          {"rate_hz", per_second(frames - 1, tracks_.back().at_us - tracks_.front().at_us)},
+          {"tracked_percent", rounded(100 * static_cast<double>(tracked) / frames)},
+          {"latency_p50_ms", quantile(latencies, 0.5)},
+          {"latency_p95_ms", quantile(latencies, 0.95)},
+          {"processing_p50_ms", quantile(costs, 0.5)},
+          {"lost_by_bus", lost_by_bus},
+          {"frames", latest.sequence + 1}};
+}
+
+Json LiveStatus::map_json() const {
+  int64_t front = 0, back = 0, in_map = 0, keyframes = 0, landmarks = 0, accepted = 0;
+  for (const submap_summary_t& submap : map_->submaps) {
+    ++(submap.kind == 0 ? front : back);
+    in_map += submap.in_map;
+    keyframes += submap.keyframes;
+    landmarks += submap.landmarks;
+  }
+  for (const link_t& link : map_->links) accepted += link.accepted;
+  return {{"revision", map_->map_revision},
+          {"frames", map_->frames},
+          {"frames_in_map", map_->frames_in_map},
+          {"front_submaps", front},
+          {"back_submaps", back},
+          {"submaps_in_map", in_map},
+          {"keyframes", keyframes},
+          {"landmarks", landmarks},
+          {"links_accepted", accepted},
+          {"links_refused", static_cast<int64_t>(map_->links.size()) - accepted},
+          {"merging", static_cast<bool>(map_->merging)},
+          {"database_mb", rounded(static_cast<double>(map_->database_bytes) / 1e6)}};
+}
+
+Json LiveStatus::windows_json() const {
+  Json windows = Json::array();
+  for (const auto& [key, window] : windows_)
+    windows.push_back({{"id", window.window_id},
+                       {"state", name_of(kWindowStates, window.state)},
+                       {"images", window.napproach + window.ngap + window.ndeparture},
+                       {"progress", rounded(window.progress)},
+                       {"reason", window.reason}});
+  return windows;
+}
+
+Json LiveStatus::to_json() const {
+  Json json = Json::object();
+  json["processes"] = Json::object();
+  for (const auto& [name, process] : processes_) json["processes"][name] = process_json(process);
+  if (!tracks_.empty()) json["tracking"] = tracking_json();
+  if (map_) json["map"] = map_json();
+  if (!windows_.empty()) json["windows"] = windows_json();
+  return json;
+}
+
+std::string LiveStatus::to_text() const {
+  const Json json = to_json();
+  std::string text = fmt::format("{:<18}{:<10}{:>8}{:>8}{:>9}{:>9}{:>8}{:>9}\n", "process", "state", "in/s", "out/s",
+                                 "dropped", "waiting", "CPU %", "MB");
+  for (const auto& [name, p] : json["processes"].items()) {
+    text += fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>9.1f}\n", name, p["state"].get<std::string>(),
+                        p["in_hz"].get<double>(), p["out_hz"].get<double>(), p["dropped"].get<int64_t>(),
+                        p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(), p["memory_mb"].get<double>());
+    const bool says_why = p["state"] == "degraded" || name == "camera_driver";
+    if (says_why) text += fmt::format("  {}\n", p["detail"].get<std::string>());
+  }
+  if (json.contains("tracking")) {
+    const Json& t = json["tracking"];
+    text += fmt::format("\ntracking  {}, submap {}, {} inliers of {} keypoints\n", t["state"].get<std::string>(),
+                        t["submap"].get<int>(), t["inliers"].get<int>(), t["keypoints"].get<int>());
+    text +=
+        fmt::format("          {:.1f} Hz, {:.0f} % tracked, latency p50 {:.1f} ms, p95 {:.1f} ms, {} frames so far\n",
+                    t["rate_hz"].get<double>(), t["tracked_percent"].get<double>(), t["latency_p50_ms"].get<double>(),
+                    t["latency_p95_ms"].get<double>(), t["frames"].get<int64_t>());
+  }
+  if (json.contains("map")) {
+    const Json& m = json["map"];
+    text +=
+        fmt::format("map       {} of {} frames, {} of {} front and {} back submaps, {} keyframes, {} landmarks{}\n",
+                    m["frames_in_map"].get<int64_t>(), m["frames"].get<int64_t>(), m["submaps_in_map"].get<int64_t>(),
+                    m["front_submaps"].get<int64_t>(), m["back_submaps"].get<int64_t>(), m["keyframes"].get<int64_t>(),
+                    m["landmarks"].get<int64_t>(), m["merging"].get<bool>() ? ", merging" : "");
+  }
+  if (json.contains("windows"))
+    for (const Json& w : json["windows"])
+      text += fmt::format("window {:<3}{}, {} images{}\n", w["id"].get<int>(), w["state"].get<std::string>(),
+                          w["images"].get<int>(),
+                          w["reason"].get<std::string>().empty() ? "" : ": " + w["reason"].get<std::string>());
+  return text;
+}
+
+}  // namespace rumi::tool

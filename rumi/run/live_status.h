@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A running system at a glance, from the messages that it sends anyway.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "bus/transport/bus.h"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/process_status_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
+#include "lcmtypes/rumi/window_t.hpp"
+
+namespace rumi::tool {
+
+class LiveStatus {
+ public:
+  // Listens from now on; the bus must be dispatched.
+  explicit LiveStatus(Bus& bus);
+
+  // "processes": by name, "tracking", "map", "windows". Parts that nothing was heard of are missing. Rates are those of
+  // the latest seconds that were heard.
+  nlohmann::ordered_json to_json() const;
+  // The same for a person, in lines of at most 100 characters but for what processes say of themselves.
+  std::string to_text() const;
+
+ private:
+  struct Process {
+    process_status_t latest;
+    std::optional<process_status_t> before;
+  };
+  void on_status(const process_status_t& status);
+  void on_track(const track_t& track);
+  nlohmann::ordered_json process_json(const Process& process) const;
+  nlohmann::ordered_json tracking_json() const;
+  nlohmann::ordered_json map_json() const;
+  nlohmann::ordered_json windows_json() const;
+
+  Bus& bus_;
+  std::map<std::string, Process> processes_;
+  struct Heard {
+    int64_t at_us = 0;
+    track_t track;
+  };
+  std::deque<Heard> tracks_;  // of the latest seconds
+  std::optional<map_status_t> map_;
+  std::map<std::pair<int64_t, int32_t>, window_t> windows_;  // by session and id
+};
+
+}  // namespace rumi::tool

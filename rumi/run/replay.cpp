@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/run/replay.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "camera_driver/camera_node.h"
+#include "camera_driver/open_source.h"
+#include "front_tracker/front_tracker_node.h"
+#include "rumi/run/metered_bus.h"
+#include "ruminator/colmap_builder.h"
+#include "ruminator/ruminator_node.h"
+#include "viewer_offscreen/viewer_node.h"
+
+namespace rumi::tool {
+namespace {
+
+constexpr int64_t kFinishStepUs = 100'000;
+constexpr int64_t kFinishTimeoutUs = 60'000'000;
+
+}  // namespace
+
+template <class NodeType, class... Arguments>
+NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
+  auto component = std::make_unique<Component>();
+  component->name = name;
+  component->bus = std::make_unique<MeteredBus>(bus_, &component->cpu_s);
+  auto node = std::make_unique<NodeType>(*component->bus, arguments...);
+  NodeType* result = node.get();
+  component->node = std::move(node);
+  components_.push_back(std::move(component));
+  return result;
+}
+
+Replay::Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks) {
+  front_tracker::FrontTrackerOptions front_tracker = options.front_tracker;
+  front_tracker.mapping_thread = false;
+  map_server::MapServerOptions map_server = options.map_server;
+  if (!map_server.localize_only) map_server.database = ":memory:";
+  map_server.merge.thread = false;
+  if (camera_driver::is_camera(input))
+    throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error);
+  camera_ = add<camera_driver::CameraNode>("camera_driver", input, options.camera_driver);
+  front_tracker_ = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker);
+  ruminator::RuminatorOptions ruminator = options.ruminator;
+  ruminator.build_thread = false;
+  ruminator.spool.clear();
+  add<ruminator::RuminatorNode>(
+      "ruminator", ruminator,
+      ruminator::RuminatorHooks{ruminator::colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
+  map_server_ = add<map_server::MapServerNode>("map_server", map_server);
+  viewer_offscreen::ViewerOptions viewer = options.viewer_offscreen;
+  if (!viewer.series) viewer.output.clear();
+  viewer.series_goes_on = false;
+  add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer);
+}
+
+Replay::~Replay() = default;
+
+std::string Replay::record(const std::string& log_file) {
+  log_ = std::make_unique<LogWriter>(log_file);
+  bus_.set_tap([this](const std::string& channel, std::span<const uint8_t> data) {
+    const bool is_chunk = channel == channels::kSubmap || channel == channels::kSubmapAck ||
+                          channel == channels::kMapChunk || channel == channels::kMapAck;
+    if (!is_chunk) log_->write(bus_.now_us(), channel, data);
+    return true;
+  });
+  return log_->error();
+}
+
+std::string Replay::close_log() {
+  if (!log_) return {};
+  bus_.set_tap(nullptr);
+  const std::string error = log_->close() ? "" : log_->error();
+  log_.reset();
+  return error;
+}
+
+// Every component does what time and messages ask of it, and so on until no message is under way.
+void Replay::settle() {
+  bus_.dispatch();
+  for (const auto& component : components_) {
+    {
+      const CpuTimer timer(&component->cpu_s);
+      component->node->tick(bus_.now_us());
+    }
+    bus_.dispatch();
+  }
+}
+
+bool Replay::step() {
+  Component& camera = *components_.front();
+  std::optional<int64_t> utime_us;
+  {
+    const CpuTimer timer(&camera.cpu_s);
+    utime_us = camera_->next_utime_us();
+    if (!utime_us) return false;
+    bus_.set_now_us(*utime_us);
+    camera_->publish_next();
+  }
+  ++frames_;
+  last_utime_us_ = *utime_us;
+  settle();
+  return true;
+}
+
+bool Replay::finish() {
+  const int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
+  bool all_finished = true;
+  for (const auto& component : components_) {
+    {
+      const CpuTimer timer(&component->cpu_s);
+      component->node->finish();
+    }
+    settle();
+    // One after another: what a component hands on at its end must find the next one at work.
+    while (!component->node->finished() && bus_.now_us() < deadline_us) {
+      bus_.set_now_us(bus_.now_us() + kFinishStepUs);
+      settle();
+    }
+    all_finished &= component->node->finished();
+  }
+  return all_finished;
+}
+
+ReplayProgress Replay::progress() {
+  return {frames_, camera_->source().total(), last_utime_us_, [this] { return front_tracker_->status().detail; }};
+}
+
+const camera_driver::SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }
+
+std::map<std::string, double> Replay::cpu_s() const {
+  std::map<std::string, double> cpu_s;
+  for (const auto& component : components_) cpu_s[component->name] = component->cpu_s;
+  return cpu_s;
+}
+
+}  // namespace rumi::tool

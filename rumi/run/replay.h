@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// All five components on one bus in one thread, in lockstep with the images: as fast as the machine goes, and with the
+// same result to the bit however fast that is.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bus/process/process.h"
+#include "bus/transport/log_file.h"
+#include "bus/transport/memory_bus.h"
+#include "map_server/map_server_node.h"
+#include "rumi/run/all_options.h"
+#include "ruminator/build/back_submap_builder.h"
+
+namespace rumi::camera_driver {
+class CameraNode;
+struct SkippedFrames;
+}  // namespace rumi::camera_driver
+
+namespace rumi::tool {
+
+class MeteredBus;
+
+struct ReplayProgress {
+  int64_t frames = 0;                  // images published
+  int64_t total = -1;                  // that there are, where the input tells
+  int64_t utime_us = 0;                // of the last one
+  std::function<std::string()> state;  // what front_tracker says of itself
+};
+
+struct ReplayHooks {
+  std::function<void(const ruminator::WindowJob&)> on_window;  // every window, complete
+  std::function<void(const ruminator::RuminationWindow&, const ruminator::BuildResult&)> on_rebuilt;
+};
+
+class Replay {
+ public:
+  // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
+  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, no
+  // picture file unless a series of them is asked for.
+  Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
+  ~Replay();
+
+  // Writes all messages from now on into an lcm log, except the chunks of submaps and maps: what they carry is in the
+  // outputs. Call it before the first step. Empty, or why the file cannot be written.
+  std::string record(const std::string& log_file);
+  // Ends the log. Empty, or why it is not complete (file, reason).
+  std::string close_log();
+
+  // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
+  bool step();
+  // Ends everything in order and returns when nothing is left to do. False if somebody was not finished after a minute
+  // of logical time.
+  bool finish();
+
+  ReplayProgress progress();
+  const map_server::Atlas& atlas() const { return map_server_->atlas(); }
+  map_server::MapStore& store() { return map_server_->store(); }
+  // CPU seconds of each component so far.
+  std::map<std::string, double> cpu_s() const;
+  const camera_driver::SkippedFrames& skipped() const;
+  std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
+
+ private:
+  struct Component {
+    std::string name;
+    double cpu_s = 0;
+    std::unique_ptr<MeteredBus> bus;
+    std::unique_ptr<Node> node;
+  };
+  template <class NodeType, class... Arguments>
+  NodeType* add(const std::string& name, const Arguments&... arguments);
+  void settle();
+
+  MemoryBus bus_;
+  std::vector<std::unique_ptr<Component>> components_;  // in the order in which they are ended
+  camera_driver::CameraNode* camera_ = nullptr;
+  Node* front_tracker_ = nullptr;
+  map_server::MapServerNode* map_server_ = nullptr;
+  int64_t frames_ = 0;
+  int64_t last_utime_us_ = 0;
+  std::unique_ptr<LogWriter> log_;
+};
+
+}  // namespace rumi::tool

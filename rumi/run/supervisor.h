@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Starts processes, prefixes their output with their names, starts those again that die, and stops all of them in
+// order.
+#pragma once
+
+#include <sys/types.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace rumi::tool {
+
+struct ChildProcess {
+  std::string name;
+  std::vector<std::string> command;  // executable (path) and arguments
+  bool source = false;               // the input: when it ends with success, everything ends
+  int stop_stage = 0;                // stages are stopped one after another, lowest first
+  bool finishes = false;             // at the end of the source it is asked (SIGUSR1) to end when its work is done
+  bool reloads = false;              // reads its options again when asked (SIGUSR2)
+};
+
+struct SupervisorOptions {
+  std::chrono::milliseconds source_delay{1000};  // of the source's start: the others are to hear all of it
+  std::chrono::milliseconds restart_delay{500};  // before the first restart; doubles up to the next one
+  std::chrono::milliseconds restart_delay_max{10000};
+  std::chrono::milliseconds failed_start{2000};  // dead within this time: it did not start
+  int max_failed_starts = 3;                     // in a row, of one process: then all is given up
+  std::chrono::milliseconds settle{2000};        // from the end of the source to the stop of the others
+  // From being asked to end to being killed: while nothing is done by any of those that run (they wait 5 s for one
+  // another), and at all. How long work takes depends on the machine.
+  std::chrono::milliseconds stop_idle{6500};
+  std::chrono::milliseconds stop_limit{60000};
+};
+
+class Supervisor {
+ public:
+  using LineHandler = std::function<void(const std::string& name, const std::string& line)>;
+
+  Supervisor(std::vector<ChildProcess> children, const SupervisorOptions& options, LineHandler on_line);
+  ~Supervisor();  // kills what is left
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
+
+  // What to do while all runs, and on the way to the end, unless all was given up.
+  struct Hooks {
+    std::function<void()> before_stop;        // everybody but the source is alive
+    std::function<void()> before_last_stage;  // only the last stage is
+    std::function<bool()> reload;             // often; true: those who can are asked to read their options again
+  };
+  // Runs until the source ends and those who finish have done so, stop becomes true, or a process cannot be kept alive.
+  // Whoever is not done with ending when `at_once` becomes true is killed. Returns an empty string, or why it was given
+  // up.
+  std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
+
+  // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on (who is
+  // not listened to waits in the middle of its work) and those of them that die are started again. Returns an empty
+  // string, or why it failed.
+  std::string run_beside(const ChildProcess& process, const std::atomic<bool>& at_once);
+
+  int restarts() const { return restarts_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Child {
+    ChildProcess process;
+    pid_t pid = 0;        // 0: not running
+    int output = -1;      // our end of its stdout and stderr
+    std::string partial;  // a line without its end
+    Clock::time_point started, restart_at, asked;
+    std::chrono::milliseconds delay{0};
+    int failed_starts = 0;
+    bool finished = false;   // ended by itself or when asked to, and need not live any more
+    bool is_beside = false;  // see run_beside()
+  };
+
+  bool start(Child& child);
+  void read_output(std::chrono::milliseconds timeout);
+  void drain(Child& child);
+  std::string watch(bool* source_ended);
+  void ask_to_reload() const;
+  std::string await_finish(const std::atomic<bool>& stop);
+  std::string on_death(Child& child, int status);
+  void stop_those(const std::function<bool(const ChildProcess&)>& is_meant, const std::atomic<bool>& at_once);
+  void kill_child(Child& child);
+  void stop_all(const std::atomic<bool>& at_once, const std::function<void()>& before_last_stage);
+  bool reap(Child& child, int* status);
+  void say(const std::string& line) { on_line_("rumi", line); }
+
+  std::vector<Child> children_;
+  SupervisorOptions options_;
+  LineHandler on_line_;
+  int restarts_ = 0;
+  bool finishing_ = false;
+};
+
+}  // namespace rumi::tool

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/build/window_prospects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "bus/wire/working_image.h"
+
+namespace rumi::ruminator {
+namespace {
+
+enum class Part { kApproach, kGap, kDeparture };
+
+std::map<int64_t, Part> parts(const RuminationWindow& window) {
+  std::map<int64_t, Part> part_of;
+  for (const Sample& sample : window.approach) part_of[sample.utime_us] = Part::kApproach;
+  for (const Sample& sample : window.gap) part_of[sample.utime_us] = Part::kGap;
+  for (const Sample& sample : window.departure) part_of[sample.utime_us] = Part::kDeparture;
+  return part_of;
+}
+
+}  // namespace
+
+std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
+  const auto part_of = parts(job.window);
+  std::vector<const image_t*> gap;
+  for (const image_t& image : job.images)
+    if (const auto it = part_of.find(image.utime); it != part_of.end() && it->second == Part::kGap)
+      gap.push_back(&image);
+  // A short gap costs little, and what is around it may overlap.
+  const size_t looks = static_cast<size_t>(options.look_images);
+  if (looks == 0 || gap.size() < 2 * looks) return "";
+  const Camera camera = working_camera(job.camera, options.max_image_side);
+  size_t most = 0;
+  for (size_t i = 0; i < looks; ++i) {
+    std::string ignored;
+    const image_t& image = *gap[i * (gap.size() - 1) / std::max<size_t>(looks - 1, 1)];
+    const cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
+    if (grey.empty()) continue;
+    most = std::max(most, extract_sift(grey, camera, options.sift).size());
+    if (static_cast<int>(most) >= options.look_min_keypoints) return "";
+  }
+  return fmt::format("nothing to be seen in the gap: of {} images looked at none has more than {} keypoints", looks,
+                     most);
+}
+
+std::string find_hopeless(const WindowJob& job, const Camera& camera, const std::vector<int64_t>& utimes_us,
+                          const std::vector<SiftFeatures>& images, const std::vector<ImagePair>& pairs,
+                          const BuildOptions& options) {
+  const int count = static_cast<int>(images.size());
+  const std::vector<int> group = connected_images(count, pairs, options.matching.min_inliers);
+  if (std::count(group.begin(), group.end(), 0) < 3)
+    return fmt::format("of {} images no three have enough in common", count);
+  const bool has_moved = std::any_of(pairs.begin(), pairs.end(), [&](const ImagePair& pair) {
+    return parallax_px(camera, images, pair) >= options.min_parallax_px;
+  });
+  if (!has_moved) return fmt::format("the camera turned or stood still: no parallax between {} images", count);
+
+  const auto part_of = parts(job.window);
+  std::map<int, std::map<Part, int>> in_group;
+  int in_gap = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto part = part_of.find(utimes_us[i]);
+    if (part == part_of.end()) continue;
+    ++in_group[group[i]][part->second];
+    in_gap += part->second == Part::kGap;
+  }
+  const bool has_tracked = !job.window.approach.empty() || !job.window.departure.empty();
+  const bool is_tied = std::any_of(in_group.begin(), in_group.end(), [has_tracked](auto& entry) {
+    auto& n = entry.second;
+    if (!has_tracked) return n[Part::kGap] >= 3;
+    const bool is_tracked = n[Part::kApproach] + n[Part::kDeparture] > 0;
+    return is_tracked && is_useful(n[Part::kApproach], n[Part::kGap], n[Part::kDeparture]);
+  });
+  if (!is_tied)
+    return fmt::format("none of the {} images of the gap has enough in common with the images around it", in_gap);
+  return "";
+}
+
+bool is_useful(int approach, int gap, int departure) {
+  constexpr int kBridgehead = 3;  // frames on either side: enough to align a submap to
+  return gap > 0 || (approach >= kBridgehead && departure >= kBridgehead);
+}
+
+}  // namespace rumi::ruminator

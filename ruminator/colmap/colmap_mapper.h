@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One run of `colmap mapper`: from a database to the models that it leaves, or the reason why there are none.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/child_process.h"
+#include "base/process_name.h"
+#include "ruminator/colmap/read_model.h"
+
+namespace rumi::ruminator {
+
+// COLMAP's --Mapper options. The defaults are for windows of some ten to a hundred frames: as good as COLMAP's own
+// there and several times as fast.
+struct MapperSettings {
+  double init_min_tri_angle_deg = 4;  // median angle of the first pair's points; COLMAP's 16 fails in slow motion
+  int init_min_num_inliers = 100;     // matches of the first pair
+  int abs_pose_min_num_inliers = 15;  // points seen by an image that is registered
+  int min_num_matches = 15;           // of a pair, for it to be used at all
+  double filter_max_reproj_error_px = 4;
+  int random_seed = 0;
+  bool multiple_models = true;  // false: what the first pair gives is kept, even two images
+  int min_model_size = 10;      // images; smaller models are dropped (with multiple_models)
+  int max_num_models = 3;
+  int local_num_images = 5;  // of local bundle adjustment
+  int local_max_num_iterations = 10;
+  int local_max_refinements = 1;
+  int global_max_num_iterations = 15;  // of global bundle adjustment
+  int global_max_refinements = 1;
+  double global_growth = 1.4;        // of images or points, from one global bundle adjustment to the next
+  double function_tolerance = 1e-4;  // of both
+  int threads = 1;                   // with more, large models differ from run to run
+};
+
+struct MapperCommand {
+  std::string database;
+  std::string output_folder;         // made; must be empty. The models are left there
+  std::string input_model;           // folder of a model to extend; empty: start anew
+  bool fix_existing_images = false;  // those of input_model keep their poses
+  std::string log_file;              // appended to
+  std::vector<int> keypoint_counts;  // per image of the database
+  double cpu_limit_s = 120;
+  double time_limit_s = 3600;  // of the wall clock, against a mapper that hangs
+  int nice = 0;
+  // Called in this thread with the number of images registered in the model that is growing. May be empty.
+  std::function<void(int registered)> progress;
+};
+
+struct MapperOutcome {
+  enum class Kind {
+    kModels,   // there is at least one
+    kNoModel,  // COLMAP found none
+    kCorrupt,  // it left something that cannot be read
+    kFailed,   // it ended with another error or crashed
+    kTimedOut,
+    kCancelled,
+    kNotStarted,  // no COLMAP, no folder to write to, ...
+    kKilled,      // from outside: SIGKILL (out of memory, too), SIGTERM, SIGINT, SIGHUP
+    kDiskFull,
+  };
+  Kind kind = Kind::kNotStarted;
+  std::vector<SparseModel> models;   // as COLMAP numbers them; the first is not always the best
+  std::vector<std::string> folders;  // of each model
+  std::string failure;               // a sentence for a person; empty with models
+  double wall_s = 0, cpu_s = 0;
+  // The machine failed, not the images: the same command may succeed later.
+  bool retryable() const {
+    return kind == Kind::kCancelled || kind == Kind::kNotStarted || kind == Kind::kKilled || kind == Kind::kDiskFull;
+  }
+};
+
+// COLMAP as installed. Option names changed between 3.8 and 4.x: the first run asks the program which it knows.
+class ColmapMapper {
+ public:
+  explicit ColmapMapper(std::string program) : program_(std::move(program)) {}
+
+  MapperOutcome run(const MapperCommand& command, const MapperSettings& settings, const std::atomic<bool>& cancel);
+  const std::string& version() const { return version_; }  // "3.8"; empty before the first run, or if it is not told
+
+ private:
+  ChildResult learn_options(int nice, const std::atomic<bool>& cancel);
+
+  std::string program_, version_;
+  std::set<std::string> options_;  // of `mapper`, without dashes
+};
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How OpenCV is asked for an essential matrix. What its threshold means differs: for OpenCV 4.6 it is the distance from
+// both epipolar lines, sqrt(d1² + d2²), for 4.10 the Sampson error, which is half of that where both lines count alike.
+#pragma once
+
+#include <opencv2/calib3d.hpp>
+
+namespace rumi::ruminator {
+
+struct EssentialSearch {
+  double max_distance = 1.5;  // of an inlier from both epipolar lines, sqrt(d1² + d2²), in the unit of the points
+  double confidence = 0.9999;
+  int iterations = 2000;
+};
+
+inline cv::UsacParams usac_params(const EssentialSearch& search) {
+  constexpr bool is_sampson = CV_VERSION_MAJOR > 4 || CV_VERSION_MINOR > 6;
+  cv::UsacParams usac;
+  usac.confidence = search.confidence;
+  usac.maxIterations = search.iterations;
+  usac.loMethod = cv::LOCAL_OPTIM_GC;
+  usac.score = cv::SCORE_METHOD_MSAC;
+  usac.threshold = is_sampson ? search.max_distance / 2 : search.max_distance;
+  return usac;
+}
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/matching/window_matches.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "slam/numeric/median.h"
+
+namespace rumi::ruminator {
+
+namespace {
+
+using PairSet = std::set<std::pair<int, int>>;
+
+// Pairs far apart in time that show the same things, as a preview of each tells: for each image the best.
+PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const SiftMatchOptions& options,
+                         const PairSelection& selection, const std::atomic<bool>& cancel) {
+  const int count = static_cast<int>(images.size());
+  std::vector<std::vector<std::pair<int, int>>> candidates(images.size());  // (-matches, other image)
+  for (int i = 0; i < count && !cancel; ++i) {
+    for (int j = i + selection.near + 1; j < count; ++j) {
+      const auto matches =
+          static_cast<int>(match_sift(images[i], images[j], options, options.preview_keypoints).size());
+      if (matches < options.preview_matches) continue;
+      candidates[i].emplace_back(-matches, j);
+      candidates[j].emplace_back(-matches, i);
+    }
+  }
+  PairSet pairs;
+  for (int i = 0; i < count; ++i) {
+    std::sort(candidates[i].begin(), candidates[i].end());
+    for (size_t k = 0; k < candidates[i].size() && k < static_cast<size_t>(selection.far); ++k)
+      pairs.insert(std::minmax(i, candidates[i][k].second));
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<ImagePair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
+                                    const SiftMatchOptions& options, const PairSelection& selection,
+                                    const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
+  PairSet selected = select_far_pairs(images, options, selection, cancel);
+  const int count = static_cast<int>(images.size());
+  for (int i = 0; i < count; ++i)
+    for (int j = i + 1; j < count && j <= i + selection.near; ++j) selected.emplace(i, j);
+
+  std::vector<ImagePair> pairs;
+  size_t done = 0;
+  for (const auto& [i, j] : selected) {
+    if (cancel) break;
+    const IndexPairs matches = match_sift(images[i], images[j], options);
+    IndexPairs verified = verify_matches(camera, images[i], images[j], matches, options);
+    if (!verified.empty()) pairs.push_back({i, j, std::move(verified)});
+    progress(static_cast<double>(++done) / static_cast<double>(selected.size()));
+  }
+  return pairs;
+}
+
+double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images, const ImagePair& pair) {
+  std::vector<Eigen::Vector3d> first, second;
+  for (const auto& [i, j] : pair.matches) {
+    first.push_back(camera.ray(images[pair.first].undistorted[i]).normalized());
+    second.push_back(camera.ray(images[pair.second].undistorted[j]).normalized());
+  }
+  // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
+  // near, have less to say.
+  std::vector<double> weight(first.size(), 1), angle(first.size());
+  for (int round = 0; round < 2; ++round) {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (size_t k = 0; k < first.size(); ++k) sum += weight[k] * second[k] * first[k].transpose();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+    const Eigen::Matrix3d rotation =
+        svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+    for (size_t k = 0; k < first.size(); ++k) {
+      angle[k] = (rotation * first[k]).cross(second[k]).norm();
+      weight[k] = 1 / (angle[k] + 1e-3);
+    }
+  }
+  if (angle.empty()) return 0;
+  return median(&angle) * 0.5 * (camera.fx + camera.fy);
+}
+
+std::vector<int> connected_images(int images, const std::vector<ImagePair>& pairs, int min_matches) {
+  std::vector<int> parent(images);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const ImagePair& pair : pairs)
+    if (static_cast<int>(pair.matches.size()) >= min_matches) parent[root(pair.first)] = root(pair.second);
+
+  std::vector<int> size(images, 0), roots;
+  for (int i = 0; i < images; ++i)
+    if (size[root(i)]++ == 0) roots.push_back(root(i));
+  std::stable_sort(roots.begin(), roots.end(), [&size](int a, int b) { return size[a] > size[b]; });
+  std::vector<int> group(images);
+  for (int i = 0; i < images; ++i)
+    group[i] = static_cast<int>(std::find(roots.begin(), roots.end(), root(i)) - roots.begin());
+  return group;
+}
+
+}  // namespace rumi::ruminator

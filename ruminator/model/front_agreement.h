@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Does a rebuilt window agree with what front_tracker saw? It tracked the approach and the departure, each within one
+// submap, so that the two models of them must have the same shape.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ruminator/window/rumination_window.h"
+
+namespace rumi::ruminator {
+
+struct FrontAgreement {
+  int32_t submap_id = kNoSubmap;
+  int frames = 0;           // that both have a pose of
+  double rotation_deg = 0;  // median difference after alignment
+  double position_ratio =
+      0;  // RMS distance after Sim(3) alignment over the spread (RMS from the mean) of the positions
+};
+
+// One entry for each front submap that at least `min_frames` of the samples have a pose in, in order of id.
+// cam_from_model: by utime.
+std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
+                                               const std::map<int64_t, SE3>& cam_from_model, int min_frames);
+
+}  // namespace rumi::ruminator

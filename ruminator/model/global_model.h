@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A model of all images of a window at once, without a first pair to go wrong with: rotations averaged over all
+// verified pairs, then positions of cameras and points together (Pan et al., "Global Structure-from-Motion Revisited",
+// ECCV 2024). COLMAP's incremental mapper can settle on a confident wrong solution when the camera turns more than it
+// moves; a model started from here gives it a rival to be compared with.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "ruminator/matching/window_image.h"
+#include "ruminator/model/sparse_model.h"
+#include "slam/geometry/camera.h"
+
+namespace rumi::ruminator {
+
+struct GlobalModelOptions {
+  int min_pair_matches = 20;          // for a relative rotation
+  double max_rotation_error_deg = 5;  // between a pair and the averaged rotations
+  int min_track_images = 3;
+  int tracks_per_image = 200;  // at least, where there are so many
+  int iterations = 100;
+  unsigned seed = 0;
+};
+
+struct RelativeRotation {
+  int first = 0, second = 0;  // images
+  Eigen::Quaterniond second_from_first;
+  const ImagePair* pair = nullptr;
+};
+
+// Of every pair with enough matches and a rotation that its essential matrix tells.
+std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<WindowImage>& images,
+                                                 const std::vector<ImagePair>& pairs, int min_matches);
+
+// Rough poses and points (to be adjusted by adjust_model) of the largest connected part; nothing if fewer than three
+// images hang together. Deterministic.
+std::optional<SparseModel> build_global_model(const Camera& camera, const std::vector<WindowImage>& images,
+                                              const std::vector<RelativeRotation>& rotations,
+                                              const GlobalModelOptions& options);
+
+// The median difference, in degrees, between the rotations of those pairs whose images both have a pose and the same
+// rotations in the model; 180 if there is no such pair. The median over matches, not pairs: the rotation between two
+// images with few matches is uncertain.
+double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations, const SparseModel& model);
+
+}  // namespace rumi::ruminator

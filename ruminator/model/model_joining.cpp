@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/model/model_joining.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "slam/geometry/alignment.h"
+
+namespace rumi::ruminator {
+namespace {
+
+using PointOf = std::map<std::pair<int, int>, const SparseModel::Point*>;  // by (image, keypoint)
+
+PointOf points_by_keypoint(const SparseModel& model) {
+  PointOf points;
+  for (const SparseModel::Point& point : model.points)
+    for (const auto& observation : point.track) points[observation] = &point;
+  return points;
+}
+
+const SparseModel::Point* point_of_track(const PointOf& points, const Track& track) {
+  for (const auto& observation : track)
+    if (const auto found = points.find(observation); found != points.end()) return found->second;
+  return nullptr;
+}
+
+// Of a position in the images that see the point.
+double mean_error_px(const Camera& camera, const std::vector<WindowImage>& images, const SparseModel& model,
+                     const SparseModel::Point& point, const Eigen::Vector3d& position) {
+  double sum = 0;
+  for (const auto& [image, keypoint] : point.track) {
+    const Eigen::Vector3d in_camera = model.cam_from_world.at(image) * position;
+    if (in_camera.z() <= 0) return std::numeric_limits<double>::infinity();
+    sum += (camera.project_undistorted(in_camera) - images[image].keypoints[keypoint].cast<double>()).norm();
+  }
+  return sum / static_cast<double>(point.track.size());
+}
+
+struct Common {
+  const SparseModel::Point *a = nullptr, *b = nullptr;
+};
+
+std::optional<Sim3> fit(const std::vector<Common>& common) {
+  std::vector<Eigen::Vector3d> a, b;
+  for (const Common& c : common) {
+    a.push_back(c.a->position);
+    b.push_back(c.b->position);
+  }
+  return umeyama(b, a);
+}
+
+struct FrontPose {
+  SE3 cam_from_submap, cam_from_model;
+};
+
+// The rotation is that of the poses: centres on a line would not tell it. Of all rotations the one that the others
+// differ least from.
+std::optional<Sim3> submap_from_model(const std::vector<FrontPose>& poses) {
+  std::vector<Eigen::Vector3d> in_model, in_submap;
+  std::vector<Eigen::Quaterniond> rotations;
+  Eigen::Vector3d mean_in_model = Eigen::Vector3d::Zero(), mean_in_submap = Eigen::Vector3d::Zero();
+  for (const FrontPose& p : poses) {
+    in_model.push_back(p.cam_from_model.center());
+    in_submap.push_back(p.cam_from_submap.center());
+    mean_in_model += in_model.back() / static_cast<double>(poses.size());
+    mean_in_submap += in_submap.back() / static_cast<double>(poses.size());
+    rotations.push_back(p.cam_from_submap.rotation.conjugate() * p.cam_from_model.rotation);
+  }
+  const auto aligned = umeyama(in_model, in_submap);
+  if (!aligned || aligned->scale <= 0) return std::nullopt;
+  const auto sum_of_angles = [&rotations](const Eigen::Quaterniond& q) {
+    double sum = 0;
+    for (const Eigen::Quaterniond& other : rotations) sum += q.angularDistance(other);
+    return sum;
+  };
+  const Eigen::Quaterniond rotation =
+      *std::min_element(rotations.begin(), rotations.end(),
+                        [&](const auto& a, const auto& b) { return sum_of_angles(a) < sum_of_angles(b); });
+  return Sim3(aligned->scale, rotation, mean_in_submap - aligned->scale * (rotation * mean_in_model));
+}
+
+// Of every front submap that the model agrees with.
+std::map<int32_t, Sim3> submaps_from_model(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
+                                           int min_frames, const JoiningOptions& options, const SparseModel& model) {
+  std::map<int64_t, SE3> cam_from_model;
+  for (const auto& [image, pose] : model.cam_from_world) cam_from_model[utimes_us[image]] = pose;
+  std::map<int32_t, Sim3> submaps;
+  for (const FrontAgreement& a : compare_with_front(front, cam_from_model, min_frames)) {
+    if (a.rotation_deg > options.front_max_rotation_deg || a.position_ratio > options.front_max_position_ratio)
+      continue;
+    std::vector<FrontPose> poses;
+    for (const Sample& sample : front)
+      if (const auto pose = cam_from_model.find(sample.utime_us);
+          sample.submap_id == a.submap_id && pose != cam_from_model.end())
+        poses.push_back({sample.cam_from_submap, pose->second});
+    if (const auto transform = submap_from_model(poses)) submaps[a.submap_id] = *transform;
+  }
+  return submaps;
+}
+
+}  // namespace
+
+std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
+                                 const std::vector<Track>& tracks, const JoiningOptions& options, const SparseModel& a,
+                                 const SparseModel& b) {
+  const PointOf points_a = points_by_keypoint(a), points_b = points_by_keypoint(b);
+  std::vector<Common> common;
+  for (const Track& track : tracks) {
+    const Common c{point_of_track(points_a, track), point_of_track(points_b, track)};
+    if (c.a && c.b) common.push_back(c);
+  }
+  if (static_cast<int>(common.size()) < std::max(options.min_points, 3)) return std::nullopt;
+  const auto agreeing = [&](const Sim3& a_from_b) {
+    const Sim3 b_from_a = a_from_b.inverse();
+    std::vector<Common> inliers;
+    for (const Common& c : common)
+      if (mean_error_px(camera, images, a, *c.a, a_from_b * c.b->position) <= options.max_error_px &&
+          mean_error_px(camera, images, b, *c.b, b_from_a * c.a->position) <= options.max_error_px)
+        inliers.push_back(c);
+    return inliers;
+  };
+  std::mt19937 random(0);
+  std::vector<Common> best;
+  for (int i = 0; i < options.samples; ++i) {
+    std::vector<Common> sample;
+    for (int k = 0; k < 3; ++k) sample.push_back(common[random() % common.size()]);
+    const auto guess = fit(sample);
+    if (!guess || !guess->is_finite() || guess->scale <= 0) continue;
+    if (auto inliers = agreeing(*guess); inliers.size() > best.size()) best = std::move(inliers);
+  }
+  for (int round = 0; round < 3 && best.size() >= 3; ++round)
+    if (const auto better = fit(best)) best = agreeing(*better);
+  if (static_cast<int>(best.size()) < options.min_points ||
+      static_cast<double>(best.size()) < options.min_share * static_cast<double>(common.size()))
+    return std::nullopt;
+  return fit(best);
+}
+
+SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b) {
+  SparseModel joined = a;
+  joined.points.clear();
+  for (const auto& [image, pose] : b.cam_from_world)
+    joined.cam_from_world.try_emplace(image, a_from_b.transform_camera(pose));
+  return joined;
+}
+
+std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us, int min_frames,
+                              const JoiningOptions& options, const SparseModel& before, const SparseModel& after) {
+  const auto from_before = submaps_from_model(front, utimes_us, min_frames, options, before);
+  const auto from_after = submaps_from_model(front, utimes_us, min_frames, options, after);
+  for (const auto& [submap_id, submap_from_before] : from_before)
+    if (const auto other = from_after.find(submap_id); other != from_after.end())
+      return submap_from_before.inverse() * other->second;
+  return std::nullopt;
+}
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/model/scale_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/numeric/median.h"
+
+namespace rumi::ruminator {
+
+namespace {
+
+// Median and its standard error (from the median absolute deviation) of the logarithms.
+void summarize(std::vector<double>* logs, ScaleCut* cut) {
+  cut->points = static_cast<int>(logs->size());
+  if (logs->empty()) return;
+  cut->log_ratio = median(logs);
+  for (double& value : *logs) value = std::abs(value - cut->log_ratio);
+  cut->log_spread = *std::max_element(logs->begin(), logs->end());
+  cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
+}
+
+// Do the points across the cut tell how the scales of its sides relate?
+bool is_carried(const ScaleCut& cut, const ScaleCheckOptions& o) {
+  return (cut.points >= o.min_carrying_points && cut.log_error <= o.max_carried_log_error) ||
+         (cut.points >= o.few_carrying_points && cut.log_spread <= o.few_max_log_spread);
+}
+
+// Points of which the images of one side of the cut have enough parallax; no more than asked for are counted.
+int points_with_depth(const SparseModel& model, int last_before, bool before, const ScaleCheckOptions& options) {
+  int count = 0;
+  for (const SparseModel::Point& point : model.points) {
+    SparseModel::Point part{point.position, {}};
+    for (const auto& o : point.track)
+      if ((o.first <= last_before) == before) part.track.push_back(o);
+    if ((count += has_parallax(model, part, options.min_parallax_deg)) >= options.min_depth_points) return count;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
+                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
+                                  const SparseModel& model) {
+  ModelRefinementOptions triangulation;
+  triangulation.min_parallax_deg = options.min_parallax_deg;
+  triangulation.max_error_px = options.max_error_px;
+  const auto see = [&](const Track& part) -> std::optional<Eigen::Vector3d> {
+    if (part.size() < 2) return std::nullopt;
+    const auto point = triangulate_track(camera, images, part, triangulation, model);
+    if (!point || point->track.size() < part.size()) return std::nullopt;
+    return point->position;
+  };
+  std::vector<ScaleCut> cuts;
+  for (auto pose = model.cam_from_world.begin(); pose != model.cam_from_world.end(); ++pose) {
+    if (std::next(pose) == model.cam_from_world.end()) break;
+    const Eigen::Vector3d center = pose->second.center();
+    std::vector<double> logs;
+    int crossing = 0;
+    for (const Track& track : tracks) {
+      if (track.front().first > pose->first || track.back().first <= pose->first) continue;
+      Track before, after;
+      for (const auto& o : track)
+        if (model.cam_from_world.contains(o.first)) (o.first <= pose->first ? before : after).push_back(o);
+      crossing += !before.empty() && !after.empty();
+      const auto seen_before = see(before);
+      const auto seen_after = seen_before ? see(after) : std::nullopt;
+      if (!seen_after) continue;
+      const double log = std::log((*seen_after - center).norm() / (*seen_before - center).norm());
+      if (std::isfinite(log)) logs.push_back(log);
+    }
+    cuts.push_back({.image = pose->first, .tracks = crossing});
+    ScaleCut& cut = cuts.back();
+    summarize(&logs, &cut);
+    cut.is_break = !is_carried(cut, options) &&
+                   points_with_depth(model, cut.image, true, options) >= options.min_depth_points &&
+                   points_with_depth(model, cut.image, false, options) >= options.min_depth_points;
+  }
+  return cuts;
+}
+
+bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options) {
+  return cut.points >= options.certain_points && cut.log_error <= options.certain_log_error;
+}
+
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options) {
+  std::optional<ScaleCut> worst;
+  for (const ScaleCut& cut : cuts) {
+    const bool is_told = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
+                         std::abs(cut.log_ratio) > 3 * cut.log_error;
+    if (!is_told || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
+    if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
+  }
+  return worst;
+}
+
+std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts) {
+  std::optional<ScaleCut> weakest;
+  for (const ScaleCut& cut : cuts)
+    if (cut.is_break && (!weakest || std::pair(cut.points, cut.tracks) < std::pair(weakest->points, weakest->tracks)))
+      weakest = cut;
+  return weakest;
+}
+
+int keep_larger_side(const ScaleCut& cut, SparseModel* model) {
+  std::set<int> before, after;
+  for (const auto& [image, pose] : model->cam_from_world) (image <= cut.image ? before : after).insert(image);
+  const std::set<int>& smaller = before.size() >= after.size() ? after : before;
+  remove_images(smaller, model);
+  return static_cast<int>(smaller.size());
+}
+
+void repair_scale(const ScaleCut& cut, SparseModel* model) {
+  const Eigen::Vector3d center = model->cam_from_world.at(cut.image).center();
+  for (auto& [image, pose] : model->cam_from_world) {
+    if (image <= cut.image) continue;
+    const Eigen::Vector3d moved = center + (pose.center() - center) * std::exp(-cut.log_ratio);
+    pose.translation = -(pose.rotation * moved);
+  }
+}
+
+}  // namespace rumi::ruminator

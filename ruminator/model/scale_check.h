@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Is the scale of a model the same from its beginning to its end? Where a camera turns more than it moves, the two
+// sides of the turn can have different units: the reprojection errors stay small, because the points that tell of it
+// are taken for outliers.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "ruminator/matching/tracks.h"
+#include "ruminator/matching/window_image.h"
+#include "ruminator/model/model_refinement.h"
+#include "ruminator/model/sparse_model.h"
+#include "slam/geometry/camera.h"
+
+namespace rumi::ruminator {
+
+struct ScaleCheckOptions {
+  double min_parallax_deg = 0.5;       // of a point, on either side of a cut
+  double max_error_px = 3.0;           // of its observations
+  int min_points = 5;                  // that tell of a slip
+  double max_change = 0.25;            // of the scale, relative, that is no slip
+  double max_log_error = 0.2;          // of what they tell
+  int min_carrying_points = 5;         // across a cut, for the scale to be carried over it,
+  double max_carried_log_error = 0.2;  // and how well; or,
+  int few_carrying_points = 3;         // if all of them agree
+  double few_max_log_spread = 0.1;     // as closely: points that are wrong do not
+  int certain_points = 30;             // that many, and
+  double certain_log_error = 0.05;     // so closely: they say more of the scale than front_tracker's poses
+  int min_depth_points = 20;           // that a side must see by itself, for it to have a scale
+  int repairs = 3;                     // of one model, at most
+};
+
+struct ScaleCut {
+  int image = 0;   // the last one before the cut
+  int tracks = 0;  // that cross it
+  int points = 0;  // of which either side can triangulate by itself
+  // Both sides see depth, but too few points tell how that of the one relates to that of the other.
+  bool is_break = false;
+  // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
+  // from `image`, and its standard error.
+  double log_ratio = 0, log_error = 0;
+  double log_spread = 0;  // how far the farthest is from the median
+};
+
+// A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.
+std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
+                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
+                                  const SparseModel& model);
+
+// Do the points across the cut leave nothing to ask front_tracker?
+bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options);
+
+// The cut where the scale certainly changes the most, if it does.
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);
+
+// The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
+std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
+
+// Removes the images on that side of the cut that has fewer. Returns how many.
+int keep_larger_side(const ScaleCut& cut, SparseModel* model);
+
+// Brings everything after the cut to the scale before it, seen from the image of the cut. Points are to be triangulated
+// anew.
+void repair_scale(const ScaleCut& cut, SparseModel* model);
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The life of a window once its frames are collected: QUEUED, EXTRACTING, MATCHING, MAPPING, then PUBLISHED when
+// map_server has stored its back submap, or FAILED. Jobs and back submaps lie in the spool, or, without one, in memory.
+#pragma once
+
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus/transfer/chunked_transfer.h"
+#include "bus/transport/bus.h"
+#include "lcmtypes/rumi/window_t.hpp"
+#include "ruminator/build/build_options.h"
+#include "ruminator/queue/build_worker.h"
+#include "ruminator/queue/spool.h"
+
+namespace rumi::ruminator {
+
+struct RebuildQueueOptions {
+  BuildOptions build;
+  int ring_mb = 256;                 // images kept in memory
+  int max_queued_windows = 16;       // complete windows that wait; beyond it the oldest is dropped
+  bool rebuild = true;               // false: windows are announced only
+  bool build_thread = true;          // false: rebuild at once, as replay does
+  std::string spool = "rumi-spool";  // folder; empty: windows wait in memory
+  int failed_mb = 500;               // kept in the spool of windows that could not be rebuilt
+  int build_tries = 3;               // of one window
+  double retry_s = 30;               // to the next try, of rebuilding or of sending to map_server
+};
+
+class RebuildQueue {
+ public:
+  // After every attempt to rebuild a window.
+  using BuiltHandler = std::function<void(const RuminationWindow&, const BuildResult&)>;
+
+  // Takes up what an earlier process left in the spool. A spool that cannot be used is said in the log and in status().
+  RebuildQueue(Bus& bus, const RebuildQueueOptions& options, Builder builder, BuiltHandler on_built);
+
+  void add(WindowJob job);
+  // A window that cannot become a job.
+  void refuse(const RuminationWindow& window, const std::string& reason);
+  void tick(int64_t now_us);
+  // Of the newest frame: announcements carry it, and it tells how long ago tracking resumed when a window is added.
+  void set_frame_time(int64_t utime_us) { frame_utime_us_ = std::max(frame_utime_us_, utime_us); }
+
+  // Nothing will be added: rebuild and publish what waits; nothing is tried again later.
+  void finish();
+  // Call off what is under way; the spool keeps it for the next time.
+  void stop();
+  // After finish(): all is built, and published unless map_server does not take it. After stop(): all is at rest.
+  bool finished() const;
+
+  int last_id(int64_t session) const { return spool_ ? spool_->last_id(session) : 0; }
+  int pending() const { return static_cast<int>(entries_.size()); }
+  std::string detail() const;  // one line for a person
+  bool degraded() const;
+
+ private:
+  enum class Stage { kQueued, kBuilding, kDelivering };
+  struct Entry {
+    JobName name;
+    RuminationWindow window;
+    Stage stage = Stage::kQueued;
+    int8_t announced = window_t::QUEUED;
+    std::string note;                      // announced as the reason
+    std::string result;                    // kDelivering: what rebuilding gave, for the log
+    std::shared_ptr<const WindowJob> job;  // where it is not in the spool
+    std::optional<Spool::Claim> claim;
+    std::vector<uint8_t> submap;  // kDelivering, where it is not in the spool
+    int tries = 0;
+    double build_s = 0;                 // that they took
+    int64_t not_before_us = 0;          // of the next attempt to build or to deliver
+    std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock; images may end, this goes on
+    bool in_flight = false;
+    bool given_up = false;  // for now: left to the next start
+    int64_t announced_us = 0;
+  };
+  using Entries = std::list<Entry>;
+
+  void adopt();
+  void adopt_window(JobName name);
+  void adopt_submap(JobName name);
+  bool knows(JobName name) const;
+  void limit();
+  void drop(Entries::iterator entry, const std::string& reason);
+  void start_next(int64_t now_us);
+  bool claim(Entry& entry);
+  void start(Entries::iterator entry);
+  void on_progress(const BuildProgress& progress);
+  void take_progress();
+  void take_report(int64_t now_us);
+  void on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us);
+  void try_again_or_fail(Entries::iterator entry, const std::string& reason, int64_t now_us);
+  void fail(Entries::iterator entry, const std::string& reason);
+  void give_up(Entries::iterator entry, const std::string& reason);
+  void store(Entries::iterator entry, std::vector<uint8_t> submap);
+  void deliver(int64_t now_us);
+  void send(Entries::iterator entry, std::vector<uint8_t> submap);
+  void on_delivered(JobName name, const TransferResult& result);
+  void announce(Entry& entry, int8_t state, const std::string& reason = {});
+  void announce_all(int64_t now_us);
+  Entries::iterator find(JobName name);
+  Entries::iterator building();
+  int64_t retry_us() const { return static_cast<int64_t>(options_.retry_s * 1e6); }
+
+  Bus& bus_;
+  RebuildQueueOptions options_;
+  BuiltHandler built_handler_;
+  std::unique_ptr<Spool> spool_;
+  std::string spool_problem_;
+  ChunkSender sender_;
+  Entries entries_;  // in order of arrival
+  std::string delivery_problem_;
+  int built_ = 0, published_ = 0, failed_ = 0;
+  int64_t frame_utime_us_ = 0;
+  int64_t last_adopted_us_ = 0;
+  int64_t last_told_us_ = 0;
+  bool finishing_ = false, stopping_ = false;
+  int64_t stopped_us_ = 0;
+
+  std::mutex progress_mutex_;
+  std::optional<BuildProgress> progress_;  // news of the worker, not yet taken
+  BuildProgress last_progress_;
+  BuildWorker worker_;  // last: ends first
+};
+
+}  // namespace rumi::ruminator

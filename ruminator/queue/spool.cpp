@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/queue/spool.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "base/log.h"
+#include "base/whole_file.h"
+
+namespace rumi::ruminator {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kId = ".id";
+constexpr const char* kWindow = ".window";
+constexpr const char* kTries = ".tries";
+constexpr const char* kWork = ".work";
+constexpr const char* kSubmap = ".submap";
+constexpr const char* kFailedFolder = "failed";
+constexpr size_t kMaxIds = 1000;                // empty files that only remember names
+constexpr std::chrono::hours kAbandonedAge{1};  // of temporary files: their writers have died
+
+std::optional<JobName> parse(const std::string& stem) {
+  JobName name;
+  const char* end = stem.data() + stem.size();
+  const auto [dash, bad_session] = std::from_chars(stem.data(), end, name.session);
+  if (bad_session != std::errc() || dash == end || *dash != '-') return std::nullopt;
+  const auto [rest, bad_id] = std::from_chars(dash + 1, end, name.window_id);
+  const bool ours = bad_id == std::errc() && rest == end && to_string(name) == stem && name.window_id > 0;
+  return ours ? std::optional(name) : std::nullopt;
+}
+
+// Entries of a folder; what cannot be read is as if it were not there.
+std::vector<fs::path> entries(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    paths.push_back(it->path());
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+void remove_quietly(const fs::path& path) {
+  std::error_code ignored;
+  fs::remove_all(path, ignored);
+}
+
+bool exists(const std::string& file) {
+  std::error_code ignored;
+  return fs::exists(file, ignored);
+}
+
+// Appends the logs that rebuilding left in its work folder.
+void gather_logs(const fs::path& work, const std::string& log_file) {
+  std::vector<fs::path> logs;
+  for (const fs::path& path : entries(work))
+    if (path.extension() == ".log") logs.push_back(path);
+  if (logs.empty()) return;
+  std::ofstream out(log_file, std::ios::binary | std::ios::app);
+  for (const fs::path& log : logs) {
+    out << "==> " << log.filename().string() << "\n";
+    if (std::ifstream in(log, std::ios::binary); in.peek() != std::ifstream::traits_type::eof()) out << in.rdbuf();
+  }
+}
+
+}  // namespace
+
+std::string to_string(JobName name) { return fmt::format("{}-{}", name.session, name.window_id); }
+
+Spool::Claim& Spool::Claim::operator=(Claim&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+Spool::Claim::~Claim() {
+  if (fd_ >= 0) close(fd_);
+}
+
+Spool::Spool(std::string folder, int64_t max_failed_bytes)
+    : folder_(std::move(folder)), max_failed_bytes_(max_failed_bytes) {}
+
+std::unique_ptr<Spool> Spool::open(const std::string& folder, int64_t max_failed_bytes, std::string* error) {
+  std::error_code code;
+  fs::create_directories(fs::path(folder) / kFailedFolder, code);
+  if (code) {
+    *error = fmt::format("{}: cannot be made ({})", folder, code.message());
+    return nullptr;
+  }
+  const std::string probe = temporary_name((fs::path(folder) / "probe").string());
+  const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (fd < 0) {
+    *error = fmt::format("{}: cannot be written to ({})", folder, std::strerror(errno));
+    return nullptr;
+  }
+  close(fd);
+  unlink(probe.c_str());
+  std::unique_ptr<Spool> spool(new Spool(folder, max_failed_bytes));
+  spool->clean_up();
+  return spool;
+}
+
+std::string Spool::file(JobName name, const char* suffix) const {
+  return (fs::path(folder_) / (to_string(name) + suffix)).string();
+}
+
+std::vector<JobName> Spool::list(const char* suffix) const {
+  std::vector<JobName> names;
+  for (const fs::path& path : entries(folder_))
+    if (path.extension() == suffix)
+      if (const std::optional<JobName> name = parse(path.stem().string())) names.push_back(*name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// What the dead have left and nobody will ask for.
+void Spool::clean_up() {
+  for (const fs::path& path : entries(folder_)) {
+    std::error_code error;
+    const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path, error);
+    if (!error && path.extension() == ".tmp" && age > kAbandonedAge) remove_quietly(path);
+  }
+  for (const char* suffix : {kWork, kTries})
+    for (const JobName name : list(suffix))
+      if (!is_waiting(name))
+        if (const auto mine = claim(name); mine && !is_waiting(name)) remove_quietly(file(name, suffix));
+  forget_old_ids();
+  prune_failed();
+}
+
+void Spool::forget_old_ids() {
+  std::vector<JobName> ids = list(kId);
+  std::erase_if(ids, [this](JobName name) { return is_waiting(name) || is_built(name); });
+  for (size_t i = 0; i + kMaxIds < ids.size(); ++i) unlink(file(ids[i], kId).c_str());
+}
+
+Spool::Added Spool::add(const WindowJob& job, std::string* error) {
+  const JobName name = name_of(job.window);
+  const std::string id = file(name, kId);
+  const int fd = ::open(id.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (fd < 0 && errno == EEXIST) return Added::kKnown;
+  if (fd < 0) {
+    *error = fmt::format("{}: cannot be written ({})", id, std::strerror(errno));
+    return Added::kFailed;
+  }
+  close(fd);
+  *error = write_window_job(window_file(name), job);
+  return error->empty() ? Added::kAdded : Added::kFailed;
+}
+
+int32_t Spool::last_id(int64_t session) const {
+  int32_t last = 0;
+  for (const char* suffix : {kId, kWindow, kSubmap})
+    for (const JobName name : list(suffix))
+      if (name.session == session) last = std::max(last, name.window_id);
+  return last;
+}
+
+std::vector<JobName> Spool::waiting() const {
+  std::vector<JobName> names = list(kWindow);
+  std::erase_if(names, [this](JobName name) { return is_built(name); });
+  return names;
+}
+
+std::vector<JobName> Spool::built() const { return list(kSubmap); }
+bool Spool::is_built(JobName name) const { return exists(file(name, kSubmap)); }
+bool Spool::is_waiting(JobName name) const { return exists(window_file(name)) && !is_built(name); }
+
+std::optional<Spool::Claim> Spool::claim(JobName name) {
+  // Made where it is missing: somebody put a job here by hand.
+  const int fd = ::open(file(name, kId).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (fd < 0) return std::nullopt;
+  Claim claim(fd);
+  if (flock(fd, LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+  // Its last owner may have died between making the submap and removing the job.
+  if (is_built(name)) remove_quietly(window_file(name));
+  return claim;
+}
+
+int Spool::begin_try(JobName name) {
+  remove_quietly(work_folder(name));
+  const int fd = ::open(file(name, kTries).c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (fd < 0) return 1;
+  struct stat info {};
+  const bool counted = write(fd, "|", 1) == 1 && fsync(fd) == 0 && fstat(fd, &info) == 0;
+  close(fd);
+  return counted ? static_cast<int>(std::min<off_t>(info.st_size, INT32_MAX)) : 1;
+}
+
+void Spool::forget_try(JobName name) {
+  const std::string tries = file(name, kTries);
+  std::error_code error;
+  const auto size = fs::file_size(tries, error);
+  if (!error && size > 0) fs::resize_file(tries, size - 1, error);
+  remove_quietly(work_folder(name));
+}
+
+std::string Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
+  WholeFile stored(file(name, kSubmap));
+  stored.write({reinterpret_cast<const char*>(submap.data()), submap.size()});
+  if (std::string error = stored.commit(); !error.empty()) return error;
+  for (const char* suffix : {kWindow, kTries, kWork}) remove_quietly(file(name, suffix));
+  return "";
+}
+
+std::string Spool::read_submap(JobName name, std::vector<uint8_t>* submap) const {
+  std::ifstream in(file(name, kSubmap), std::ios::binary);
+  submap->assign(std::istreambuf_iterator<char>(in), {});
+  if (in.good() || in.eof()) return "";
+  return fmt::format("{}: cannot be read ({})", file(name, kSubmap), std::strerror(errno));
+}
+
+std::string Spool::complete(JobName name) {
+  for (const char* suffix : {kWindow, kTries, kWork}) remove_quietly(file(name, suffix));
+  if (unlink(file(name, kSubmap).c_str()) == 0 || errno == ENOENT) return "";
+  return fmt::format("{}: cannot be removed ({})", file(name, kSubmap), std::strerror(errno));
+}
+
+std::string Spool::fail(JobName name, const std::string& reason) {
+  const fs::path failed = fs::path(folder_) / kFailedFolder / to_string(name);
+  std::ofstream(failed.string() + ".txt") << reason << "\n";
+  gather_logs(work_folder(name), failed.string() + ".log");
+  std::string kept;
+  for (const char* suffix : {kWindow, kSubmap}) {
+    const std::string target = failed.string() + suffix;
+    if (std::rename(file(name, suffix).c_str(), target.c_str()) == 0) kept = target;
+  }
+  if (kept.empty() && is_waiting(name))
+    log_error("{}: cannot be moved to {} ({})", window_file(name), failed.string(), std::strerror(errno));
+  for (const char* suffix : {kTries, kWork}) remove_quietly(file(name, suffix));
+  prune_failed();
+  return exists(kept) ? kept : "";
+}
+
+void Spool::prune_failed() {
+  struct Failure {
+    fs::file_time_type time = fs::file_time_type::min();  // of its newest file
+    int64_t bytes = 0;
+    std::vector<fs::path> files;
+  };
+  std::map<std::string, Failure> failures;
+  int64_t total = 0;
+  for (const fs::path& path : entries(fs::path(folder_) / kFailedFolder)) {
+    std::error_code error;
+    const auto bytes = static_cast<int64_t>(fs::file_size(path, error));
+    const auto time = error ? fs::file_time_type::min() : fs::last_write_time(path, error);
+    if (error) continue;
+    Failure& failure = failures[path.stem().string()];
+    failure.time = std::max(failure.time, time);
+    failure.bytes += bytes;
+    failure.files.push_back(path);
+    total += bytes;
+  }
+  while (total > max_failed_bytes_ && !failures.empty()) {
+    const auto oldest = std::min_element(failures.begin(), failures.end(),
+                                         [](const auto& a, const auto& b) { return a.second.time < b.second.time; });
+    for (const fs::path& path : oldest->second.files) remove_quietly(path);
+    total -= oldest->second.bytes;
+    failures.erase(oldest);
+  }
+}
+
+}  // namespace rumi::ruminator

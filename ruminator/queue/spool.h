@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where windows wait to be rebuilt, and back submaps to be taken by map_server: a folder that outlives the process.
+//
+//   S-W.id        window W of session S has been here. Empty; whoever holds a lock (flock) on it works on the window,
+//                 and when that process dies, however it dies, the lock is gone.
+//   S-W.window    the job: waits, or is being rebuilt
+//   S-W.tries     as many bytes as its rebuilding has been begun
+//   S-W.work/     while it is rebuilt
+//   S-W.submap    rebuilt: a submap_update_t that map_server has not acknowledged. The job is over from here on.
+//   failed/       jobs that could not be rebuilt, each with a .txt that says why and COLMAP's log
+//
+// Every step is one rename or removal, so whenever a process dies, what is there says what remains to be done. Several
+// ruminators may share a spool.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ruminator/window/window_job.h"
+
+namespace rumi::ruminator {
+
+struct JobName {
+  int64_t session = 0;
+  int32_t window_id = 0;
+  auto operator<=>(const JobName&) const = default;
+};
+inline JobName name_of(const RuminationWindow& window) { return {window.session, window.id}; }
+std::string to_string(JobName name);  // "S-W"
+
+class Spool {
+ public:
+  // Nothing, and why in *error, if the folder cannot be made or written to.
+  static std::unique_ptr<Spool> open(const std::string& folder, int64_t max_failed_bytes, std::string* error);
+
+  // The exclusive right to work on a job; given back when it goes out of scope.
+  class Claim {
+   public:
+    explicit Claim(int fd) : fd_(fd) {}
+    Claim(Claim&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
+    Claim& operator=(Claim&& other) noexcept;
+    ~Claim();
+
+   private:
+    int fd_;
+  };
+
+  enum class Added { kAdded, kKnown, kFailed };  // kKnown: a window of this name has been here before
+  Added add(const WindowJob& job, std::string* error);
+  // The highest id of this session's windows; 0 if there is none.
+  int32_t last_id(int64_t session) const;
+
+  std::vector<JobName> waiting() const;  // to be rebuilt, or being rebuilt, in order
+  std::vector<JobName> built() const;    // to be sent to map_server
+  // Nothing if somebody else works on it or it is no longer here.
+  std::optional<Claim> claim(JobName name);
+
+  // What follows is for the holder of the claim.
+  bool is_waiting(JobName name) const;
+  bool is_built(JobName name) const;
+  // Counts on disk, so that a job that brings the whole process down is not tried for ever. Returns how many times
+  // rebuilding has been begun, this time included. Leaves a clean work folder's name.
+  int begin_try(JobName name);
+  void forget_try(JobName name);  // it was called off
+  // Each returns what went wrong, or an empty string.
+  std::string store_submap(JobName name, std::span<const uint8_t> submap);  // ends the job
+  std::string read_submap(JobName name, std::vector<uint8_t>* submap) const;
+  std::string complete(JobName name);  // map_server has it: nothing remains but the id
+  // Moves the job to failed/, and removes the oldest there until all fit. Returns where it is now, or an empty string.
+  std::string fail(JobName name, const std::string& reason);
+
+  std::string window_file(JobName name) const { return file(name, ".window"); }
+  std::string work_folder(JobName name) const { return file(name, ".work"); }
+  const std::string& folder() const { return folder_; }
+
+ private:
+  Spool(std::string folder, int64_t max_failed_bytes);
+  std::string file(JobName name, const char* suffix) const;
+  std::vector<JobName> list(const char* suffix) const;
+  void clean_up();
+  void forget_old_ids();
+  void prune_failed();
+
+  std::string folder_;
+  int64_t max_failed_bytes_;
+};
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The images that a window may need, bounded in bytes. Every image waits here until what became of it is known; then it
+// stays for as long as a sample refers to it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "lcmtypes/rumi/image_t.hpp"
+
+namespace rumi::ruminator {
+
+class FrameRing {
+ public:
+  using Needed = std::function<bool(int64_t utime_us)>;
+
+  FrameRing(int64_t max_bytes, int jpeg_quality) : max_bytes_(max_bytes), jpeg_quality_(jpeg_quality) {}
+
+  // Takes an image as it came. False, and counted as dropped, if it does not fit, or counted as broken if it is none
+  // (sizes, format). One that is here already stays as it is.
+  bool add(const image_t& image);
+  bool fits(const image_t& image) const;
+  const image_t* find(int64_t utime_us) const;
+
+  // The fate of this image is known: it and those that came before it go unless needed. What stays and came
+  // uncompressed is compressed, the newest excepted (most newest ones are not needed a frame later).
+  void settle(int64_t utime_us, const Needed& needed);
+  // Removes everything that has been settled and is not needed.
+  void sweep(const Needed& needed);
+  // Removes all but the newest `count` images whose fate is not known. They are counted as dropped.
+  void limit_unsettled(int count);
+
+  int64_t bytes() const { return bytes_; }
+  int size() const { return static_cast<int>(frames_.size()); }
+  int64_t dropped() const { return dropped_; }  // for want of room
+  int64_t broken() const { return broken_; }    // no images, or raw ones that cannot be compressed
+
+ private:
+  struct Entry {
+    image_t image;
+    int64_t arrival = 0;
+    bool is_settled = false;
+  };
+  using Frames = std::map<int64_t, Entry>;  // by utime_us
+  Frames::iterator erase(Frames::iterator it);
+  bool compress(Entry& entry);
+
+  int64_t max_bytes_;
+  int jpeg_quality_;
+  Frames frames_;
+  int64_t bytes_ = 0;
+  int64_t arrivals_ = 0;
+  int64_t dropped_ = 0, broken_ = 0;
+};
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Samples of tracked frames: every keyframe, because the front submap has landmarks for it and the merge needs frames
+// that both submaps share; between keyframes as many as keep neighbours alike enough to be matched, which is a frame
+// per stride, or sooner when the camera has turned.
+#pragma once
+
+#include <cstdlib>
+#include <deque>
+#include <numbers>
+
+#include "ruminator/window/rumination_window.h"
+
+namespace rumi::ruminator {
+
+class StrideSampler {
+ public:
+  StrideSampler(int stride, double max_turn_deg)
+      : stride_(stride), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
+
+  // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
+  // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
+  // nearest to the gap. A frame without image is counted only.
+  void add(const Sample& frame, bool has_image) {
+    ++since_last_;
+    if (!has_image) return;
+    if (!samples_.empty()) {
+      const bool is_due = since_last_ >= stride_ || has_turned(samples_.back(), frame);
+      if (!frame.is_keyframe && !is_due) return;
+      if (frame.is_keyframe && can_replace_last(frame)) samples_.pop_back();
+    }
+    samples_.push_back(frame);
+    since_last_ = 0;
+  }
+  // Leaves the newest `count` samples and, of those before, the keyframes that are among the newest `keyframes`. The
+  // front found enough in common between one keyframe and the next: they need no samples between them.
+  void keep_newest(int count, int keyframes) {
+    std::deque<Sample> kept;
+    int samples_seen = 0, keyframes_seen = 0;
+    for (auto sample = samples_.rbegin(); sample != samples_.rend(); ++sample) {
+      keyframes_seen += sample->is_keyframe;
+      if (++samples_seen <= count || (sample->is_keyframe && keyframes_seen <= keyframes)) kept.push_front(*sample);
+    }
+    samples_.swap(kept);
+  }
+  // The newest frame, whether it is due or not.
+  void add_last(const Sample& frame) {
+    if (samples_.empty() || samples_.back().utime_us < frame.utime_us) samples_.push_back(frame);
+  }
+  // Removes the sample of that time; false if there is none.
+  bool take(int64_t utime_us) {
+    return std::erase_if(samples_, [utime_us](const Sample& s) { return s.utime_us == utime_us; }) > 0;
+  }
+  void clear() {
+    samples_.clear();
+    since_last_ = 0;
+  }
+  const std::deque<Sample>& samples() const { return samples_; }
+  int keyframes() const {
+    int count = 0;
+    for (const Sample& sample : samples_) count += sample.is_keyframe;
+    return count;
+  }
+
+ private:
+  bool has_turned(const Sample& from, const Sample& to) const {
+    return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > max_turn_rad_;
+  }
+  bool can_replace_last(const Sample& frame) const {
+    if (samples_.size() < 2 || samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
+    return !has_turned(samples_[samples_.size() - 2], frame);
+  }
+
+  int stride_;
+  double max_turn_rad_;
+  int since_last_ = 0;  // frames
+  std::deque<Sample> samples_;
+};
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A window as announced on RUMI_WINDOW.
+#pragma once
+
+#include <string>
+
+#include "lcmtypes/rumi/window_t.hpp"
+#include "ruminator/window/rumination_window.h"
+
+namespace rumi::ruminator {
+
+// utime is the announcement's.
+window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t state);
+
+// For a person: "10 + 45 of 60 + 12 frames between submap 1 and submap 2 (9 + 8 keyframes)".
+std::string describe(const RuminationWindow& window);
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace rumi {
+
+// As in track_t; kUnknown: the frame is known from a submap only, its RUMI_TRACK message was lost.
+enum class TrackingState : int8_t { kUnknown = -1, kNotInitialized = 0, kTracking = 1, kRecentlyLost = 2, kLost = 3 };
+
+const char* to_string(TrackingState state);
+
+}  // namespace rumi

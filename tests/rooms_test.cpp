@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The order of the house (docs/architecture.md, "Rooms"): which file may include which. It holds for what is built, not
+// for tests and benchmarks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+using Names = std::set<std::string>;
+
+// What a folder may include besides itself and lcmtypes.
+const Names kShared = {"slam", "base", "bus"};
+const std::map<std::string, Names> kFolders = {
+    {"slam", {}},
+    {"base", {}},
+    {"bus", {"slam", "base"}},
+    {"camera_driver", kShared},
+    {"front_tracker", kShared},
+    {"ruminator", kShared},
+    {"map_server", kShared},
+    {"viewer_offscreen", kShared},
+    {"rumi", {"slam", "base", "bus", "camera_driver", "front_tracker", "ruminator", "map_server", "viewer_offscreen"}},
+};
+
+// What a room may include of its own folder besides itself; "" is the folder's top. A top that is not listed may
+// include all its rooms; a folder that is not listed has none.
+const std::map<std::string, std::map<std::string, Names>> kRooms = {
+    {"slam",
+     {{"numeric", {}},
+      {"geometry", {"numeric"}},
+      {"features", {"numeric", "geometry"}},
+      {"map", {"numeric", "geometry", "features"}},
+      {"optimization", {"numeric", "geometry"}}}},
+    {"bus",
+     {{"transport", {}},
+      {"transfer", {"transport"}},
+      {"wire", {"transport"}},
+      {"process", {"transport", "transfer", "wire"}}}},
+    {"camera_driver", {{"source", {}}, {"recording", {"source"}}, {"v4l2", {"source"}}}},
+    {"front_tracker",
+     {{"frame", {}},
+      {"matching", {"frame"}},
+      {"patches", {"frame", "matching"}},
+      {"initialization", {"frame", "matching", "patches"}},
+      {"relocalization", {"frame", "matching", "patches"}},
+      {"mapping", {"frame", "matching", "patches"}},
+      {"tracking", {"frame", "matching", "patches", "initialization", "relocalization", "mapping"}}}},
+    {"ruminator",
+     {{"window", {}},
+      {"matching", {}},
+      {"model", {"window", "matching"}},
+      {"colmap", {"window", "matching", "model"}},
+      {"build", {"window", "matching", "model", "colmap"}},
+      {"queue", {"window", "matching", "model", "colmap", "build"}}}},
+    {"map_server",
+     {{"links", {}},
+      {"atlas", {"links"}},
+      {"store", {"links", "atlas"}},
+      {"alignment", {"links"}},
+      {"places", {"links"}},
+      {"model", {"links", "atlas", "alignment"}},
+      {"outputs", {"links", "atlas", "alignment", "model"}},
+      {"merging", {"links", "atlas", "alignment", "places", "model"}}}},
+    {"viewer_offscreen",
+     {{"gl", {}}, {"scene", {}}, {"canvas", {"gl", "scene"}}, {"picture", {"gl", "scene", "canvas"}}}},
+    {"rumi",
+     {{"run", {}},
+      {"evaluation", {}},
+      {"outputs", {}},
+      {"recordings", {}},
+      {"calibration", {}},
+      {"synth", {}},
+      {"windows", {"evaluation"}},
+      {"report", {"run", "evaluation", "outputs", "calibration", "windows"}},
+      {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "synth", "windows", "report"}},
+      {"", {"commands"}}}},
+};
+
+struct Place {
+  std::string folder, room;
+};
+
+Place place_of(const fs::path& file) {
+  std::vector<std::string> parts;
+  for (const fs::path& part : file.parent_path()) parts.push_back(part.string());
+  Place place;
+  if (!parts.empty()) place.folder = parts[0];
+  for (size_t i = 1; i < parts.size(); ++i) place.room += (i > 1 ? "/" : "") + parts[i];
+  return place;
+}
+
+bool is_room(const Place& place) {
+  const auto rooms = kRooms.find(place.folder);
+  return place.room.empty() || (rooms != kRooms.end() && rooms->second.contains(place.room));
+}
+
+bool may_include(const Place& from, const Place& to) {
+  if (from.folder != to.folder) return kFolders.at(from.folder).contains(to.folder);
+  if (from.room == to.room) return true;
+  const auto& rooms = kRooms.at(from.folder);
+  const auto allowed = rooms.find(from.room);
+  return allowed == rooms.end() || allowed->second.contains(to.room);
+}
+
+bool is_source(const fs::path& file) { return file.extension() == ".h" || file.extension() == ".cpp"; }
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// All that is built, relative to the root.
+std::vector<fs::path> sources() {
+  const fs::path root = RUMI_SOURCE_DIR;
+  std::vector<fs::path> files;
+  for (const auto& [folder, allowed] : kFolders)
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.is_regular_file() && is_source(entry.path())) files.push_back(fs::relative(entry.path(), root));
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<fs::path> included_by(const fs::path& file) {
+  static const std::regex include("#include \"([^\"]+)\"");
+  const std::string text = contents(fs::path(RUMI_SOURCE_DIR) / file);
+  std::vector<fs::path> found;
+  for (auto i = std::sregex_iterator(text.begin(), text.end(), include); i != std::sregex_iterator(); ++i)
+    if (!(*i)[1].str().starts_with("lcmtypes/")) found.emplace_back((*i)[1].str());
+  return found;
+}
+
+TEST(Rooms, TheOrderIsOne) {
+  EXPECT_TRUE(may_include({"slam", "map"}, {"slam", "features"}));
+  EXPECT_FALSE(may_include({"slam", "features"}, {"slam", "map"}));
+  EXPECT_TRUE(may_include({"map_server", ""}, {"map_server", "merging"}));
+  EXPECT_FALSE(may_include({"map_server", "merging"}, {"map_server", ""}));
+  EXPECT_FALSE(may_include({"ruminator", "build"}, {"front_tracker", "frame"}));
+  EXPECT_TRUE(may_include({"rumi", "run"}, {"ruminator", "queue"}));
+  EXPECT_FALSE(is_room({"slam", "cellar"}));
+}
+
+TEST(Rooms, EveryFileIsInARoom) {
+  const std::vector<fs::path> files = sources();
+  ASSERT_GT(files.size(), 400u);
+  for (const fs::path& file : files) EXPECT_TRUE(is_room(place_of(file))) << file << " is in a room that is not listed";
+}
+
+TEST(Rooms, IncludeOnlyWhatStandsBelowThem) {
+  for (const fs::path& file : sources())
+    for (const fs::path& included : included_by(file)) {
+      ASSERT_TRUE(fs::exists(fs::path(RUMI_SOURCE_DIR) / included)) << file << " includes " << included;
+      const Place from = place_of(file), to = place_of(included);
+      EXPECT_TRUE(may_include(from, to)) << file << " may not include " << included;
+    }
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Text on a picture that is PlotCanvas::kScale times too large. Positions and sizes are those of the final picture.
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace rumi::viewer_offscreen {
+
+struct TextStyle {
+  double height_px = 12;  // of a capital letter
+  cv::Vec3b rgb{40, 40, 44};
+  bool bold = false;
+};
+
+// `at` is the left end of the base line. Letters outside ASCII become '?'.
+void draw_text(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
+// The same on a pale plate, to be read on whatever is there.
+void draw_label(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
+double text_width(const std::string& text, const TextStyle& style);
+// The text, or as much of it as fits in width, with "..." at its end.
+std::string fit_text(const std::string& text, double width, const TextStyle& style);
+
+}  // namespace rumi::viewer_offscreen

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// OpenGL 3.3 core without a window or display server: by OSMesa, or where there is none by EGL (gl_platform.h). The
+// environment variable RUMI_OPENGL=osmesa or egl chooses.
+#pragma once
+
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+namespace rumi::viewer_offscreen {
+
+class OffscreenContext {
+ public:
+  // Draws into a colour and depth image of its own. samples: 0 or 4 (multisampling). Throws std::runtime_error with the
+  // reason if there is no OpenGL.
+  OffscreenContext(int width, int height, int samples);
+  ~OffscreenContext();
+  OffscreenContext(const OffscreenContext&) = delete;
+  OffscreenContext& operator=(const OffscreenContext&) = delete;
+
+  // Must be called before any OpenGL call; several contexts may take turns on one thread.
+  void make_current();
+  // What was drawn, RGBA 8 bit. Row 0 is the window row y = 0: draw upside down (positive clip y downwards) to get an
+  // image whose first row is its top.
+  void read(cv::Mat* rgba);
+
+  std::string platform() const;  // "osmesa" or "egl"
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  struct Handle;
+  std::unique_ptr<Handle> handle_;
+  int width_, height_;
+};
+
+// A linked program, or std::runtime_error with the compiler's log. The context must be current.
+unsigned compile_program(const std::string& vertex_shader, const std::string& fragment_shader);
+
+}  // namespace rumi::viewer_offscreen

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <GL/glcorearb.h>
+#include <dlfcn.h>
+
+#include <array>
+#include <stdexcept>
+
+#include "viewer_offscreen/gl/gl_platform.h"
+
+namespace rumi::viewer_offscreen {
+namespace {
+
+// From GL/osmesa.h, which newer systems do not have.
+constexpr int kFormat = 0x22, kDepthBits = 0x30, kProfile = 0x33, kCoreProfile = 0x34, kMajorVersion = 0x36,
+              kMinorVersion = 0x37;
+using Context = struct osmesa_context*;
+using CreateContextAttribs = Context (*)(const int* attributes, Context shared);
+using MakeCurrent = GLboolean (*)(Context, void* buffer, GLenum type, GLsizei width, GLsizei height);
+using DestroyContext = void (*)(Context);
+using GetProcAddress = GlPlatform::Function (*)(const char* name);
+
+class Osmesa : public GlPlatform {
+ public:
+  Osmesa() {
+    // Never unloaded: its renderer leaves threads and thread-local data behind.
+    for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"})
+      if (!library_) library_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    if (!library_) throw std::runtime_error("libOSMesa.so.8 is not installed");
+    load("OSMesaMakeCurrent", &make_current_);
+    load("OSMesaDestroyContext", &destroy_);
+    load("OSMesaGetProcAddress", &get_proc_address_);
+    CreateContextAttribs create = nullptr;
+    load("OSMesaCreateContextAttribs", &create);
+    const int attributes[] = {kFormat,       GL_RGBA, kDepthBits,    0, kProfile, kCoreProfile,
+                              kMajorVersion, 3,       kMinorVersion, 3, 0};
+    context_ = create(attributes, nullptr);
+    if (!context_) throw std::runtime_error("OSMesa gives no OpenGL 3.3 core context");
+  }
+  ~Osmesa() override {
+    if (context_) destroy_(context_);
+  }
+  const char* name() const override { return "osmesa"; }
+  void make_current() override {
+    if (!make_current_(context_, window_.data(), GL_UNSIGNED_BYTE, 16, 16))
+      throw std::runtime_error("OSMesa cannot make its context current");
+  }
+  Function function(const char* name) const override { return get_proc_address_(name); }
+
+ private:
+  template <class T>
+  void load(const char* name, T* function) {
+    *function = reinterpret_cast<T>(dlsym(library_, name));
+    if (!*function) throw std::runtime_error(std::string("libOSMesa has no ") + name);
+  }
+
+  void* library_ = nullptr;
+  MakeCurrent make_current_ = nullptr;
+  DestroyContext destroy_ = nullptr;
+  GetProcAddress get_proc_address_ = nullptr;
+  Context context_ = nullptr;
+  std::array<unsigned char, 4 * 16 * 16> window_{};  // it wants one; nothing is drawn into it
+};
+
+}  // namespace
+
+std::unique_ptr<GlPlatform> open_osmesa() { return std::make_unique<Osmesa>(); }
+
+}  // namespace rumi::viewer_offscreen

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+
+#include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
+#include "slam/map/submap.h"
+#include "viewer_offscreen/scene/scene.h"
+
+namespace rumi::viewer_offscreen {
+
+// The latest images of the camera, and those of the latest keyframes until their keypoints have come with the submap.
+// A few of each; nothing is decoded before it is drawn.
+class CameraImages {
+ public:
+  void add(const image_t& image);
+  void add(const track_t& track);
+
+  // The image of the latest keyframe that a submap has, unless it is much older than the latest image: then that,
+  // without keypoints. find(key): the submap, or nullptr. No image if there is none or it cannot be decoded.
+  // first_us: times count from here.
+  CameraView view(int64_t first_us, const std::function<const Submap*(SubmapKey)>& find) const;
+
+ private:
+  struct KeyframeImage {
+    SubmapKey submap;
+    image_t image;
+  };
+  std::deque<image_t> recent_;  // by arrival
+  std::deque<KeyframeImage> keyframes_;
+  track_t latest_{};
+};
+
+}  // namespace rumi::viewer_offscreen

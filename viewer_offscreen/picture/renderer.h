@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Draws a scene: views of the map, the camera's image, a legend, and what became of the frames over time.
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "viewer_offscreen/canvas/palette.h"
+#include "viewer_offscreen/canvas/plot_canvas.h"
+#include "viewer_offscreen/picture/layout.h"
+#include "viewer_offscreen/scene/scene.h"
+
+namespace rumi::viewer_offscreen {
+
+class Renderer {
+ public:
+  // Throws std::runtime_error if there is no OpenGL.
+  Renderer();
+  // kPictureWidth x kPictureHeight, 8 bit BGR. All views, or only one.
+  cv::Mat draw(const Scene& scene, std::optional<ViewKind> only = std::nullopt);
+
+ private:
+  PlotCanvas canvas_;
+};
+
+}  // namespace rumi::viewer_offscreen

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What there is to see of a map, without the map: plain values in the map's frame of reference.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slam/geometry/transform.h"
+#include "slam/map/submap.h"
+#include "viewer_offscreen/scene/timeline.h"
+
+namespace rumi::viewer_offscreen {
+
+struct TrajectoryPoint {
+  int64_t utime_us = 0;
+  Eigen::Vector3d position;
+  bool after_loss = false;  // frames between the point before and this one have no pose
+};
+
+struct KeyframeView {
+  int64_t utime_us = 0;
+  SE3 map_from_cam;
+};
+
+struct SubmapView {
+  SubmapKey key;
+  SubmapKind kind = SubmapKind::kFront;
+  int color = 0;        // see submap_color()
+  bool placed = false;  // in the map's frame; else in its own gauge, shown apart
+  int64_t frames = 0, keyframes = 0, landmark_count = 0;
+  std::vector<TrajectoryPoint> trajectory;  // by time
+  std::vector<Eigen::Vector3f> landmarks;
+  std::vector<KeyframeView> keyframe_poses;
+  std::vector<std::pair<size_t, size_t>> covisible;  // of keyframe_poses, those that share many landmarks
+};
+
+// Two submaps that were joined: where either has what both saw.
+struct MergeView {
+  Eigen::Vector3d at_a, at_b;
+  bool same_images = false;
+};
+
+// An image of the camera, with the keypoints that a keyframe had in it.
+struct CameraView {
+  cv::Mat image;  // BGR; empty: none
+  int64_t utime_us = 0;
+  cv::Size size;                                  // of the image that the keypoints were found in
+  std::vector<cv::Point2f> on_landmarks, others;  // pixels
+  std::string caption;
+};
+
+struct Scene {
+  std::string title = "Rumi";
+  std::vector<SubmapView> submaps;
+  std::vector<LostSpan> lost;
+  Timeline timeline;
+  std::vector<MergeView> merges;
+  int refused_links = 0;
+  std::vector<Eigen::Vector3d> truth;     // true path, aligned; may be empty
+  std::optional<double> metres_per_unit;  // of the map, by the true path
+  std::optional<SE3> camera;              // map_from_cam of the frustum to show
+  double camera_aspect = 4.0 / 3;         // width / height
+  double camera_half_width = 0.61;        // of the image at distance 1
+  CameraView camera_view;
+  int64_t first_us = 0, last_us = 0;  // times in the picture count from the first
+  int64_t frames = 0;                 // all, with a pose or without; 0: unknown
+  int64_t frames_in_map = 0;
+};
+
+// What draw_map() makes a scene of.
+struct MapPicture {
+  struct Item {
+    const Submap* submap = nullptr;  // as it lies in the map, if it is part of it; else in its own gauge
+    bool in_map = false;
+  };
+  // An attempt to join two submaps; a == b: a loop.
+  struct Link {
+    SubmapKey a, b;
+    bool same_images = false, accepted = false;
+  };
+  std::string title = "Rumi";
+  std::vector<Item> submaps = {};
+  std::vector<Link> links = {};
+  std::vector<FrameNote> frames = {};                   // of all frames, ascending; may be empty
+  std::map<int64_t, Eigen::Vector3d> groundtruth = {};  // camera positions by utime_us, in metres; may be empty
+  std::optional<SE3> camera = std::nullopt;             // map_from_cam; nothing: the last pose in the map
+  CameraView camera_view = {};
+};
+
+// Numbers that are not finite are left out. If no submap is placed, the one with most frames stands for the map.
+Scene make_scene(const MapPicture& picture);
+
+}  // namespace rumi::viewer_offscreen
