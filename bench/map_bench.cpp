@@ -21,7 +21,7 @@
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
 #include "tests/map_server/synthetic_submaps.h"
-#include "tests/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi {
 namespace {

@@ -158,6 +158,46 @@ TEST(Rooms, EveryFileIsInARoom) {
   for (const fs::path& file : files) EXPECT_TRUE(is_room(place_of(file))) << file << " is in a room that is not listed";
 }
 
+// The outermost namespace that a file opens, "" if it opens none.
+std::string namespace_of(const std::string& text) {
+  static const std::regex opened("(?:^|\n)namespace ([a-z_:]+) \\{\n(?!class|struct)");
+  std::smatch found;
+  return std::regex_search(text, found, opened) ? found[1].str() : "";
+}
+
+std::string namespace_for(const std::string& folder) {
+  if (folder == "slam" || folder == "base" || folder == "bus") return "rumi";
+  return "rumi::" + (folder == "rumi" ? "tool" : folder);
+}
+
+TEST(Rooms, AComponentIsANamespace) {
+  for (const fs::path& file : sources()) {
+    const std::string opened = namespace_of(contents(fs::path(RUMI_SOURCE_DIR) / file));
+    if (opened.empty()) continue;
+    EXPECT_EQ(opened, namespace_for(place_of(file).folder)) << file;
+  }
+}
+
+// x_test.cpp stands in tests/ where x stands among the sources, if there is one x.
+TEST(Rooms, TestsMirrorThem) {
+  std::map<std::string, std::set<fs::path>> folders;  // by folder and stem
+  for (const fs::path& file : sources())
+    folders[place_of(file).folder + "/" + file.stem().string()].insert(file.parent_path());
+  const fs::path tests = fs::path(RUMI_SOURCE_DIR) / "tests";
+  int mirrored = 0;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(tests)) {
+    const std::string name = entry.path().filename().string(), suffix = "_test.cpp";
+    if (!name.ends_with(suffix)) continue;
+    const fs::path folder = fs::relative(entry.path().parent_path(), tests);
+    const std::string stem = name.substr(0, name.size() - suffix.size());
+    const auto found = folders.find(folder.begin()->string() + "/" + stem);
+    if (found == folders.end() || found->second.size() > 1) continue;
+    EXPECT_EQ(folder, *found->second.begin()) << name;
+    ++mirrored;
+  }
+  EXPECT_GT(mirrored, 90);
+}
+
 TEST(Rooms, IncludeOnlyWhatStandsBelowThem) {
   for (const fs::path& file : sources())
     for (const fs::path& included : included_by(file)) {

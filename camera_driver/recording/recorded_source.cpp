@@ -13,8 +13,6 @@
 namespace rumi::camera_driver {
 namespace {
 
-int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
-
 int64_t count_wanted(const std::vector<int64_t>& utimes, const CameraOptions& options) {
   FrameSelector selector(options);
   int64_t count = 0;

@@ -7,9 +7,9 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
-#include "recording.h"
 #include "rumi/recordings/export_log.h"
 #include "rumi/recordings/import_log.h"
+#include "tests/camera_driver/recording.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -31,7 +31,7 @@ class CameraNodeTest : public ::testing::Test {
     bus_.dispatch();
     return images_.size();
   }
-  TempFolder folder_;
+  TemporaryFolder folder_;
   MemoryBus bus_;
   CameraOptions options_;
   std::vector<image_t> images_;
@@ -102,10 +102,10 @@ std::vector<image_t> all_images(const fs::path& input) {
 
 TEST(LogConversion, ThereAndBackIsTheSame) {
   for (const char* extension : {".jpg", ".png"}) {
-    const TempFolder folder;
+    const TemporaryFolder folder;
     write_tum(folder / "data", 4, extension);
     const std::string log = folder / "x.lcm";
-    ASSERT_EQ(tool::run_export({(folder / "data").string(), log, "CAMERA", {}}), 0);
+    ASSERT_EQ(tool::run_export({folder / "data", log, "CAMERA", {}}), 0);
     ASSERT_EQ(tool::run_import({log, folder / "back", {}}), 0);
     const std::vector<image_t> first = all_images(folder / "data"), in_log = all_images(log),
                                back = all_images(folder / "back");
@@ -122,7 +122,7 @@ TEST(LogConversion, ThereAndBackIsTheSame) {
 }
 
 TEST(LogConversion, BadInputAndOutput) {
-  const TempFolder folder;
+  const TemporaryFolder folder;
   write_tum(folder / "data", 2);
   const std::string data = folder / "data", log = folder / "x.lcm";
   EXPECT_EQ(tool::run_export({folder / "missing", log, "CAMERA", {}}), 1);

@@ -8,8 +8,8 @@
 
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/submap_update.h"
-#include "feature_scene.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "tests/front_tracker/feature_scene.h"
 
 namespace rumi::front_tracker {
 namespace {

@@ -7,7 +7,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_server_node.h"
-#include "tests/map_server/place_scene.h"
+#include "tests/map_server/places/place_scene.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {

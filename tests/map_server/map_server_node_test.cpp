@@ -14,7 +14,7 @@
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
-#include "test_atlas.h"
+#include "tests/map_server/test_atlas.h"
 
 namespace rumi::map_server {
 namespace {

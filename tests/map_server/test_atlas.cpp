@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test_atlas.h"
+#include "tests/map_server/test_atlas.h"
 
 #include <fmt/format.h>
 

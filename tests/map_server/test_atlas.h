@@ -9,7 +9,7 @@
 
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
-#include "tests/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::testing {
 using namespace rumi::map_server;

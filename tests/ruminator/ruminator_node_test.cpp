@@ -12,7 +12,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
-#include "test_jobs.h"
+#include "tests/ruminator/test_jobs.h"
 
 namespace rumi::ruminator {
 namespace {

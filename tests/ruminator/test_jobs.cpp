@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "test_jobs.h"
+#include "tests/ruminator/test_jobs.h"
 
 #include <opencv2/core.hpp>
 

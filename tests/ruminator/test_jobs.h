@@ -8,7 +8,7 @@
 
 #include "ruminator/queue/build_worker.h"
 #include "ruminator/window/window_job.h"
-#include "tests/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::testing {
 using namespace rumi::ruminator;

@@ -13,7 +13,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
-#include "test_map.h"
+#include "tests/viewer_offscreen/test_map.h"
 #include "viewer_offscreen/canvas/palette.h"
 
 namespace rumi::viewer_offscreen {

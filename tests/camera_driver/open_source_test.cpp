@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/source/image_source.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/videoio.hpp>
+
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
+#include "tests/camera_driver/recording.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+using namespace testing;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::vector<int64_t> times(ImageSource& source, size_t most = 1000) {
+  std::vector<int64_t> all;
+  while (all.size() < most) {
+    const std::optional<image_t> image = source.next();
+    if (!image) break;
+    all.push_back(image->utime);
+  }
+  return all;
+}
+
+std::vector<int64_t> times(const fs::path& input, const CameraOptions& options = {}, size_t most = 1000) {
+  const OpenedSource opened = open_image_source(input.string(), options);
+  EXPECT_EQ(opened.error, "");
+  return opened.ok() ? times(*opened.source, most) : std::vector<int64_t>();
+}
+
+std::string error_of(const fs::path& input, const CameraOptions& options = {}) {
+  const OpenedSource opened = open_image_source(input.string(), options);
+  EXPECT_FALSE(opened.ok());
+  return opened.error;
+}
+
+TEST(ImageSource, TumFolder) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  write(folder / "sub/rgb.txt", "#comment\r\n\r\n5.5\t../rgb/0.png\r\n6.000001 ../rgb/1.png\r\n");
+  write(folder / "sub/calibration.yaml", kCalibration);
+  EXPECT_THAT(times(folder.path()), ElementsAre(1000000000, 1000100000, 1000200000));
+  EXPECT_THAT(times(folder / "sub/"), ElementsAre(5500000, 6000001));
+}
+
+TEST(ImageSource, ImagesCarryTheCalibration) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 1);
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  const std::optional<image_t> image = opened.source->next();
+  EXPECT_EQ(metadata(*image, kCalibrationKey), camera_to_yaml(opened.source->camera()));
+  EXPECT_EQ(opened.source->camera().fy, 51);
+  EXPECT_EQ(opened.source->total(), 1);
+}
+
+TEST(ImageSource, EurocFolderAtEveryDepth) {
+  const TemporaryFolder folder;
+  const fs::path cam0 = folder / "mav0/cam0";
+  write(cam0 / "data.csv", "#timestamp [ns],filename\r\n1403636579763555584,a.png\r\n1403636579813555456,b.png\r\n");
+  write(cam0 / "sensor.yaml",
+        "rate_hz: 20\nresolution: [64, 48]\ncamera_model: pinhole\nintrinsics: [50, 51, 32, 24]\n"
+        "distortion_model: radial-tangential\ndistortion_coefficients: [0.1, 0, 0, 0]\n");
+  fs::create_directories(cam0 / "data");
+  for (const char* name : {"a.png", "b.png"}) cv::imwrite((cam0 / "data" / name).string(), picture(1));
+  for (const char* input : {"", "mav0", "mav0/cam0", "mav0/cam0/"})
+    EXPECT_THAT(times(folder / input), ElementsAre(1403636579763556, 1403636579813555)) << input;
+}
+
+TEST(ImageSource, PlainFolder) {
+  const TemporaryFolder folder;
+  for (int i : {1, 2, 10}) cv::imwrite(folder / fmt::format("{}.png", i), picture(i));
+  write(folder / "calibration.yaml", kCalibration);
+  EXPECT_THAT(times(folder.path()), ElementsAre(0, 100000, 200000));  // fps of the calibration
+  CameraOptions options;
+  options.rate_hz = 30;
+  EXPECT_THAT(times(folder.path(), options), ElementsAre(0, 33333, 66667));
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  opened.source->next();
+  std::string error;
+  EXPECT_EQ(cv::norm(decode_grey(*opened.source->next(), &error), picture(2), cv::NORM_INF), 0);
+  write(folder / "calibration.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n");
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("--rate HZ"));
+}
+
+TEST(ImageSource, PlainFolderWithTimesAsNames) {
+  const TemporaryFolder seconds, nanoseconds;
+  for (const char* name : {"5.000001.png", "4.500000.png"}) cv::imwrite(seconds / name, picture(1));
+  for (const char* name : {"1403636579763555584.png", "1403636579813555456.png"})
+    cv::imwrite(nanoseconds / name, picture(1));
+  CameraOptions options;
+  options.camera_file = seconds / "calibration.yaml";
+  write(options.camera_file, kCalibration);
+  EXPECT_THAT(times(seconds.path(), options), ElementsAre(4500000, 5000001));
+  EXPECT_THAT(times(nanoseconds.path(), options), ElementsAre(1403636579763556, 1403636579813555));
+}
+
+TEST(ImageSource, Video) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "v.avi";
+  cv::VideoWriter writer(file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20, cv::Size(64, 48));
+  if (!writer.isOpened()) GTEST_SKIP() << "this OpenCV cannot write a video";
+  for (int i = 0; i < 5; ++i) writer.write(picture(i, 64, 48, true));
+  writer.release();
+  write(folder / "calibration.yaml", kCalibration);
+  EXPECT_THAT(times(file), ElementsAre(0, 50000, 100000, 150000, 200000));
+  CameraOptions options;
+  options.loop = true;
+  EXPECT_THAT(times(file, options, 7), ElementsAre(0, 50000, 100000, 150000, 200000, 250000, 300000));
+}
+
+TEST(ImageSource, SelectionAndNewTimes) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 10);
+  CameraOptions options;
+  options.every = 3, options.start_s = 0.2, options.duration_s = 0.6;
+  EXPECT_THAT(times(folder.path(), options), ElementsAre(1000200000, 1000500000));
+  EXPECT_EQ(open_image_source(folder.path().string(), options).source->total(), 2);
+  options.loop = true;
+  EXPECT_THAT(times(folder.path(), options, 4), ElementsAre(1000200000, 1000500000, 1000800000, 1001100000));
+  options.rate_hz = 4;
+  EXPECT_THAT(times(folder.path(), options, 4), ElementsAre(1000200000, 1000450000, 1000700000, 1000950000));
+  options = {};
+  options.start_s = 5;
+  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("lower --start"));
+  options.start_s = std::nan("");
+  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("start is nan"));
+}
+
+TEST(ImageSource, Encodings) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 1, ".jpg");
+  const std::string bytes = read(folder / "rgb/0.jpg");
+  const auto format = [&folder](const std::string& encoding) {
+    CameraOptions options;
+    options.encoding = encoding;
+    return *open_image_source(folder.path().string(), options).source->next();
+  };
+  for (const char* as_is : {"auto", "jpeg"}) {
+    const image_t image = format(as_is);
+    EXPECT_EQ(image.pixelformat, image_t::PIXEL_FORMAT_MJPEG);
+    EXPECT_EQ(std::string(image.data.begin(), image.data.end()), bytes);
+  }
+  EXPECT_EQ(format("grey").pixelformat, image_t::PIXEL_FORMAT_GRAY);
+  EXPECT_EQ(format("rgb").pixelformat, image_t::PIXEL_FORMAT_RGB);
+  write_tum(folder.path(), 1, ".png");
+  EXPECT_EQ(format("auto").pixelformat, image_t::PIXEL_FORMAT_GRAY);
+  EXPECT_EQ(format("jpeg").pixelformat, image_t::PIXEL_FORMAT_MJPEG);
+  EXPECT_EQ(format("rgb").pixelformat, image_t::PIXEL_FORMAT_RGB);
+}
+
+TEST(ImageSource, BadFramesAreLeftOutAndCounted) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 10, ".jpg");
+  write(folder / "rgb/2.jpg", read(folder / "rgb/2.jpg").substr(0, 500));
+  write(folder / "rgb/3.jpg", "");
+  fs::remove(folder / "rgb/4.jpg");
+  write(folder / "rgb/5.jpg", std::string(1000, 'x'));
+  cv::imwrite(folder / "rgb/6.jpg", picture(6, 32, 48));
+  write(folder / "rgb.txt", read(folder / "rgb.txt") + "1000.9 rgb/8.jpg\n1000.85 rgb/8.jpg\nabc rgb/9.jpg\n1001.5\n");
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  ASSERT_EQ(opened.error, "");
+  EXPECT_THAT(times(*opened.source), ElementsAre(1000000000, 1000100000, 1000700000, 1000800000, 1000900000));
+  const SkippedFrames& skipped = opened.source->skipped();
+  EXPECT_EQ(skipped.unreadable, 4);
+  EXPECT_EQ(skipped.wrong_size, 1);
+  EXPECT_EQ(skipped.duplicate, 1);
+  EXPECT_EQ(skipped.out_of_order, 1);
+  EXPECT_EQ(skipped.malformed, 2);
+  EXPECT_THAT(skipped.to_string(), HasSubstr("4 unreadable images"));
+}
+
+TEST(ImageSource, CorruptPng) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  const std::string png = read(folder / "rgb/1.png");
+  write(folder / "rgb/1.png", png.substr(0, png.size() / 2));
+  EXPECT_THAT(times(folder.path()), ElementsAre(1000000000, 1000200000));
+}
+
+TEST(ImageSource, RefusesWhatCannotBeUsed) {
+  const TemporaryFolder folder;
+  write(folder / "empty_list/rgb.txt", "# nothing\n");
+  write(folder / "no_file/rgb.txt", "1.0 rgb/0.png\n");
+  write(folder / "binary/rgb.txt", std::string("\x00\x01\xff\n\x02", 5));
+  write(folder / "empty.lcm", "");
+  write(folder / "garbage.mp4", std::string(5000, 'g'));
+  for (const char* name : {"empty_list", "no_file", "binary"}) write(folder.path() / name / "calibration.yaml", kCalibration);
+  EXPECT_THAT(error_of(folder / "missing"), AllOf(HasSubstr("missing"), HasSubstr("no such file or folder")));
+  EXPECT_THAT(error_of(folder.path()), HasSubstr("no rgb.txt"));
+  EXPECT_THAT(error_of(folder / "empty_list"), AllOf(HasSubstr("rgb.txt"), HasSubstr("names no image")));
+  EXPECT_THAT(error_of(folder / "binary"), HasSubstr("rgb.txt:1: time is"));
+  EXPECT_THAT(error_of(folder / "no_file"), AllOf(HasSubstr("0.png"), HasSubstr("no such file")));
+  EXPECT_THAT(error_of(folder / "empty.lcm"), HasSubstr("is empty"));
+  EXPECT_THAT(error_of(folder / "garbage.mp4"), HasSubstr("neither an lcm log nor a video"));
+  EXPECT_THAT(error_of("/dev/video99"), HasSubstr("there is no such camera"));
+  EXPECT_THAT(error_of("/dev/null"), HasSubstr("is not a camera"));
+}
+
+TEST(ImageSource, RefusesACalibrationThatDoesNotFit) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 2);
+  CameraOptions options;
+  options.camera_file = folder / "other.yaml";
+  EXPECT_THAT(error_of(folder.path(), options), AllOf(HasSubstr("other.yaml"), HasSubstr("no such file")));
+  write(options.camera_file, "fx: 50\nfy: 50\ncx: 32\ncy: 24\nwidth: 640\nheight: 480\n");
+  EXPECT_THAT(error_of(folder.path(), options),
+              AllOf(HasSubstr("64 x 48"), HasSubstr("640 x 480"), HasSubstr("--camera")));
+  write(options.camera_file, "fx: nan\nfy: 50\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n");
+  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("fx is 'nan'"));
+  fs::remove(folder / "calibration.yaml");
+  EXPECT_THAT(error_of(folder.path()), AllOf(HasSubstr("no calibration"), HasSubstr("--camera FILE")));
+}
+
+TEST(ImageSource, RealDatasetsOpen) {
+  const char* variable = std::getenv("RUMI_DATA_DIR");
+  const fs::path data = variable ? fs::path(variable) : fs::path(RUMI_SOURCE_DIR) / "../shared/data";
+  if (!fs::exists(data / "redkitchen"))
+    GTEST_SKIP() << "*** NOT TESTED: no real recordings in " << data << "; set RUMI_DATA_DIR to their folder";
+  const std::pair<const char*, size_t> recordings[] = {{"redkitchen", 1000},
+                                                       {"redkitchen_soft", 1000},
+                                                       {"hololens", 373},
+                                                       {"v1_03_rendered", 2092},
+                                                       {"fr3_office_1hz", 17}};
+  for (const auto& [name, count] : recordings) EXPECT_EQ(times(data / name, {}, 5000).size(), count) << name;
+}
+
+}  // namespace
+}  // namespace rumi::camera_driver

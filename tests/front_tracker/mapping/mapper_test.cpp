@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "bus/wire/submap_update.h"
+#include "front_tracker/mapping/mapper.h"
+#include "front_tracker/matching/projection_search.h"
+#include "front_tracker/relocalization/relocalizer.h"
+#include "tests/front_tracker/feature_scene.h"
+#include "tests/front_tracker/slip.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+std::vector<SE3> walk(int count) {
+  std::vector<SE3> poses;
+  poses.reserve(count);
+  for (int i = 0; i < count; ++i) poses.push_back(SyntheticScene::pose(0.12 * i, 0.02 * i, 0.03 * i, -0.02 * i));
+  return poses;
+}
+
+std::vector<const Landmark*> all_landmarks(const FrontSubmap& s) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : s.map.landmarks) landmarks.push_back(&lm);
+  return landmarks;
+}
+
+TEST(ProjectionSearch, FindsTheRightKeypoints) {
+  FeatureScene scene(1);
+  const auto s = scene.submap(walk(4));
+  std::vector<int> point_of;
+  const SE3 truth = SyntheticScene::pose(0.2, 0.02, 0, -0.03);
+  Frame frame = scene.frame(1, truth, &point_of);
+  // 15 px off at the mean depth.
+  frame.cam_from_submap = SyntheticScene::pose(0.2, 0.02, 0, -0.01);
+  std::vector<int> visible;
+  const int found =
+      search_by_projection(test_camera(), all_landmarks(*s), {.radius_px = 20}, s->octave_scales, &frame, &visible);
+  EXPECT_GT(found, 0.9 * static_cast<double>(visible.size()));
+  for (size_t i = 0; i < point_of.size(); ++i)
+    if (frame.landmark_ids[i] != kNone) {
+      ASSERT_NE(point_of[i], kNone);
+      EXPECT_EQ(s->map.landmark(frame.landmark_ids[i])->position, scene.points()[point_of[i]]);
+    }
+  EXPECT_GT(refine_pose(test_camera(), s->map, s->octave_scales, &frame), 200);
+  EXPECT_LT(rotation_error_deg(frame.cam_from_submap, truth), 0.1);
+}
+
+TEST(ProjectionSearch, SeesNothingBehindOrFromTheOtherSide) {
+  FeatureScene scene(2);
+  const auto s = scene.submap(walk(3));
+  Frame frame = scene.frame(1, SE3());
+  frame.cam_from_submap = SyntheticScene::pose(0, 0, 0, M_PI);
+  EXPECT_EQ(search_by_projection(test_camera(), all_landmarks(*s), {}, s->octave_scales, &frame), 0);
+  frame.cam_from_submap = SyntheticScene::pose(0, 0, 12, M_PI);
+  EXPECT_EQ(search_by_projection(test_camera(), all_landmarks(*s), {}, s->octave_scales, &frame), 0);
+}
+
+TEST(Mapper, MakesTrueLandmarksAndImprovesWhatIsThere) {
+  FeatureScene scene(3);
+  const std::vector<SE3> poses = walk(6);
+  auto s = scene.submap(poses);
+  // Forget two thirds of the landmarks, disturb the others and the younger keyframes.
+  SyntheticScene random(4);
+  for (int id = 0; id < 400; ++id) s->map.remove_landmark(id);
+  for (auto& [id, lm] : s->map.landmarks) lm.position *= 1 + random.uniform(-0.03, 0.03);
+  for (auto& [id, kf] : s->map.keyframes) {
+    if (id < 2) continue;
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = random.uniform(-0.003, 0.003);
+    kf.cam_from_submap = SE3::exp(twist) * kf.cam_from_submap;
+  }
+  const size_t before = s->map.landmarks.size();
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  const Mapper mapper(test_camera(), options);
+  std::mutex mutex;
+  for (int id = 0; id < 6; ++id) mapper.process(*s, id, mutex);
+  EXPECT_GT(s->map.landmarks.size(), before + 150);
+  for (int id = 2; id < 6; ++id) {
+    EXPECT_LT(rotation_error_deg(s->map.keyframe(id)->cam_from_submap, poses[id]), 0.2);
+    EXPECT_LT((s->map.keyframe(id)->cam_from_submap.center() - poses[id].center()).norm(), 0.02);
+  }
+  int wrong = 0;
+  for (const auto& [id, lm] : s->map.landmarks) {
+    double nearest = 1e9;
+    for (const Eigen::Vector3d& p : scene.points()) nearest = std::min(nearest, (p - lm.position).norm() / p.z());
+    wrong += nearest > 0.25;  // half a pixel at the least parallax allowed, 1 degree, is 8 % of the depth
+  }
+  EXPECT_LT(wrong, 0.02 * static_cast<double>(s->map.landmarks.size()));
+}
+
+// A point behind a camera that is said to see it: the solver would not begin, in this and every later adjustment.
+TEST(Mapper, PointBehindACameraIsPutRightAndStopsNothing) {
+  FeatureScene scene(6);
+  const std::vector<SE3> poses = walk(5);
+  auto s = scene.submap(poses);
+  SyntheticScene random(7);
+  for (auto& [id, kf] : s->map.keyframes) {
+    if (id < 2) continue;
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = random.uniform(-0.01, 0.01);
+    kf.cam_from_submap = SE3::exp(twist) * kf.cam_from_submap;
+  }
+  const int lost = s->map.landmarks.begin()->first;
+  s->map.landmark(lost)->position = {0, 0, -5};
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  const Mapper mapper(test_camera(), options);
+  std::mutex mutex;
+  mapper.process(*s, 4, mutex);
+  for (int id = 2; id < 5; ++id) {
+    EXPECT_LT(rotation_error_deg(s->map.keyframe(id)->cam_from_submap, poses[id]), 0.1);
+    EXPECT_LT((s->map.keyframe(id)->cam_from_submap.center() - poses[id].center()).norm(), 0.01);
+  }
+  EXPECT_FALSE(s->map.landmark(lost)) << "nothing sees it";
+}
+
+// The narrow adjustment leaves older keyframes where they are, the wide one after every eighth keyframe does not.
+TEST(Mapper, NowAndThenAdjustsAWideNeighbourhood) {
+  FeatureScene scene(8);
+  const std::vector<SE3> poses = walk(10);
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  options.bundle_keyframes = 3;
+  options.bundle_fixed_keyframes = 7;
+  options.bundle_wide_every = 8;
+  const auto error_after_keyframe = [&](int newest) {
+    auto s = scene.submap(poses);
+    Keyframe& old = *s->map.keyframe(3);
+    old.cam_from_submap = SE3::exp((Vector6d() << .01, -.02, .01, .003, .004, -.003).finished()) * old.cam_from_submap;
+    std::mutex mutex;
+    Mapper(test_camera(), options).process(*s, newest, mutex);
+    return (s->map.keyframe(3)->cam_from_submap.center() - poses[3].center()).norm();
+  };
+  EXPECT_GT(error_after_keyframe(8), .02);
+  EXPECT_LT(error_after_keyframe(7), .005);
+  options.bundle_wide_every = 0;
+  EXPECT_GT(error_after_keyframe(7), .02);
+}
+
+TEST(Mapper, DropsRedundantKeyframesAndKeepsTheirFrames) {
+  FeatureScene scene(5);
+  std::vector<SE3> poses;
+  poses.reserve(10);
+  for (int i = 0; i < 10; ++i) poses.push_back(SyntheticScene::pose(0.02 * i, 0, 0));
+  auto s = scene.submap(poses);
+  const Mapper mapper(test_camera(), {});
+  std::mutex mutex;
+  mapper.process(*s, 9, mutex);
+  EXPECT_LT(s->map.keyframes.size(), 10u);
+  EXPECT_TRUE(s->map.keyframes.contains(0));
+  ASSERT_EQ(s->map.frames.size(), 10u);
+  for (const auto& [utime, frame] : s->map.frames) {
+    ASSERT_NE(s->map.keyframe(frame.reference_keyframe), nullptr);
+    const SE3& truth = poses[static_cast<size_t>(utime / 100'000 - 1)];
+    EXPECT_LT((s->map.cam_from_submap(frame).center() - truth.center()).norm(), 0.02);
+  }
+}
+
+TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
+  int found = 0, tried = 0;
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed), elsewhere(seed + 50);
+    const auto s = scene.submap(walk(5));
+    Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
+    for (const auto& [id, kf] : s->map.keyframes) relocalizer.add_keyframe(0, s->map, kf);
+    SyntheticScene random(seed);
+    for (int i = 0; i < 5; ++i) {
+      const SE3 truth = SyntheticScene::pose(random.uniform(0, 0.5), random.uniform(-0.1, 0.1),
+                                             random.uniform(-0.3, 0.3), random.uniform(-0.15, 0.1));
+      Frame frame = scene.frame(1, truth), foreign = elsewhere.frame(1, truth);
+      ++tried;
+      for (const auto& c : relocalizer.candidates(frame))
+        if (relocalizer.relocalize(s->map, c.keyframe_id, &frame)) {
+          ++found;
+          EXPECT_LT(rotation_error_deg(frame.cam_from_submap, truth), 0.3);
+          EXPECT_LT((frame.cam_from_submap.center() - truth.center()).norm(), 0.03);
+          break;
+        }
+      for (const auto& [id, kf] : s->map.keyframes) EXPECT_FALSE(relocalizer.relocalize(s->map, id, &foreign));
+      EXPECT_EQ(foreign.matches(), 0) << "a failed try leaves the frame as it was";
+    }
+  }
+  EXPECT_EQ(found, tried);
+}
+
+// A second later, with landmarks of its own: of what it sees nothing hangs on what was there before.
+void append(const FrontSubmap& end, FrontSubmap* s) {
+  std::map<int, int> id_of;
+  for (const auto& [id, kf] : end.map.keyframes) {
+    Frame frame;
+    frame.utime_us = kf.utime_us + 1'000'000;
+    frame.features = kf.features;
+    frame.cam_from_submap = kf.cam_from_submap;
+    frame.clear_matches();
+    const int added = s->add_keyframe(&frame).id;
+    for (size_t i = 0; i < kf.landmark_ids.size(); ++i) {
+      const int theirs = kf.landmark_ids[i];
+      if (theirs == kNone) continue;
+      if (!id_of.contains(theirs)) id_of[theirs] = s->add_landmark(end.map.landmark(theirs)->position).id;
+      s->map.add_observation(id_of[theirs], added, static_cast<int>(i));
+    }
+  }
+}
+
+TEST(Relocalizer, SeesThatASubmapIsTorn) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    FeatureScene scene(seed);
+    const std::vector<SE3> poses = walk(6);
+    const auto s = scene.submap({poses.begin(), poses.begin() + 4});
+    append(*scene.submap({poses.begin() + 4, poses.end()}), s.get());
+    const Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
+    Frame frame = scene.frame(1, poses[3]);
+    ASSERT_TRUE(relocalizer.relocalize(s->map, 3, &frame));
+    for (int id = 0; id < 6; ++id) EXPECT_FALSE(relocalizer.contradicts(s->map, id, frame)) << id;
+    testing::slip(s.get(), 1'000'000);
+    for (int id = 0; id < 6; ++id) EXPECT_EQ(relocalizer.contradicts(s->map, id, frame), id >= 4) << id;
+    FeatureScene elsewhere(seed + 50);
+    Frame foreign = elsewhere.frame(1, poses[3]);
+    EXPECT_FALSE(relocalizer.contradicts(s->map, 5, foreign)) << "it sees nothing of that";
+    EXPECT_FALSE(relocalizer.contradicts(s->map, 99, frame)) << "there is no such keyframe";
+  }
+}
+
+TEST(FrontSubmap, ItsEndIsCutOffHereAndInCopies) {
+  FeatureScene scene(3);
+  auto s = scene.submap(walk(6));  // at 100, 200, ..., 600 ms
+  ++s->map.revision;
+  Submap copy;
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, 0), &copy), "");
+  ASSERT_EQ(copy.frames.size(), 6u);
+  ++s->map.revision;
+  s->cut_end(400'000);
+  EXPECT_EQ(s->map.keyframes.size(), 3u);
+  EXPECT_EQ(s->map.frames.size(), 3u);
+  EXPECT_EQ(s->map.frames.rbegin()->first, 300'000);
+  for (const auto& [id, lm] : s->map.landmarks) {
+    EXPECT_GE(lm.observations.size(), 2u);
+    for (const Observation& o : lm.observations) EXPECT_LT(o.keyframe_id, 3);
+  }
+  for (const auto& [utime, frame] : s->map.frames) EXPECT_NE(s->map.keyframe(frame.reference_keyframe), nullptr);
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, copy.revision), &copy), "");
+  EXPECT_EQ(copy.frames.size(), 3u);
+  EXPECT_EQ(copy.keyframes.size(), 3u);
+  EXPECT_EQ(copy.landmarks.size(), s->map.landmarks.size());
+  Frame next = scene.frame(7'000'000, SE3());
+  EXPECT_EQ(s->add_keyframe(&next).id, 6) << "no number is given twice";
+}
+
+TEST(Relocalizer, ForgetsKeyframesThatWereCulled) {
+  FeatureScene scene(1);
+  FrontSubmap first, second;
+  Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
+  const auto add = [&](size_t index, FrontSubmap& submap) {
+    Frame frame = scene.frame(1, SE3());
+    relocalizer.add_keyframe(index, submap.map, submap.add_keyframe(&frame));
+  };
+  for (int i = 0; i < 3; ++i) add(0, first);
+  add(1, second);
+  EXPECT_EQ(relocalizer.size(), 4u);
+  first.remove_keyframe(1, 0);
+  add(1, second);
+  EXPECT_EQ(relocalizer.size(), 5u) << "another submap's keyframes are not looked at";
+  add(0, first);
+  EXPECT_EQ(relocalizer.size(), 5u);
+}
+
+}  // namespace
+}  // namespace rumi::front_tracker

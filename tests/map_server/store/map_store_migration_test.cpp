@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files of older schema versions are brought to ours, whole or not at all.
+#include <gmock/gmock.h>
+
+#include "map_server/store/blob.h"
+#include "map_server/store/map_store.h"
+#include "map_server/store/map_store_schema.h"
+#include "tests/map_server/test_atlas.h"
+
+namespace rumi::map_server {
+namespace {
+
+using testing::expect_same;
+using ::testing::HasSubstr;
+using testing::make_submap;
+using testing::TemporaryFolder;
+using testing::update_atlas;
+
+// As version 1 had it.
+constexpr const char* kSchema1 = R"sql(
+CREATE TABLE atlas (                      -- one row
+  map_revision INTEGER NOT NULL           -- rises whenever anything of the served map changed
+);
+INSERT INTO atlas VALUES (0);
+
+CREATE TABLE cameras (
+  camera INTEGER PRIMARY KEY,
+  model INTEGER NOT NULL,                 -- 0 pinhole (k1 k2 p1 p2 k3), 1 Kannala-Brandt fisheye (k1 k2 k3 k4)
+  width INTEGER NOT NULL, height INTEGER NOT NULL,                                                 -- pixels
+  fx REAL NOT NULL, fy REAL NOT NULL, cx REAL NOT NULL, cy REAL NOT NULL,                          -- pixels
+  k1 REAL NOT NULL, k2 REAL NOT NULL, p1 REAL NOT NULL, p2 REAL NOT NULL, k3 REAL NOT NULL, k4 REAL NOT NULL,
+  fps REAL NOT NULL                       -- nominal, 0 = unknown
+);
+
+CREATE TABLE submaps (
+  submap INTEGER PRIMARY KEY,
+  session INTEGER NOT NULL,               -- the run of front_tracker that made it
+  id INTEGER NOT NULL,                    -- front: 1, 2, ...; back: -1, -2, ...
+  kind INTEGER NOT NULL,                  -- 0 front, 1 back
+  closed INTEGER NOT NULL,                -- 1: its maker adds nothing more
+  revision INTEGER NOT NULL,
+  camera INTEGER NOT NULL REFERENCES cameras,
+  in_map INTEGER NOT NULL DEFAULT 0,      -- 1: part of the served map
+  map_from_submap BLOB,                   -- similarity, where in_map
+  UNIQUE (session, id)
+);
+
+CREATE TABLE keyframes (
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  utime INTEGER NOT NULL,
+  cam_from_submap BLOB NOT NULL,          -- pose
+  revision INTEGER NOT NULL,              -- of the submap when this last changed
+  created_revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE features (                   -- of a keyframe; written once
+  submap INTEGER NOT NULL REFERENCES submaps,
+  keyframe INTEGER NOT NULL,
+  keypoints BLOB NOT NULL,                -- n x 3 float32: x, y (pixels as detected), angle (radians)
+  octaves BLOB NOT NULL,                  -- n uint8
+  descriptors BLOB NOT NULL,              -- n x 32 bytes
+  PRIMARY KEY (submap, keyframe)
+);
+
+CREATE TABLE observations (               -- of a keyframe
+  submap INTEGER NOT NULL REFERENCES submaps,
+  keyframe INTEGER NOT NULL,
+  pairs BLOB NOT NULL,                    -- m x 2 int32: this keypoint (index) sees this landmark (id)
+  PRIMARY KEY (submap, keyframe)
+);
+
+CREATE TABLE landmarks (
+  submap INTEGER NOT NULL REFERENCES submaps,
+  id INTEGER NOT NULL,
+  position BLOB NOT NULL,                 -- 3 float64, in the submap
+  descriptor BLOB NOT NULL,               -- 32 bytes
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, id)
+) WITHOUT ROWID;
+
+CREATE TABLE removed (                    -- so that a copy elsewhere can be told
+  submap INTEGER NOT NULL REFERENCES submaps,
+  what INTEGER NOT NULL,                  -- 0 keyframe, 1 landmark
+  id INTEGER NOT NULL,
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, what, id)
+) WITHOUT ROWID;
+
+CREATE TABLE frame_poses (                -- cam_from_submap = cam_from_keyframe * keyframe.cam_from_submap
+  submap INTEGER NOT NULL REFERENCES submaps,
+  utime INTEGER NOT NULL,
+  reference_keyframe INTEGER NOT NULL,
+  cam_from_keyframe BLOB NOT NULL,        -- pose
+  revision INTEGER NOT NULL,
+  PRIMARY KEY (submap, utime)
+) WITHOUT ROWID;
+
+CREATE TABLE frames (                     -- what front_tracker said when it saw the frame
+  utime INTEGER PRIMARY KEY,
+  session INTEGER NOT NULL,
+  state INTEGER NOT NULL,                 -- 0 NOT_INITIALIZED, 1 TRACKING, 2 RECENTLY_LOST, 3 LOST
+  submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, -1: in none
+);
+)sql";
+
+// All that version 1 could hold of the atlas, written by its schema. What was not changed since is copied from a file
+// of this version.
+void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& map_from_submap) {
+  const std::string present = file + ".present";
+  {
+    MapStore store(present);
+    std::vector<int64_t> utimes;
+    for (const auto& [utime_us, record] : atlas.frames()) utimes.push_back(utime_us);
+    ASSERT_EQ(store.save(atlas, utimes), "");
+  }
+  Database database(file);
+  database.execute(kSchema1);
+  Statement(database, "ATTACH ? AS present").bind(present).run();
+  database.execute("DELETE FROM atlas");
+  for (const std::string table :
+       {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "frame_poses", "frames"})
+    database.execute("INSERT INTO main." + table + " SELECT * FROM present." + table);
+  const SimilarityNumbers numbers = similarity_numbers(map_from_submap);
+  Statement(database,
+            "INSERT INTO main.submaps SELECT submap, session, id, kind, closed, revision, camera, in_map, ? "
+            "FROM present.submaps")
+      .bind(as_blob(numbers))
+      .run();
+  database.execute("PRAGMA application_id = 1381322057; PRAGMA user_version = 1");
+}
+
+Atlas old_atlas() {
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 12));
+  update_atlas(&atlas, make_submap({7, 2}, 2, 5, 9'000'000));
+  atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
+  return atlas;
+}
+
+std::string columns(const std::string& file) {
+  Database database(file);
+  std::string all;
+  Statement tables(database, "SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name");
+  while (tables.step()) {
+    const std::span<const uint8_t> bytes = tables.blob(0);
+    const std::string name(bytes.begin(), bytes.end());
+    all += name + ": " +
+           database.text(
+               "SELECT group_concat(name || ' ' || type || ' ' || \"notnull\" || ' ' || pk) FROM "
+               "pragma_table_info('" +
+               name + "')") +
+           "\n";
+  }
+  return all;
+}
+
+TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
+  const TemporaryFolder folder;
+  Atlas atlas = old_atlas();
+  write_version_1(atlas, folder / "map.db", Sim3());
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+    update_atlas(&atlas, make_submap({7, 1}, 1, 14));  // it goes on
+    atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 1)}});
+    ASSERT_EQ(store.save(atlas, {}), "");
+  }
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+  }
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
+  const TemporaryFolder folder;
+  const Atlas atlas = old_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {500'000}), "");
+  }
+  Database(folder / "map.db")
+      .execute(
+          "CREATE TABLE removed (submap INTEGER NOT NULL REFERENCES submaps, what INTEGER NOT NULL, id INTEGER NOT "
+          "NULL, revision INTEGER NOT NULL, PRIMARY KEY (submap, what, id)) WITHOUT ROWID;"
+          "INSERT INTO removed VALUES (1, 1, 5, 3); PRAGMA user_version = 2");
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+  }
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+TEST(MapStoreMigration, ASimilarityOfVersion1BecomesAPlacement) {
+  const TemporaryFolder folder;
+  const Sim3 map_from_submap(2.5, so3_exp({0.1, -0.7, 0.3}), Eigen::Vector3d(4, 5, 6));
+  const Atlas atlas = old_atlas();
+  write_version_1(atlas, folder / "map.db", map_from_submap);
+  MapStore store(folder / "map.db");
+  const Atlas loaded = store.load();
+  EXPECT_TRUE(loaded.find({7, 1})->in_map);
+  Placement expected;
+  expected.map_from_submap[loaded.find({7, 1})->submap.keyframes.begin()->second.utime_us] = map_from_submap;
+  expected.revision = atlas.revision();
+  expect_same(expected, loaded.find({7, 1})->placement);
+  expect_same(Placement(), loaded.find({7, 2})->placement);  // not in the map
+}
+
+TEST(MapStoreMigration, WhatCannotBeBroughtOverIsLeftAsItIs) {
+  const TemporaryFolder folder;
+  write_version_1(old_atlas(), folder / "map.db", Sim3());
+  Database(folder / "map.db").execute("CREATE TABLE links (x)");  // in the way
+  try {
+    MapStore store(folder / "map.db");
+    FAIL() << "opened";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("map.db"));
+  }
+  Database database(folder / "map.db");
+  EXPECT_EQ(database.integer("PRAGMA user_version"), 1);
+  EXPECT_EQ(database.integer("SELECT count(*) FROM sqlite_master WHERE name LIKE 'placed%'"), 0);
+  EXPECT_EQ(database.integer("SELECT count(map_from_submap) FROM submaps"), 2);
+}
+
+}  // namespace
+}  // namespace rumi::map_server

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a recording to the outputs, by the executable.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "map_server/store/map_store.h"
+#include "tests/rumi/commands/end_to_end.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class ReplayTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    work_ = new WorkFolder;
+    sequence_ = render(*work_, "--seconds 8");
+  }
+  static void TearDownTestSuite() { delete work_; }
+
+  static Outcome replay(const fs::path& input, const fs::path& out, const std::string& flags = "") {
+    return replay_aloud(input, out, "-q " + flags);
+  }
+  static Outcome replay_aloud(const fs::path& input, const fs::path& out, const std::string& flags = "") {
+    return shell("$RUMI/rumi replay '" + input.string() + "' -o '" + out.string() + "' " + flags);
+  }
+  // All files below a folder, but for run.json, which has times in it.
+  static std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      const std::string name = fs::relative(entry.path(), folder).string();
+      if (entry.is_regular_file() && name != "run.json") files[name] = read_file(entry.path());
+    }
+    return files;
+  }
+  // windows.csv without its last two columns, which are times.
+  static std::string without_times(const std::string& csv) {
+    std::istringstream lines(csv);
+    std::string rest;
+    for (std::string line; std::getline(lines, line); rest += line + "\n")
+      for (int i = 0; i < 2; ++i) line.resize(std::min(line.size(), line.rfind(',')));
+    return rest;
+  }
+  static void expect_same(const fs::path& a, const fs::path& b) {
+    auto first = contents(a), second = contents(b);
+    for (auto* files : {&first, &second}) (*files)["windows.csv"] = without_times((*files)["windows.csv"]);
+    ASSERT_EQ(first.size(), second.size());
+    for (const auto& [name, bytes] : first) {
+      ASSERT_TRUE(second.count(name)) << name;
+      EXPECT_TRUE(bytes == second.at(name)) << name << " differs";
+    }
+    auto run_a = read_json_file(a / "run.json"), run_b = read_json_file(b / "run.json");
+    for (const char* varying : {"cpu_ms_per_frame", "cpu_s", "wall_s", "peak_rss_mb"}) {
+      EXPECT_TRUE(run_a.contains(varying)) << varying;
+      run_a.erase(varying), run_b.erase(varying);
+    }
+    EXPECT_EQ(run_a, run_b);
+  }
+  static WorkFolder* work_;
+  static fs::path sequence_;
+};
+WorkFolder* ReplayTest::work_ = nullptr;
+fs::path ReplayTest::sequence_;
+
+TEST_F(ReplayTest, TracksARenderedRoomTheSameToTheBitEveryTime) {
+  const fs::path first = work_->path / "first", second = work_->path / "second";
+  const Outcome outcome = replay(sequence_, first);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  ASSERT_EQ(replay(sequence_, second).exit_code, 0);
+  for (const char* name :
+       {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.db", "map.ply", "trajectory.png", "run.json"}) {
+    EXPECT_TRUE(fs::exists(first / name)) << name;
+  }
+  expect_same(first, second);
+
+  const auto figures = evaluate(first, sequence_ / "groundtruth.txt");
+  EXPECT_EQ(figures["frames"], 240);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.9);
+  EXPECT_GE(figures["true_rate"], 0.9);
+  EXPECT_LE(figures["ate_rmse_m"], 0.05);
+  EXPECT_TRUE(fs::exists(first / "evaluation.png"));
+}
+
+TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
+  const fs::path first = work_->path / "recorded", second = work_->path / "from_log", log = work_->path / "bus.lcm";
+  const std::string flag = "--log '" + log.string() + "'";
+  ASSERT_EQ(replay(sequence_, first, "--duration 3 " + flag).exit_code, 0);
+  const std::string bytes = read_file(log);
+  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS"})
+    EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
+  EXPECT_EQ(bytes.find("RUMI_MAP_CHUNK"), std::string::npos);
+  EXPECT_EQ(bytes.find("RUMI_SUBMAP"), std::string::npos);
+  ASSERT_EQ(replay(log, second).exit_code, 0);
+  EXPECT_EQ(read_file(first / "trajectory.txt"), read_file(second / "trajectory.txt"));
+
+  const Outcome itself = replay(log, second, flag);
+  EXPECT_EQ(itself.exit_code, 1);
+  EXPECT_THAT(itself.output, HasSubstr("input itself"));
+  EXPECT_TRUE(read_file(log) == bytes) << "it must survive that";
+  EXPECT_EQ(replay(sequence_, second, "--log /proc/bus.lcm").exit_code, 1);
+  const Outcome no_loss =
+      shell("$RUMI/rumi draw-window '" + log.string() + "' -o '" + (second / "w.png").string() + "'");
+  EXPECT_EQ(no_loss.exit_code, 1);
+  EXPECT_THAT(no_loss.output, HasSubstr("no window"));
+}
+
+TEST_F(ReplayTest, LocalizesInTheMapOfAnEarlierRun) {
+  const fs::path first = work_->path / "to_localize_in", second = work_->path / "localized", map = first / "map.db";
+  ASSERT_EQ(replay(sequence_, first, "--duration 5").exit_code, 0);
+  const std::string bytes = read_file(map);
+  const std::string flags = "--start 3 --set map_server.localize_only=true --set map_server.database=";
+  const Outcome outcome = replay(sequence_, second, flags + "'" + map.string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(read_file(map) == bytes);
+  const auto figures = evaluate(second, sequence_ / "groundtruth.txt");
+  EXPECT_GE(figures["tracked_frames"], 0.95 * 240) << "old and new";
+  EXPECT_GE(figures["true_rate"], 0.9);
+  EXPECT_LE(figures["ate_rmse_m"], 0.05);
+
+  const Outcome absent = replay(sequence_, second, flags + "absent.db");
+  EXPECT_EQ(absent.exit_code, 1);
+  EXPECT_THAT(absent.output, HasSubstr("absent.db: there is no such map"));
+}
+
+TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
+  const fs::path out = work_->path / "map", model = work_->path / "model";
+  ASSERT_EQ(replay(sequence_, out, "--duration 4").exit_code, 0);
+  const Outcome outcome =
+      shell("$RUMI/rumi export-map '" + (out / "map.db").string() + "' -o '" + model.string() +
+            "' --format tum && $RUMI/rumi export-map '" + (out / "map.db").string() + "' -o '" + model.string() +
+            "' --format colmap-text && colmap model_analyzer --path '" + model.string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(read_file(model / "trajectory.txt"), read_file(out / "trajectory.txt")) << "the database forgot something";
+  EXPECT_THAT(outcome.output, HasSubstr("Registered images"));
+}
+
+TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
+  const auto refused = [&](const fs::path& input, const std::string& flags = "") {
+    const fs::path out = work_->path / "never";
+    const Outcome outcome = replay(input, out, flags);
+    EXPECT_NE(outcome.exit_code, 0) << outcome.output;
+    EXPECT_FALSE(fs::exists(out / "trajectory.txt"));
+    return outcome.output;
+  };
+  EXPECT_THAT(refused(work_->path / "absent"), HasSubstr("absent"));
+
+  const fs::path empty = work_->path / "empty";
+  fs::create_directories(empty);
+  fs::copy(sequence_ / "calibration.yaml", empty / "calibration.yaml");
+  std::ofstream(empty / "rgb.txt") << "# timestamp filename\n";
+  EXPECT_THAT(refused(empty), HasSubstr("rgb.txt"));
+
+  std::ofstream(work_->path / "nan.yaml")
+      << "fx: .nan\nfy: 525\ncx: 320\ncy: 240\nk1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\nwidth: 640\nheight: 480\n";
+  EXPECT_THAT(refused(sequence_, "--camera '" + (work_->path / "nan.yaml").string() + "'"), HasSubstr("fx"));
+  std::ofstream(work_->path / "small.yaml")
+      << "fx: 262\nfy: 262\ncx: 160\ncy: 120\nk1: 0\nk2: 0\np1: 0\np2: 0\nk3: 0\nwidth: 320\nheight: 240\n";
+  EXPECT_THAT(refused(sequence_, "--camera '" + (work_->path / "small.yaml").string() + "'"), HasSubstr("320"));
+
+  EXPECT_THAT(refused(sequence_, "--set front_tracker.keypoint=5"), HasSubstr("front_tracker.keypoints"));
+  EXPECT_THAT(refused(sequence_, "--config /no/such.yaml"), HasSubstr("/no/such.yaml"));
+}
+
+TEST_F(ReplayTest, OverwritesNothingButItsOwn) {
+  const fs::path foreign = work_->path / "foreign";
+  fs::create_directories(foreign);
+  std::ofstream(foreign / "trajectory.txt") << "the only copy";
+  const Outcome mixed = replay(sequence_, foreign);
+  EXPECT_EQ(mixed.exit_code, 1);
+  EXPECT_THAT(mixed.output, HasSubstr("trajectory.txt would be overwritten"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(foreign), {}), 1);
+  EXPECT_EQ(replay(sequence_, "/proc/rumi").exit_code, 1);
+}
+
+TEST_F(ReplayTest, WhatItSaysMayGoIntoItsFolder) {
+  const fs::path out = work_->path / "with_log";
+  fs::create_directories(out);
+  const std::string command = "$RUMI/rumi replay '" + sequence_.string() + "' -o '" + out.string() + "' --duration 2";
+  const Outcome outcome = shell(command + " > '" + (out / "log.txt").string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+  EXPECT_THAT(read_file(out / "log.txt"), HasSubstr("frames have a pose in the map"));
+}
+
+// A turn that is too fast: front_tracker begins anew after it, the ruminator rebuilds what it lost.
+class ReplayOfALoss : public ReplayTest {
+ protected:
+  static void SetUpTestSuite() {
+    work_ = new WorkFolder;
+    sequence_ = render(*work_, "--seconds 10 --hard rotation --at 4 --for 1.5");
+    outcome_ = replay_aloud(sequence_, work_->path / "out");
+  }
+  void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
+  static int accepted_links(const fs::path& out) {
+    const map_server::Atlas atlas = map_server::MapStore((out / "map.db").string()).load();
+    return static_cast<int>(std::count_if(atlas.links().begin(), atlas.links().end(),
+                                          [](const map_server::Link& link) { return link.accepted(); }));
+  }
+  static Outcome outcome_;
+};
+Outcome ReplayOfALoss::outcome_;
+
+TEST_F(ReplayOfALoss, LeavesOneMap) {
+  const fs::path out = work_->path / "out";
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_GE(figures["submaps"], 3);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.97);
+  EXPECT_GE(figures["true_rate"], 0.97);
+  EXPECT_LE(figures["ate_rmse_m"], 0.03);
+  EXPECT_GE(accepted_links(out), 2);
+}
+
+// Each once: that the submap begins, the loss, the window, the map that comes of it; and what is where at the end.
+TEST_F(ReplayOfALoss, IsTold) {
+  const auto lines = [&](const std::string& words) {
+    std::istringstream text(outcome_.output);
+    int count = 0;
+    for (std::string line; std::getline(text, line);) count += line.find(words) != std::string::npos;
+    return count;
+  };
+  EXPECT_EQ(lines("submap 1 begins at"), 1) << outcome_.output;
+  EXPECT_EQ(lines("lost at 4."), 1) << outcome_.output;
+  EXPECT_EQ(lines("; submap 2 begins"), 1) << outcome_.output;
+  EXPECT_EQ(lines("window 1"), 1) << outcome_.output;
+  EXPECT_EQ(lines("are one map"), 1) << outcome_.output;
+  EXPECT_EQ(lines("rumi info"), 4 + lines(" per second")) << outcome_.output;
+  EXPECT_EQ(lines("have a pose in the map"), 1) << outcome_.output;
+}
+
+TEST_F(ReplayOfALoss, WithoutMergingTheMapIsTheLargestFrontSubmap) {
+  const fs::path out = work_->path / "unmerged";
+  const Outcome outcome = replay(sequence_, out, "--set map_server.merge=false");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_GE(figures["submaps"], 3);
+  int most = 0;
+  for (const auto& submap : figures["per_submap"]) most = std::max(most, submap["frames"].get<int>());
+  EXPECT_EQ(figures["tracked_frames"], most);
+  EXPECT_LE(figures["tracked_frame_ratio"], 0.6);
+  EXPECT_EQ(accepted_links(out), 0);
+  for (const char* submap : {"submaps/001.txt", "submaps/002.txt"})
+    EXPECT_EQ(read_file(out / submap), read_file(work_->path / "out" / submap)) << "merging changes no front submap";
+}
+
+// The back submap, by replay and once more from the window's file.
+TEST_F(ReplayOfALoss, IsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
+  const fs::path out = work_->path / "out", again = work_->path / "again";
+  const auto run = read_json_file(out / "run.json");
+  ASSERT_EQ(run["windows"]["complete"], 1);
+  EXPECT_EQ(run["windows"]["rebuilt"], 1);
+  ASSERT_TRUE(fs::exists(out / "submaps/b001.txt"));
+
+  const Outcome rebuilt =
+      shell("$RUMI/rumi ruminate '" + (out / "windows").string() + "' -q --json -o '" + again.string() + "' --truth '" +
+            (sequence_ / "groundtruth.txt").string() + "' 2>/dev/null");
+  ASSERT_EQ(rebuilt.exit_code, 0) << rebuilt.output;
+  const auto row = nlohmann::json::parse(rebuilt.output, nullptr, /*allow_exceptions=*/false);
+  ASSERT_TRUE(row.is_object()) << rebuilt.output;
+  EXPECT_GE(row["registered_gap"].get<double>(), 0.9 * row["gap"].get<double>());
+  EXPECT_GE(row["shared_before"], 8);
+  EXPECT_LE(row["ate_percent"], 5.0);
+  const std::string name = row["window"];
+  const fs::path uncut = work_->path / "uncut";
+  ASSERT_EQ(replay(sequence_, uncut, "--set map_server.cull_back_keyframes=false").exit_code, 0);
+  EXPECT_EQ(read_file(again / (name + ".txt")), read_file(uncut / "submaps/b001.txt"));
+  // Post-culling: fewer keyframes, the same frames.
+  const auto back = [](const fs::path& folder) {
+    return map_server::MapStore(folder / "map.db").load().submaps().begin()->second;
+  };
+  EXPECT_EQ(back(uncut).submap.kind, SubmapKind::kBack);
+  EXPECT_LT(back(out).submap.keyframes.size(), back(uncut).submap.keyframes.size());
+  EXPECT_EQ(back(out).submap.frames.size(), back(uncut).submap.frames.size());
+  EXPECT_LT(fs::file_size(out / "map.db"), fs::file_size(uncut / "map.db"));
+  EXPECT_EQ(evaluate(out, sequence_ / "groundtruth.txt")["tracked_frames"],
+            evaluate(uncut, sequence_ / "groundtruth.txt")["tracked_frames"]);
+  EXPECT_TRUE(fs::exists(again / (name + ".submap")));
+
+  const Outcome absent = shell("$RUMI/rumi ruminate -q '" + (out / "windows/absent.window").string() + "'");
+  EXPECT_EQ(absent.exit_code, 1);
+  EXPECT_THAT(absent.output, HasSubstr("absent.window: cannot be opened"));
+}
+
+fs::path recording(const std::string& name) {
+  const char* data = std::getenv("RUMI_DATA_DIR");
+  return fs::path(data ? data : RUMI_DEFAULT_DATA_DIR) / name;
+}
+
+nlohmann::json figures_of_replay(const fs::path& folder) {
+  const WorkFolder work;
+  const Outcome outcome = shell("$RUMI/rumi replay '" + folder.string() + "' -q -o '" + work.path.string() + "'");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  return evaluate(work.path, folder / "groundtruth.txt");
+}
+
+TEST(ReplayOfRealImages, Redkitchen) {
+  const fs::path folder = recording("redkitchen");
+  if (!fs::exists(folder / "rgb.txt")) GTEST_SKIP() << "NOT TESTED: no " << folder << " (set RUMI_DATA_DIR)";
+  const auto figures = figures_of_replay(folder);
+  EXPECT_EQ(figures["frames"], 1000);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.95);
+  EXPECT_LE(figures["ate_rmse_m"], 0.08);
+}
+
+// The same, out of focus and dark for 3.7 s: a back submap joins what was before and after.
+TEST(ReplayOfRealImages, RedkitchenSoft) {
+  const fs::path folder = recording("redkitchen_soft");
+  if (!fs::exists(folder / "rgb.txt")) GTEST_SKIP() << "NOT TESTED: no " << folder << " (set RUMI_DATA_DIR)";
+  const auto figures = figures_of_replay(folder);
+  EXPECT_GE(figures["tracked_frame_ratio"], 0.97);
+  EXPECT_GE(figures["true_rate"], 0.93);
+  EXPECT_LE(figures["ate_rmse_m"], 0.06);
+}
+
+}  // namespace
+}  // namespace rumi::tool

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The five processes over real LCM multicast. Runs in a network namespace (tests/run_in_netns.sh).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/rumi/commands/end_to_end.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class LiveTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    work_ = new WorkFolder;
+    sequence_ = render(*work_, "--seconds 8");
+  }
+  static void TearDownTestSuite() { delete work_; }
+
+  static std::string up(const fs::path& out, const std::string& flags) {
+    fs::create_directories(out.string() + "-view");
+    return "$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence_.string() + "' --snapshot '" + out.string() +
+           "' --set map_server.database='" + out.string() + "-live.db' --set viewer_offscreen.output='" + out.string() +
+           "-view' --set ruminator.spool='" + out.string() + "-spool' " + flags;
+  }
+  static void expect_tracked(const fs::path& out) {
+    const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+    EXPECT_EQ(figures["frames"], 240) << "every image was answered";
+    EXPECT_GE(figures["tracked_frame_ratio"], 0.9);
+    EXPECT_LE(figures["ate_rmse_m"], 0.05);
+  }
+  static WorkFolder* work_;
+  static fs::path sequence_;
+};
+WorkFolder* LiveTest::work_ = nullptr;
+fs::path LiveTest::sequence_;
+
+TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
+  const fs::path out = work_->path / "live";
+  const Outcome outcome = shell(up(out, ""));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  expect_tracked(out);
+  const auto run = read_json_file(out / "run.json");
+  for (const char* process : {"front_tracker", "map_server"}) {
+    ASSERT_TRUE(run["processes"].contains(process)) << run.dump(1);
+  }
+  for (const auto& [process, status] : run["processes"].items()) {
+    for (const auto& [channel, counts] : status["channels"].items()) {
+      // The viewer draws the latest image: on a busy machine it lets some go, and nothing is lost by that.
+      if (process != "viewer_offscreen") {
+        EXPECT_EQ(counts["dropped"], 0) << process << " " << channel;
+      }
+      EXPECT_EQ(counts["undecodable"], 0) << process << " " << channel;
+    }
+  }
+  EXPECT_TRUE(fs::exists(out.string() + "-view/trajectory.png"));
+}
+
+TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
+  const fs::path out = work_->path / "killed";
+  const Outcome outcome =
+      shell(up(out, "") + " & up=$!; sleep 4; kill -9 $(cat '" + out.string() + "-live.db.lock'); wait $up");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("map_server was ended by signal 9"));
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_GE(figures["tracked_frames"], 216) << "poses travel with the submaps, which are sent until they are stored";
+}
+
+TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
+  const WorkFolder work;
+  const fs::path sequence = render(work, "--seconds 6 --hard blur --at 3 --for 1.5");
+  const fs::path out = work.path / "out", log = work.path / "log", spool = work.path / "spool";
+  const Outcome outcome =
+      shell("$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence.string() + "' --snapshot '" + out.string() +
+            "' --set up.viewer=false --set map_server.database='" + (work.path / "live.db").string() +
+            "' --set ruminator.spool='" + spool.string() + "' > '" + log.string() +
+            "' 2>&1 & up=$!; while kill -0 $up 2>/dev/null && [ ! -e '" + spool.string() +
+            "'/*-1.work ]; do sleep 0.1; done; pkill -9 -P $up -x ruminator; wait $up");
+  const std::string text = read_file(log);
+  ASSERT_EQ(outcome.exit_code, 0) << text;
+  EXPECT_THAT(text, HasSubstr("ruminator was ended by signal 9"));
+  EXPECT_THAT(text, HasSubstr("left in the spool"));
+  EXPECT_THAT(text, HasSubstr("map_server has it as submap -1"));
+  EXPECT_TRUE(fs::exists(out / "submaps/b001.txt"));
+  for (const auto& entry : fs::directory_iterator(spool))
+    EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();
+}
+
+// The map is of the first 5 s, the run begins at 3 s.
+TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
+  const fs::path first = work_->path / "to_localize_in", out = work_->path / "localized", map = first / "map.db";
+  const Outcome mapping =
+      shell("$RUMI/rumi replay -q '" + sequence_.string() + "' -o '" + first.string() + "' --duration 5");
+  ASSERT_EQ(mapping.exit_code, 0) << mapping.output;
+  const std::string bytes = read_file(map);
+  const Outcome localizing =
+      shell(up(out, "--start 3 --set map_server.localize_only=true --set map_server.database='" + map.string() + "'"));
+  ASSERT_EQ(localizing.exit_code, 0) << localizing.output;
+  EXPECT_TRUE(read_file(map) == bytes);
+  const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
+  EXPECT_EQ(figures["submaps"], 2);
+  EXPECT_GE(figures["tracked_frames"], 216) << "old and new";
+  EXPECT_GE(figures["true_rate"], 0.9);
+  EXPECT_LE(figures["ate_rmse_m"], 0.05);
+}
+
+TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
+  const fs::path out = work_->path / "interrupted";
+  const Outcome outcome = shell(up(out, "--loop") +
+                                " & up=$!; sleep 4; kill -INT $up; begin=$(date +%s); wait $up; "
+                                "code=$?; echo \"after $(($(date +%s) - begin)) s\"; exit $code");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, testing::ContainsRegex("after [0-7] s"));
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("killed")));
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+  EXPECT_FALSE(fs::exists(out.string() + "-live.db.lock")) << "map_server did not end by itself";
+}
+
+TEST_F(LiveTest, ASnapshotOfNobodySaysSo) {
+  const Outcome outcome = shell("$RUMI/rumi snapshot --timeout 1 -o '" + (work_->path / "nobody").string() + "'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("no map_server answered within 1 s"));
+}
+
+}  // namespace
+}  // namespace rumi::tool

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/evaluation/run_evaluation.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/temporary_folder.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFrames = 60;
+
+void write_path(const fs::path& file, int from, int to, double bend) {
+  std::ofstream out(file);
+  for (int i = from; i < to; ++i) {
+    const double t = 0.1 * i;
+    out << fmt::format("{:.6f} {:.6f} {:.6f} {:.6f} 0 0 0 1\n", 1'400'000'000.0 + t, t, std::sin(t) + bend * t * t,
+                       std::cos(2 * t));
+  }
+}
+
+class RunEvaluationTest : public ::testing::Test {
+ protected:
+  RunEvaluationTest() {
+    fs::create_directories(out_ / "submaps");
+    write_path(out_ / "truth.txt", 0, kFrames, 0);
+    std::ofstream frames(out_ / "frames.csv");
+    frames << "utime,state,submap,in_map\n";
+    for (int i = 0; i < kFrames; ++i)
+      frames << fmt::format("{},TRACKING,1,1\n", 1'400'000'000'000'000 + 100'000 * int64_t{i});
+  }
+  RunEvaluation evaluate() const {
+    RunEvaluation evaluation;
+    EXPECT_EQ(evaluate_folder(out_.string(), (out_ / "truth.txt").string(), {}, {}, &evaluation), "");
+    return evaluation;
+  }
+
+  testing::TemporaryFolder folder_;
+  fs::path out_ = folder_.path();
+};
+
+// A submap that is bent as front_tracker left it, and straight in the map that was made of it.
+TEST_F(RunEvaluationTest, TellsASubmapsErrorAsItWasAndInTheMap) {
+  write_path(out_ / "trajectory.txt", 0, 50, 0);
+  write_path(out_ / "submaps" / "001.txt", 0, 30, 0.05);
+  write_path(out_ / "submaps" / "002.txt", 30, 60, 0);
+  const RunEvaluation evaluation = evaluate();
+  ASSERT_EQ(evaluation.submaps.size(), 2u);
+  EXPECT_GT(evaluation.submaps[0].metrics.ate_rmse_m.value(), 0.01);
+  EXPECT_LT(evaluation.submaps[0].ate_in_map_rmse_m.value(), 1e-5);
+  EXPECT_LT(evaluation.submaps[1].ate_in_map_rmse_m.value(), 1e-5) << "of what is in the map";
+  EXPECT_LT(to_json(evaluation)["per_submap"][0]["ate_in_map_rmse_m"].get<double>(), 1e-5);
+}
+
+TEST_F(RunEvaluationTest, ASubmapThatIsNotInTheMapHasNoErrorThere) {
+  write_path(out_ / "trajectory.txt", 0, 30, 0);
+  write_path(out_ / "submaps" / "001.txt", 30, 60, 0);
+  const RunEvaluation evaluation = evaluate();
+  ASSERT_EQ(evaluation.submaps.size(), 1u);
+  EXPECT_LT(evaluation.submaps[0].metrics.ate_rmse_m.value(), 1e-5);
+  EXPECT_FALSE(evaluation.submaps[0].ate_in_map_rmse_m);
+  EXPECT_TRUE(to_json(evaluation)["per_submap"][0]["ate_in_map_rmse_m"].is_null());
+}
+
+}  // namespace
+}  // namespace rumi::tool

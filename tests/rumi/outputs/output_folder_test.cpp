@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "rumi/outputs/map_file.h"
+#include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/run_summary.h"
+#include "tests/rumi/small_atlas.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::string_literals;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing::ThrowsMessage;
+
+nlohmann::json read_json(const fs::path& file) {
+  std::ifstream in(file);
+  return nlohmann::json::parse(in, nullptr, false);
+}
+
+TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_new") / "deep" / "er";
+  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
+  EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
+  EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
+}
+
+TEST(OutputFolder, OtherFilesAreLeftAlone) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_beside");
+  fs::create_directories(folder / "submaps");
+  fs::create_directories(folder / "windows");
+  for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
+    std::ofstream(folder / name) << "somebody's work\n";
+  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
+  EXPECT_TRUE(fs::exists(folder / "log.txt"));
+}
+
+TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
+  for (const char* name :
+       {"trajectory.txt", "trajectory.png", "trajectory.mp4", "frames.csv", "map.db", "map.ply", "windows.csv",
+        "run.json", "submaps/001.txt", "submaps/s2-b012.txt", "windows/1-2.window", "pictures/000001.png"}) {
+    const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
+    fs::create_directories((folder / name).parent_path());
+    std::ofstream(folder / name) << "somebody's work\n";
+    std::ofstream(folder / "log.txt") << "and more of it\n";
+    const std::string error = prepare_output_folder(folder.string());
+    EXPECT_THAT(error, AllOf(HasSubstr(std::string(name) + " would be overwritten"), Not(HasSubstr("log.txt"))));
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
+  }
+}
+
+TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_many");
+  for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
+    std::ofstream(folder / name) << "somebody's work\n";
+  std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
+  EXPECT_THAT(prepare_output_folder(folder.string()),
+              HasSubstr("frames.csv, map.db, map.ply and 3 more would be overwritten"));
+}
+
+TEST(OutputFolder, SaysWhyItCannotBeMade) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_file");
+  std::ofstream(folder / "file") << "x";
+  EXPECT_THAT(prepare_output_folder((folder / "file").string()), HasSubstr("file: cannot be made a folder"));
+  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()), HasSubstr("cannot be made a folder"));
+  EXPECT_NE(prepare_output_folder("/proc/no_such_thing"), "") << "nobody can write there, not even root";
+}
+
+TEST(RunJson, OptionsKeepTheirTypes) {
+  const auto json = options_to_json("a:\n  i: 3\n  d: 0.5\n  b: true\n  s: \"17\"\n  e: \"\"\n");
+  EXPECT_EQ(json["a"]["i"], 3);
+  EXPECT_EQ(json["a"]["d"], 0.5);
+  EXPECT_EQ(json["a"]["b"], true);
+  EXPECT_EQ(json["a"]["s"], "17");
+  EXPECT_EQ(json["a"]["e"], "");
+}
+
+class MapFileTest : public testing::Test {
+ protected:
+  fs::path folder_ = fresh_folder(
+      testing::TempDir(), std::string("map_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::string file_ = (folder_ / "map.db").string();
+};
+
+TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
+  map_server::MapStore store(file_);
+  const map_server::Atlas atlas = make_test_atlas();
+  ASSERT_EQ(store.save(atlas, {1'000'000, 1'400'000}), "");
+  const map_server::Atlas loaded = load_map(file_);
+  ASSERT_EQ(loaded.submaps().size(), 1u);
+  EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
+  EXPECT_EQ(loaded.frames_in_map(), 4);
+  // The server goes on as if nothing had happened.
+  map_server::Atlas more = make_test_atlas();
+  EXPECT_EQ(store.save(more, {1'100'000}), "");
+}
+
+TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
+  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  load_map(file_);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
+  EXPECT_THAT([&] { load_map(file_); }, ThrowsMessage<std::runtime_error>(HasSubstr("no such file")));
+  std::ofstream(file_) << "not a database, but long enough to be taken for one by a careless reader";
+  EXPECT_THAT([&] { load_map(file_); }, ThrowsMessage<std::runtime_error>(HasSubstr("map.db")));
+}
+
+TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
+  const map_server::Atlas atlas = make_test_atlas();
+  EXPECT_EQ(write_run_outputs(atlas, folder_.string()), "");
+  for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply", "trajectory.png"}) {
+    EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  }
+  const AtlasCounts counts = count(atlas);
+  EXPECT_EQ(counts.frames, 5);
+  EXPECT_EQ(counts.frames_in_map, 4);
+  EXPECT_EQ(counts.tracked_frames, 4);
+  EXPECT_EQ(counts.submaps, 1);
+  EXPECT_EQ(counts.keyframes, 4);
+  EXPECT_EQ(counts.landmarks, 20);
+}
+
+TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
+  map_server::Atlas atlas = make_test_atlas();
+  Submap other = make_test_submap();
+  other.key = {1, 2};
+  atlas.change_submap(other.key, [&](Submap* submap) {
+    *submap = other;
+    return std::string();
+  });
+  map_server::Placement placement;
+  placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), {10, 0, 0});
+  atlas.place_map({{{1, 1}, placement}});
+  const AtlasPicture shown = make_picture(atlas, "title");
+  ASSERT_EQ(shown.picture.submaps.size(), 2u);
+  EXPECT_TRUE(shown.picture.submaps[0].in_map);
+  EXPECT_FALSE(shown.picture.submaps[1].in_map);
+  const Eigen::Vector3d raw = other.landmarks.at(3).position;
+  EXPECT_EQ(shown.picture.submaps[0].submap->landmarks.at(3).position, 2 * raw + Eigen::Vector3d(10, 0, 0));
+  EXPECT_EQ(shown.picture.submaps[1].submap->landmarks.at(3).position, raw);
+  EXPECT_EQ(shown.picture.frames.size(), 5u);
+}
+
+TEST(DescribeProgress, TellsTheTimeLeftWhereTheEndIsKnown) {
+  EXPECT_EQ(describe_progress(512, 1000, 6.4), "512 of 1000 images, 80.0 per second, about 7 s left");
+  EXPECT_EQ(describe_progress(512, -1, 6.4), "512 images, 80.0 per second");
+  EXPECT_EQ(describe_progress(0, 1000, 0), "0 of 1000 images, 0.0 per second");
+}
+
+TEST(LeftOut, NothingOfAMapOfAllFrames) {
+  map_server::Atlas atlas;
+  const Submap submap = make_test_submap();
+  atlas.change_submap(submap.key, [&](Submap* target) {
+    *target = submap;
+    return std::string();
+  });
+  EXPECT_TRUE(left_out(atlas).empty());
+  EXPECT_TRUE(left_out(map_server::Atlas()).empty());
+}
+
+TEST(LeftOut, FramesWithoutAPoseByWhereTheyAre) {
+  map_server::Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
+  for (const int64_t utime_us : {700'000, 800'000, 1'140'000, 1'160'000, 1'250'000})
+    atlas.record_frame(utime_us, {1, TrackingState::kNotInitialized, kNoSubmap});
+  EXPECT_THAT(left_out(atlas), ElementsAre("6 frames have no pose: 2 before the first submap, 3 in 2 gaps (the longest "
+                                           "0.06 s, from 0.44 s on), 1 at the end"));
+}
+
+TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
+  map_server::Atlas atlas = make_test_atlas();
+  for (int id = 2; id <= 4; ++id) {
+    Submap other = make_test_submap(3);
+    other.key = {1, id};
+    std::map<int64_t, FramePose> frames;
+    for (auto [utime_us, frame] : other.frames) {
+      frame.utime_us = utime_us + id * 10'000'000;
+      frames[frame.utime_us] = frame;
+    }
+    other.frames = frames;
+    atlas.change_submap(other.key, [&](Submap* submap) {
+      *submap = other;
+      return std::string();
+    });
+  }
+  const auto link = [](int a, int b, const std::string& doubt) {
+    return map_server::Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
+  };
+  atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")});
+  EXPECT_THAT(left_out(atlas),
+              ElementsAre("1 frame has no pose: 1 in a gap (19.60 s, from 0.40 s on)"s,
+                          "3 frames of submap 2: its link to submap 1 is refused: 3 of 10 shared keyframes agree"s,
+                          "3 frames of submap 3: it is linked to submap 4 only, which is not in the map either"s,
+                          "3 frames of submap 4: it is linked to submap 3 only, which is not in the map either"s));
+}
+
+}  // namespace
+}  // namespace rumi::tool

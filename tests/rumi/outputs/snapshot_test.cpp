@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/outputs/snapshot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "bus/process/process.h"
+#include "bus/transport/memory_bus.h"
+#include "map_server/map_server_node.h"
+#include "rumi/outputs/map_file.h"
+#include "tests/rumi/small_atlas.h"
+
+namespace rumi::tool {
+namespace {
+
+using testing::HasSubstr;
+
+// As a live bus: time passes while it is waited for messages, and the others go on meanwhile.
+class LivingBus : public MemoryBus {
+ public:
+  LivingBus() { set_now_us(1'000'000); }
+  int dispatch(int timeout_ms) override {
+    set_now_us(now_us() + timeout_ms * 1000);
+    if (others) others(now_us());
+    return MemoryBus::dispatch();
+  }
+  std::function<void(int64_t now_us)> others;
+};
+
+class SnapshotTest : public testing::Test {
+ protected:
+  SnapshotTest() {
+    options_.database =
+        (fresh_folder(testing::TempDir(),
+                      std::string("snapshot_") + testing::UnitTest::GetInstance()->current_test_info()->name()) /
+         "map.db")
+            .string();
+    map_server::MapStore(options_.database).save(make_test_atlas(), {1'400'000});
+  }
+  void serve() {
+    server_ = std::make_unique<map_server::MapServerNode>(bus_, options_);
+    status_ = std::make_unique<StatusPublisher>(bus_, "map_server");
+    bus_.others = [this](int64_t now_us) {
+      server_->tick(now_us);
+      status_->tick(*server_, now_us);
+    };
+  }
+  LivingBus bus_;
+  map_server::MapServerOptions options_;
+  std::unique_ptr<map_server::MapServerNode> server_;
+  std::unique_ptr<StatusPublisher> status_;
+};
+
+TEST_F(SnapshotTest, BringsTheDatabaseAndTheStatusOfTheProcesses) {
+  serve();
+  const SnapshotResult result = request_snapshot(bus_, 10, 1.5);
+  ASSERT_EQ(result.error, "");
+  ASSERT_TRUE(result.processes.count("map_server"));
+  const std::string copy = options_.database + ".copy";
+  const map_server::Atlas atlas = load_map_bytes(result.database, copy);
+  EXPECT_EQ(atlas.frames_in_map(), 4);
+  EXPECT_EQ(load_map(copy).frames_in_map(), 4);
+}
+
+TEST_F(SnapshotTest, SurvivesALossyBus) {
+  serve();
+  int messages = 0;
+  bus_.set_tap([&](const std::string&, std::span<const uint8_t>) { return ++messages % 3 != 0; });
+  const SnapshotResult result = request_snapshot(bus_, 10, 0);
+  ASSERT_EQ(result.error, "");
+  EXPECT_EQ(load_map_bytes(result.database, options_.database + ".copy").frames_in_map(), 4);
+}
+
+TEST_F(SnapshotTest, SaysThatNobodyAnswers) {
+  const int64_t begin_us = bus_.now_us();
+  EXPECT_THAT(request_snapshot(bus_, 3, 0).error, HasSubstr("no map_server answered within 3 s"));
+  EXPECT_NEAR(static_cast<double>(bus_.now_us() - begin_us) * 1e-6, 3.0, 0.1);
+}
+
+TEST_F(SnapshotTest, SaysThatTheServerWentAwayInTheMiddle) {
+  serve();
+  int chunks = 0;
+  bus_.set_tap([&](const std::string& channel, std::span<const uint8_t>) {
+    return channel != channels::kMapChunk || ++chunks <= 1;  // the first piece arrives, then nothing more
+  });
+  const SnapshotResult result = request_snapshot(bus_, 3, 0);
+  EXPECT_THAT(result.error, HasSubstr("stopped coming after 1 of"));
+  EXPECT_TRUE(result.database.empty());
+}
+
+}  // namespace
+}  // namespace rumi::tool

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/windows/cut_window.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "bus/wire/image_codec.h"
+#include "camera_driver/source/image_source.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rumi::tool {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class FakeSource : public camera_driver::ImageSource {
+ public:
+  explicit FakeSource(int frames) : frames_(frames) {
+    camera_.width = 64;
+    camera_.height = 48;
+    camera_.fx = camera_.fy = 50;
+    camera_.cx = 31.5;
+    camera_.cy = 23.5;
+  }
+  std::optional<image_t> next() override {
+    if (handed_out == frames_) return std::nullopt;
+    return make_grey_image(utime(handed_out++), cv::Mat(48, 64, CV_8UC1, cv::Scalar(90)));
+  }
+  const Camera& camera() const override { return camera_; }
+  const std::string& name() const override { return name_; }
+  int64_t total() const override { return frames_; }
+  const camera_driver::SkippedFrames& skipped() const override { return skipped_; }
+
+  static int64_t utime(int64_t frame) { return 1'000'000 + 100'000 * frame; }
+  int handed_out = 0;
+
+ private:
+  int frames_;
+  Camera camera_;
+  std::string name_ = "the recording";
+  camera_driver::SkippedFrames skipped_;
+};
+
+std::vector<int64_t> frames_of(const std::vector<ruminator::Sample>& samples) {
+  std::vector<int64_t> frames;
+  for (const ruminator::Sample& sample : samples) frames.push_back((sample.utime_us - FakeSource::utime(0)) / 100'000);
+  return frames;
+}
+
+TEST(FrameRange, IsRead) {
+  FrameRange range;
+  EXPECT_EQ(parse_frame_range("7..19", &range), "");
+  EXPECT_EQ(range.to_string(), "7..19");
+  EXPECT_EQ(parse_frame_range("0..40:5", &range), "");
+  EXPECT_EQ(range.to_string(), "0..40:5");
+  EXPECT_TRUE(range.contains(0));
+  EXPECT_TRUE(range.contains(40));
+  EXPECT_FALSE(range.contains(39));
+  EXPECT_FALSE(range.contains(45));
+  EXPECT_EQ(parse_frame_range("3..3", &range), "") << "one frame";
+}
+
+TEST(FrameRange, WhatIsNoneIsRefusedAndChangesNothing) {
+  for (const char* text :
+       {"", "7", "7..", "..9", "7.9", "7..9:", "7..9:x", "7..9 ", " 7..9", "-7..9", "7..-9", "7..9:-1", "7..9:5:5",
+        "a..b", "1e3..2e3", "0..99999999999999999999", "0..9999999999999", "nan..9"}) {
+    FrameRange range{1, 2, 3};
+    EXPECT_THAT(parse_frame_range(text, &range), HasSubstr("must be FIRST..LAST")) << text;
+    EXPECT_EQ(range.to_string(), "1..2:3");
+  }
+  FrameRange range;
+  EXPECT_THAT(parse_frame_range("9..7", &range), HasSubstr("ends before it begins"));
+  EXPECT_THAT(parse_frame_range("7..9:0", &range), HasSubstr("stride"));
+}
+
+TEST(CutWindow, HasTheFramesAskedFor) {
+  FakeSource source(100);
+  const CutWindow cut = cut_window(source, {FrameRange{2, 12, 5}, {14, 17}, FrameRange{20, 23, 2}});
+  ASSERT_EQ(cut.error, "");
+  const ruminator::RuminationWindow& w = cut.job.window;
+  EXPECT_THAT(frames_of(w.approach), ElementsAre(2, 7, 12));
+  EXPECT_THAT(frames_of(w.gap), ElementsAre(14, 15, 16, 17));
+  EXPECT_THAT(frames_of(w.departure), ElementsAre(20, 22));
+  EXPECT_EQ(w.lost_utime_us, FakeSource::utime(14));
+  EXPECT_EQ(w.resumed_utime_us, FakeSource::utime(20));
+  EXPECT_EQ(cut.job.images.size(), 9u);
+  EXPECT_EQ(source.handed_out, 24) << "the rest of the recording is not read";
+}
+
+TEST(CutWindow, CountsTheFramesThatTheStrideOfTheGapLeavesOut) {
+  FakeSource source(100);
+  const CutWindow cut = cut_window(source, {{}, {10, 30, 10}, {}});
+  ASSERT_EQ(cut.error, "");
+  EXPECT_THAT(frames_of(cut.job.window.gap), ElementsAre(10, 20, 30));
+  EXPECT_EQ(cut.job.window.gap_frames, 21);
+  EXPECT_THAT(cut.job.window.approach, IsEmpty());
+  EXPECT_TRUE(cut.job.window.is_lost()) << "nothing follows";
+}
+
+TEST(CutWindow, IsAJobThatCanBeWrittenAndRead) {
+  FakeSource source(100);
+  const CutWindow cut = cut_window(source, {FrameRange{0, 5}, {6, 9}, FrameRange{10, 15}});
+  const testing::TemporaryFolder folder;
+  ASSERT_EQ(ruminator::write_window_job(folder / "cut.window", cut.job), "");
+  const ruminator::WindowJobFile read = ruminator::read_window_job(folder / "cut.window");
+  ASSERT_EQ(read.error, "");
+  EXPECT_EQ(frames_of(read.job.window.gap), frames_of(cut.job.window.gap));
+  EXPECT_EQ(read.job.images.size(), 16u);
+}
+
+TEST(CutWindow, PartsThatOverlapAreRefusedBeforeAnythingIsRead) {
+  FakeSource source(100);
+  EXPECT_THAT(cut_window(source, {FrameRange{0, 10}, {10, 20}, {}}).error, HasSubstr("after the approach 0..10"));
+  EXPECT_THAT(cut_window(source, {{}, {10, 20}, FrameRange{20, 30}}).error, HasSubstr("after the gap 10..20"));
+  EXPECT_EQ(source.handed_out, 0);
+}
+
+TEST(CutWindow, ARecordingThatIsTooShortIsNamed) {
+  FakeSource source(15), empty(0);
+  EXPECT_EQ(cut_window(source, {{}, {10, 20}, {}}).error,
+            "the recording: has 15 frames, the window ends with frame 20");
+  EXPECT_THAT(cut_window(empty, {{}, {0, 0}, {}}).error, HasSubstr("has 0 frames"));
+}
+
+}  // namespace
+}  // namespace rumi::tool

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/matching/sift_matching.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "tests/ruminator/test_pictures.h"
+#include "tests/ruminator/test_window.h"
+
+namespace rumi::ruminator {
+namespace {
+
+const SE3 kFirst = SyntheticScene::pose(-0.15, 0, 0, 0.05),
+          kSecond = SyntheticScene::pose(0.2, 0.05, -0.1, -0.08, 0.04);
+
+SiftFeatures features_of(const SE3& pose, uint64_t picture = 1) {
+  const Camera camera = testing::picture_camera();
+  return extract_sift(testing::see_plane(testing::textured_picture(picture), camera, pose), camera, {});
+}
+
+double share_of_right(const SiftFeatures& a, const SiftFeatures& b, const IndexPairs& matches) {
+  int right = 0;
+  for (const auto& [i, j] : matches) {
+    const Eigen::Vector2d expected =
+        testing::over_the_plane(testing::picture_camera(), kFirst, kSecond, a.undistorted[i].cast<double>());
+    right += (expected - b.undistorted[j].cast<double>()).norm() < 2;
+  }
+  return matches.empty() ? 0 : static_cast<double>(right) / static_cast<double>(matches.size());
+}
+
+TEST(MatchSift, FindsTheSamePlacesEachOnce) {
+  const SiftFeatures a = features_of(kFirst), b = features_of(kSecond);
+  const IndexPairs matches = match_sift(a, b, {});
+  EXPECT_GT(matches.size(), 100U);
+  EXPECT_GT(share_of_right(a, b, matches), 0.9);
+  std::set<int> second;
+  for (size_t k = 0; k < matches.size(); ++k) {
+    if (k > 0) {
+      EXPECT_LT(matches[k - 1].first, matches[k].first);
+    }
+    EXPECT_TRUE(second.insert(matches[k].second).second);
+  }
+  EXPECT_EQ(match_sift(a, b, {}), matches);
+}
+
+TEST(MatchSift, OfAPictureWithItselfIsItself) {
+  const SiftFeatures a = features_of(kFirst);
+  const IndexPairs matches = match_sift(a, a, {});
+  EXPECT_GT(matches.size(), 0.8 * static_cast<double>(a.size()));
+  for (const auto& [i, j] : matches) EXPECT_EQ(a.descriptors[i], a.descriptors[j]);
+}
+
+TEST(MatchSift, LooksAtTheFirstOnlyInAPreview) {
+  const SiftFeatures a = features_of(kFirst), b = features_of(kSecond);
+  const IndexPairs preview = match_sift(a, b, {}, 60);
+  EXPECT_FALSE(preview.empty());
+  for (const auto& [i, j] : preview) {
+    EXPECT_LT(i, 60);
+    EXPECT_LT(j, 60);
+  }
+}
+
+TEST(MatchSift, OfOtherPicturesOrNothingFindsAsGoodAsNothing) {
+  const SiftFeatures a = features_of(kFirst), other = features_of(kSecond, 2), nothing;
+  EXPECT_LT(match_sift(a, other, {}).size(), 0.1 * static_cast<double>(a.size()));
+  EXPECT_TRUE(match_sift(a, nothing, {}).empty());
+  EXPECT_TRUE(match_sift(nothing, a, {}).empty());
+  EXPECT_TRUE(match_sift(nothing, nothing, {}).empty());
+}
+
+// Two equal candidates: neither is distinct. A single one has no rival.
+TEST(MatchSift, WantsADistinctBest) {
+  SiftFeatures one = features_of(kFirst);
+  one.undistorted.resize(1), one.scale_px.resize(1), one.descriptors.resize(1);
+  EXPECT_EQ(match_sift(one, one, {}), (IndexPairs{{0, 0}}));
+  SiftFeatures twice = one;
+  twice.undistorted.push_back({1, 1});
+  twice.scale_px.push_back(twice.scale_px[0]);
+  twice.descriptors.push_back(twice.descriptors[0]);
+  twice.descriptors[1][0] ^= 1;
+  SiftFeatures between = one;
+  between.descriptors[0][1] ^= 8;
+  EXPECT_TRUE(match_sift(between, twice, {}).empty());
+}
+
+TEST(VerifyMatches, KeepsWhatOneMotionExplains) {
+  const testing::TestWindow w = testing::sideways_window(2, 0.3);
+  SiftFeatures a, b;
+  a.undistorted = w.images[0].keypoints;
+  b.undistorted = w.images[1].keypoints;
+  testing::TestWindow spoiled = w;
+  testing::spoil(&spoiled, 0.4, 0);
+  const std::set<std::pair<int, int>> truth(w.pairs[0].matches.begin(), w.pairs[0].matches.end());
+  const IndexPairs verified = verify_matches(w.camera, a, b, spoiled.pairs[0].matches, {});
+  int right = 0, right_given = 0;
+  for (const auto& match : verified) right += truth.contains(match);
+  for (const auto& match : spoiled.pairs[0].matches) right_given += truth.contains(match);
+  EXPECT_GT(right, 0.9 * right_given);
+  EXPECT_GT(right, 0.93 * static_cast<double>(verified.size()));
+  EXPECT_EQ(verify_matches(w.camera, a, b, spoiled.pairs[0].matches, {}), verified);
+}
+
+// max_error_px is the distance from both epipolar lines, whichever distance OpenCV compares with a threshold: noise of
+// 0.7 px in either image leaves some 70 % of the matches nearer than 1.5 px; a Sampson error below 1.5 px would take 98
+// %.
+TEST(VerifyMatches, ThresholdIsTheDistanceFromBothLines) {
+  double kept = 0, given = 0;
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const testing::TestWindow w = testing::sideways_window(2, 0);
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise(0, 0.7f);
+    SiftFeatures a, b;
+    for (const Eigen::Vector2f& pixel : w.images[0].keypoints)
+      a.undistorted.push_back(pixel + Eigen::Vector2f(noise(random), noise(random)));
+    for (const Eigen::Vector2f& pixel : w.images[1].keypoints)
+      b.undistorted.push_back(pixel + Eigen::Vector2f(noise(random), noise(random)));
+    given += static_cast<double>(w.pairs[0].matches.size());
+    kept += static_cast<double>(verify_matches(w.camera, a, b, w.pairs[0].matches, {}).size());
+  }
+  EXPECT_GT(kept, 0.6 * given);
+  EXPECT_LT(kept, 0.85 * given);
+}
+
+TEST(VerifyMatches, RefusesWhatNoMotionExplains) {
+  testing::TestWindow w = testing::sideways_window(2);
+  SiftFeatures a, b;
+  a.undistorted = w.images[0].keypoints;
+  b.undistorted = w.images[1].keypoints;
+  IndexPairs matches = w.pairs[0].matches;
+  EXPECT_TRUE(verify_matches(w.camera, a, b, {}, {}).empty());
+  EXPECT_TRUE(verify_matches(w.camera, a, b, {matches.begin(), matches.begin() + 19}, {}).empty());
+  testing::spoil(&w, 1, 0);
+  SiftMatchOptions strict;
+  strict.min_inliers = static_cast<int>(matches.size()) / 4;
+  EXPECT_TRUE(verify_matches(w.camera, a, b, w.pairs[0].matches, strict).empty());
+}
+
+TEST(VerifyMatches, SurvivesPointsThatCoincideOrAreNotFinite) {
+  testing::TestWindow w = testing::sideways_window(2);
+  SiftFeatures a, b;
+  a.undistorted.assign(w.images[0].keypoints.size(), {100, 100});
+  b.undistorted.assign(w.images[1].keypoints.size(), {120, 90});
+  verify_matches(w.camera, a, b, w.pairs[0].matches, {});
+  a.undistorted.assign(a.size(), {NAN, NAN});
+  EXPECT_TRUE(verify_matches(w.camera, a, b, w.pairs[0].matches, {}).empty());
+}
+
+}  // namespace
+}  // namespace rumi::ruminator

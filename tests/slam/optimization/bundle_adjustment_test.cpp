@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/bundle_adjustment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+#include "slam/optimization/dense_bundle.h"
+#include "slam/optimization/sparse_bundle.h"
+#include "tests/slam/synthetic_scene.h"
+
+namespace rumi {
+namespace {
+
+struct Scene {
+  BundleProblem truth, start;
+};
+
+Scene make_scene(unsigned seed, double noise_px, double outliers) {
+  SyntheticScene scene(seed);
+  Scene s;
+  s.truth.points = scene.cloud(150);
+  for (int i = 0; i < 6; ++i) s.truth.views.push_back({SyntheticScene::pose(0.15 * i, 0.02 * i, 0, -0.02 * i), i < 2});
+  for (int v = 0; v < 6; ++v)
+    for (int p = 0; p < 150; ++p) {
+      Eigen::Vector2d pixel = test_camera().project_undistorted(s.truth.views[v].cam_from_submap * s.truth.points[p]) +
+                              scene.noise(noise_px);
+      if (scene.uniform(0, 1) < outliers) pixel += Eigen::Vector2d(scene.uniform(20, 60), scene.uniform(-60, 60));
+      s.truth.observations.push_back({v, p, pixel, 1.0});
+    }
+  s.start = s.truth;
+  for (auto& p : s.start.points) p *= 1 + scene.uniform(-0.05, 0.05);
+  for (int v = 2; v < 6; ++v) {
+    Vector6d twist;
+    for (int i = 0; i < 6; ++i) twist[i] = scene.uniform(-0.02, 0.02);
+    s.start.views[v].cam_from_submap = SE3::exp(twist) * s.start.views[v].cam_from_submap;
+  }
+  return s;
+}
+
+TEST(Bundle, RecoversStructureAndMotion) {
+  const Scene s = make_scene(1, 0.5, 0);
+  BundleProblem problem = s.start;
+  const BundleReport report = solve_bundle(test_camera(), {30, 5.991}, &problem);
+  ASSERT_TRUE(report.usable);
+  EXPECT_LT(report.final_cost, 0.1 * report.initial_cost);
+  for (size_t v = 0; v < problem.views.size(); ++v) {
+    EXPECT_LT(rotation_error_deg(problem.views[v].cam_from_submap, s.truth.views[v].cam_from_submap), 0.15);
+    EXPECT_LT((problem.views[v].cam_from_submap.center() - s.truth.views[v].cam_from_submap.center()).norm(), 0.01);
+  }
+  double error = 0;
+  for (size_t p = 0; p < problem.points.size(); ++p) error += (problem.points[p] - s.truth.points[p]).norm() / 150;
+  EXPECT_LT(error, 0.06);
+}
+
+TEST(Bundle, OutliersBendItOnlyALittle) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Scene s = make_scene(seed, 0.5, 0.03);
+    BundleProblem problem = s.start;
+    ASSERT_TRUE(solve_bundle(test_camera(), {30, 5.991}, &problem).usable);
+    for (size_t v = 0; v < problem.views.size(); ++v) {
+      EXPECT_LT(rotation_error_deg(problem.views[v].cam_from_submap, s.truth.views[v].cam_from_submap), 0.25);
+      EXPECT_LT((problem.views[v].cam_from_submap.center() - s.truth.views[v].cam_from_submap.center()).norm(), 0.025);
+    }
+  }
+}
+
+TEST(Bundle, FixedViewsStayAndRunsAreIdentical) {
+  const Scene s = make_scene(2, 0.5, 0);
+  BundleProblem a = s.start, b = s.start;
+  solve_bundle(test_camera(), {10, 5.991}, &a);
+  solve_bundle(test_camera(), {10, 5.991}, &b);
+  for (int v = 0; v < 2; ++v)
+    EXPECT_EQ(a.views[v].cam_from_submap.translation, s.start.views[v].cam_from_submap.translation);
+  for (size_t v = 0; v < a.views.size(); ++v)
+    EXPECT_EQ(a.views[v].cam_from_submap.translation, b.views[v].cam_from_submap.translation);
+  for (size_t p = 0; p < a.points.size(); ++p) EXPECT_EQ(a.points[p], b.points[p]);
+}
+
+// A room where every view sees everything, and a walk where only neighbours see the same.
+TEST(Bundle, RecoversHundredsOfViewsWhateverTheySee) {
+  constexpr int kViews = 220;
+  for (const int reach : {kViews, 6}) {
+    SyntheticScene scene(5);
+    BundleProblem truth;
+    for (int v = 0; v < kViews; ++v) truth.views.push_back({SyntheticScene::pose(0.004 * v, 0, 0, 0), v < 2});
+    truth.points = scene.cloud(kViews);
+    for (int p = 0; p < kViews; ++p) {
+      for (int v = std::max(0, p - reach); v < std::min(kViews, p + reach); ++v) {
+        const Eigen::Vector3d in_camera = truth.views[v].cam_from_submap * truth.points[p];
+        truth.observations.push_back({v, p, test_camera().project_undistorted(in_camera), 1.0});
+      }
+    }
+    BundleProblem problem = truth;
+    for (auto& point : problem.points) point *= 1 + scene.uniform(-0.05, 0.05);
+    ASSERT_TRUE(solve_bundle(test_camera(), {20, 5.991, 1e-8}, &problem).usable);
+    double worst = 0;
+    for (int v = 0; v < kViews; ++v)
+      worst =
+          std::max(worst, (problem.views[v].cam_from_submap.center() - truth.views[v].cam_from_submap.center()).norm());
+    EXPECT_LT(worst, 1e-3) << "seen by " << 2 * reach << " views";
+  }
+}
+
+// Two implementations, and what is hard for either: outliers, points seen once or never, twice by the same view, or by
+// fixed views only, and a view that sees nothing.
+TEST(Bundle, DenseAndSparseAgree) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const bool has_edges = seed % 2 == 1;
+    BundleProblem dense = make_scene(seed, 0.5, has_edges ? 0 : 0.03).start;
+    dense.views.push_back({SyntheticScene::pose(1, 2, 3), false});
+    dense.points.emplace_back(0, 0, 3);
+    const Eigen::Vector2d center(test_camera().cx, test_camera().cy);
+    for (const auto& [point, views] : std::vector<std::pair<Eigen::Vector3d, std::vector<int>>>{
+             {{0, 0, 3}, {3}}, {{0, 0, 4}, {4, 4, 5}}, {{0, 0, 5}, {0, 1}}}) {
+      for (int view : views) dense.observations.push_back({view, static_cast<int>(dense.points.size()), center, 2.0});
+      dense.points.push_back(point);
+    }
+    SyntheticScene edges(seed);
+    for (auto& o : dense.observations)
+      if (has_edges) o.whitening = edge_noise(edges, 1, edges.uniform(0, M_PI), 4).whitening;
+    BundleProblem sparse = dense;
+    const BundleReport by_dense = solve_dense_bundle(test_camera(), {50, 5.991, 1e-12}, &dense);
+    const BundleReport by_sparse = solve_sparse_bundle(test_camera(), {50, 5.991, 1e-12}, &sparse);
+    ASSERT_TRUE(by_dense.usable && by_sparse.usable);
+    EXPECT_NEAR(by_dense.initial_cost, by_sparse.initial_cost, 1e-9 * by_sparse.initial_cost);
+    EXPECT_NEAR(by_dense.final_cost, by_sparse.final_cost, 1e-6 * by_sparse.final_cost);
+    for (size_t v = 0; v < dense.views.size(); ++v)
+      EXPECT_LT((dense.views[v].cam_from_submap.center() - sparse.views[v].cam_from_submap.center()).norm(), 1e-4);
+    // In pixels: a point of which only edges are seen may be at any depth.
+    for (const int v : {0, 5})
+      for (size_t p = 0; p < 150; ++p) {
+        const auto pixel = [&](const BundleProblem& of) {
+          return test_camera().project_undistorted(of.views[v].cam_from_submap * of.points[p]);
+        };
+        EXPECT_LT((pixel(dense) - pixel(sparse)).norm(), 0.1);
+      }
+  }
+}
+
+// Most points lie on edges, where they slide: with that said the structure is as good as without sliding.
+TEST(Bundle, WhatSlidesAlongEdgesBendsNothing) {
+  double told = 0, untold = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    BundleProblem problem = make_scene(seed, 0.3, 0).start;
+    const std::vector<BundleProblem::View> truth = make_scene(seed, 0.3, 0).truth.views;
+    SyntheticScene edges(seed);
+    for (auto& o : problem.observations) {
+      if (o.point % 5 == 0) continue;
+      const EdgeNoise edge = edge_noise(edges, 0.3, edges.uniform(-0.2, 0.2), 6);
+      o.pixel += edge.error;
+      o.whitening = edge.whitening;
+    }
+    BundleProblem blind = problem;
+    for (auto& o : blind.observations) o.whitening.setIdentity();
+    ASSERT_TRUE(solve_bundle(test_camera(), {30, 5.991}, &problem).usable);
+    ASSERT_TRUE(solve_bundle(test_camera(), {30, 5.991}, &blind).usable);
+    const auto off = [&](const BundleProblem& p) {
+      return (p.views.back().cam_from_submap.center() - truth.back().cam_from_submap.center()).norm() / 10;
+    };
+    told += off(problem);
+    untold += off(blind);
+  }
+  EXPECT_LT(told, 0.008);
+  EXPECT_LT(told, 0.6 * untold);
+}
+
+// A step that goes too far is taken back: the cost never rises.
+TEST(Bundle, NoStepMakesItWorse) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    BundleProblem problem = make_scene(seed, 0.5, 0.1).start;
+    SyntheticScene scene(seed + 100);
+    for (auto& point : problem.points) point *= 1 + scene.uniform(-0.6, 2);
+    double last = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 10; ++i) {
+      const BundleReport report = solve_dense_bundle(test_camera(), {1, 5.991, 0}, &problem);
+      ASSERT_TRUE(report.usable);
+      EXPECT_LE(report.final_cost, report.initial_cost);
+      EXPECT_LE(report.initial_cost, last * (1 + 1e-12));
+      last = report.final_cost;
+    }
+  }
+}
+
+TEST(Bundle, EndsWhenItIsToldTo) {
+  const std::atomic<bool> cancel = true;
+  for (const auto solve : {solve_dense_bundle, solve_sparse_bundle}) {
+    BundleProblem problem = make_scene(1, 0.5, 0).start;
+    const BundleReport report = solve(test_camera(), {30, 5.991, 1e-4, &cancel}, &problem);
+    EXPECT_EQ(report.final_cost, report.initial_cost);
+  }
+}
+
+TEST(Bundle, NothingToSolveIsNoError) {
+  BundleProblem empty;
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &empty).usable);
+  Scene s = make_scene(3, 0.5, 0);
+  for (auto& v : s.start.views) v.fixed = true;
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &s.start).usable);
+}
+
+TEST(Bundle, PointBehindTheCameraOrNowhereLeavesTheProblemUnchanged) {
+  Scene s = make_scene(4, 0.5, 0);
+  s.start.points[7].z() = -3;
+  const BundleProblem before = s.start;
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &s.start).usable);
+  EXPECT_EQ(s.start.points[8], before.points[8]);
+  s.start = before;
+  s.start.points[7].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(solve_bundle(test_camera(), {}, &s.start).usable);
+  EXPECT_EQ(s.start.points[8], before.points[8]);
+  EXPECT_EQ(reprojection_chi2(test_camera(), before, before.observations[7]), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace rumi
