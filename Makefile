@@ -2,8 +2,8 @@
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
 #   make demo      set up, build, then render a walk on which the camera is lost, and show what Rumi makes of it
 #   make test      set up, build, run every test that needs neither a virtual machine nor a sanitizer
-#   make test-all  after it, the rest: the tests in virtual machines, and those of what reads messages, files and images again
-#                  under sanitizers
+#   make test-all  after it, the rest: the tests in virtual machines, those of what reads messages, files and images again
+#                  under sanitizers, and the linter
 #   make quick     set up, build, run the quick tests: what to do after each change
 #   make build     set up and build everything
 #   make bench     benchmarks
@@ -47,7 +47,7 @@ test: build
 quick: build
 	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -L quick
 
-test-all: machine-test sanitized-test
+test-all: machine-test sanitized-test lint
 
 # camera_driver and systemd are tested in virtual machines; where their packages cannot be had the tests are skipped.
 machine-test: build
@@ -71,10 +71,10 @@ format:
 	@scripts/install_dependencies.sh clang-format
 	clang-format -i $(SOURCES)
 
-lint:
+lint: dependencies $(BUILD)/build.ninja
 	@scripts/install_dependencies.sh clang-format clang-tidy
 	clang-format --dry-run -Werror $(SOURCES)
-	$(MAKE) build
+	cmake --build $(BUILD) -j $(JOBS) --target rumi_lcmtypes_generate
 	scripts/lint.sh $(BUILD)
 
 clean:

@@ -1,45 +1,66 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs another program to its end: with a time limit, at low priority, cancellable at any moment.
+// Starts another program, and tells when it ends.
 #pragma once
 
-#include <atomic>
-#include <cstddef>
-#include <functional>
-#include <limits>
+#include <signal.h>
+#include <sys/types.h>
+
+#include <optional>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
+
+#include "base/file_descriptor.h"
 
 namespace rumi {
 
-struct ChildCommand {
+struct ChildLaunch {
   std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
   std::vector<std::string> environment;  // NAME=value, besides ours
-  std::string log_file;                  // stdout and stderr are appended to it; empty: no log
-  size_t log_limit_bytes = 1 << 20;      // what is said beyond it is left out of the log, but not of last_output
-  std::function<void(std::string_view)>
-      on_output;             // called in this thread with what it says, as it comes; may be empty
-  double time_limit_s = 60;  // of the wall clock; against a child that hangs
-  double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
-  int nice = 0;                                                  // ours, if that is higher
-  int threads = 1;  // OMP_NUM_THREADS and its kin, in the child's environment
+  int nice = 0;                          // ours, if that is higher
+  int death_signal = SIGKILL;            // that it gets when the thread that started it ends
 };
 
-struct ChildResult {
-  enum class Outcome { kExited, kSignalled, kTimedOut, kCancelled, kNotStarted };
-  Outcome outcome = Outcome::kNotStarted;
-  int exit_code = 0;             // kExited
-  int signal = 0;                // kSignalled
-  double wall_s = 0, cpu_s = 0;  // CPU: its own and that of the children it waited for
-  std::string last_output;       // the end of what it said, at most 16 KiB
-  bool ok() const { return outcome == Outcome::kExited && exit_code == 0; }
-  std::string describe() const;  // "killed by signal 9 (Killed)", "colmap: not found in PATH; install ...", ...
-  std::string error;             // kNotStarted: why
+// How a process ended, as waitpid() tells.
+struct ChildEnd {
+  int status = 0;
+  double cpu_s = 0;       // its own and that of the children it waited for
+  bool is_known = false;  // false: another part of this process took its status (SIGCHLD is ignored?)
+
+  bool exited() const;
+  int exit_code() const;
+  bool signalled() const;
+  int signal() const;
+  std::string describe() const;  // "ended with exit code 3", "was ended by signal 9 (Killed)"
 };
 
-// Blocks. The child runs in a process group of its own, which is killed as a whole when it has to end (SIGTERM, and
-// SIGKILL a second later) and when its first process has ended. That process dies with the calling thread
-// (PR_SET_PDEATHSIG). It inherits no descriptor, reads from /dev/null, and starts with default signal handling.
-ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& cancel);
+// A process in a group of its own, so that whatever it starts can be ended with it, and so that Ctrl-C in a terminal is
+// ours to handle. It inherits no descriptor, reads from /dev/null, writes both outputs to us, and starts with default
+// signal handling.
+class Child {
+ public:
+  // Nothing, and why in *error, if it cannot be executed.
+  static std::optional<Child> start(const ChildLaunch& launch, std::string* error);
+  Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, 0)), output_(std::move(other.output_)) {}
+  Child& operator=(Child&& other) noexcept;
+  ~Child();  // kills it and its group
+
+  pid_t pid() const { return pid_; }
+  // Our end of what it writes, which does not block; -1 once it is closed.
+  int output() const { return output_.get(); }
+  void close_output() { output_.reset(); }
+  // It stays waitable: until reap() neither its id nor its group's can belong to anyone else.
+  bool has_ended() const;
+  void send(int signal) const { kill(pid_, signal); }
+  void send_to_group(int signal) const { kill(-pid_, signal); }
+  // Waits for its end and kills what it left behind. Once.
+  ChildEnd reap();
+
+ private:
+  Child(pid_t pid, FileDescriptor output) : pid_(pid), output_(std::move(output)) {}
+
+  pid_t pid_ = 0;  // 0: reaped
+  FileDescriptor output_;
+};
 
 }  // namespace rumi

@@ -250,4 +250,14 @@ std::string OptionTable::to_yaml() const {
   return text;
 }
 
+std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings) {
+  if (!config_file.empty()) {
+    if (std::string error = table.load_yaml(config_file); !error.empty()) return error;
+  }
+  for (const std::string& setting : settings) {
+    if (std::string error = table.set(setting); !error.empty()) return error;
+  }
+  return "";
+}
+
 }  // namespace rumi

@@ -2,7 +2,9 @@
 #include "front_tracker/submap_publisher.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "base/due.h"
 #include "base/log.h"
 #include "bus/wire/submap_update.h"
 
@@ -23,9 +25,7 @@ void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
     }
     // The revision rises after every update that is made: an unchanged submap is one ahead of what is stored.
     if (submap->map.revision <= progress.stored_revision + 1 && progress.stored_revision > 0) continue;
-    const bool due =
-        progress.last_sent_us == INT64_MIN || static_cast<double>(now_us - progress.last_sent_us) >= 1e6 * interval_s_;
-    if (!due && !all) continue;
+    if (!all && !is_due(now_us, progress.last_sent_us, std::llround(1e6 * interval_s_))) continue;
     progress.last_sent_us = now_us;
     send(*submap, &progress);
   }

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "base/due.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "front_tracker/tracking/tracker.h"
 
@@ -28,7 +29,7 @@ class SubmapPublisher {
  private:
   struct Progress {
     int64_t stored_revision = 0;  // by the server, as it says
-    int64_t last_sent_us = INT64_MIN;
+    int64_t last_sent_us = kNever_us;
     bool in_flight = false;
   };
   void send(FrontSubmap& submap, Progress* progress);

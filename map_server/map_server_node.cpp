@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/cpu_clock.h"
+#include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "bus/wire/submap_update.h"
@@ -23,10 +24,6 @@ constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
 // True when a period has gone by, also when the clock was set back (a log played again).
-bool is_due(int64_t now_us, int64_t last_us, int64_t period_us) {
-  return now_us - last_us >= period_us || now_us < last_us;
-}
-
 bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }

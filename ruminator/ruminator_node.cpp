@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/due.h"
 #include "base/log.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -65,7 +66,7 @@ void RuminatorNode::process_pending(int64_t now_us, bool all) {
   const auto wait_us = static_cast<int64_t>(options_.match_wait_s * 1e6);
   while (!pending_.empty()) {
     const PendingTrack& next = pending_.front();
-    const bool has_waited = now_us - next.arrived_us >= wait_us || now_us < next.arrived_us;
+    const bool has_waited = is_due(now_us, next.arrived_us, wait_us);
     const bool must_wait = !all && !has_waited && pending_.size() <= kMaxPending;
     if (must_wait && !ring_.find(next.track.utime) && !sampler_.is_late(event(next.track))) return;
     const track_t track = next.track;
@@ -155,8 +156,8 @@ void RuminatorNode::announce(const RuminationWindow& window, int8_t state) {
 
 void RuminatorNode::tick(int64_t now_us) {
   process_pending(now_us, false);
-  const bool is_due = now_us - last_announced_us_ >= kAnnouncePeriodUs || now_us < last_announced_us_;
-  if (sampler_.is_settled() && is_due) announce(*sampler_.open(), window_t::COLLECTING);
+  if (sampler_.is_settled() && is_due(now_us, last_announced_us_, kAnnouncePeriodUs))
+    announce(*sampler_.open(), window_t::COLLECTING);
   queue_.tick(now_us);
 }
 

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
+#include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "bus/wire/jpeg_image.h"
@@ -108,11 +110,11 @@ ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payl
 bool ViewerNode::is_time_to_ask(const Copy& copy, int64_t now_us) const {
   if (copy.asked_us == 0) return true;
   if (copy.request_id != 0)
-    return !receiver_.progress(copy.request_id).has_value() && now_us - copy.asked_us >= kAskAgainUs;
+    return !receiver_.progress(copy.request_id).has_value() && is_due(now_us, copy.asked_us, kAskAgainUs);
   // A placed submap travels whole: no oftener than it is drawn.
   const bool travels_whole = copy.wanted_placement_revision() != 0 && phase_ == Phase::kRunning;
   const int64_t pause_us = travels_whole ? static_cast<int64_t>(options_.interval_s * 1e6) : 0;
-  return now_us - copy.asked_us >= std::max(pause_us, kAskAgainUs / 4);
+  return is_due(now_us, copy.asked_us, std::max(pause_us, kAskAgainUs / 4));
 }
 
 void ViewerNode::request_missing(int64_t now_us) {
@@ -151,7 +153,7 @@ void ViewerNode::tick(int64_t now_us) {
     return;
   }
   if (last_draw_us_ == 0) last_draw_us_ = now_us;
-  if (changed_ && static_cast<double>(now_us - last_draw_us_) >= options_.interval_s * 1e6) {
+  if (changed_ && is_due(now_us, last_draw_us_, std::llround(options_.interval_s * 1e6))) {
     draw();
     last_draw_us_ = now_us;
   }

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/command_line.h"
+#include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "bus/transport/lcm_bus.h"
@@ -102,24 +103,11 @@ void add_common_flags(CommandLine& app, CommonFlags* flags) {
   app.set_version(version());
 }
 
-// What is wrong with --config or --set, or an empty string.
-std::string load_options(const CommonFlags& flags, OptionTable* table) {
-  if (!flags.config.empty()) {
-    const std::string problem = table->load_yaml(flags.config);
-    if (!problem.empty()) return problem;
-  }
-  for (const std::string& setting : flags.settings) {
-    const std::string problem = table->set(setting);
-    if (!problem.empty()) return problem;
-  }
-  return "";
-}
-
 // What the running node makes of changed options.
 void reload(const CommonFlags& flags, OptionTable* table, const std::function<std::string(Node&)>& on_reload,
             Node& node) {
   table->reset();
-  std::string problem = load_options(flags, table);
+  std::string problem = load_options(*table, flags.config, flags.settings);
   if (problem.empty()) problem = on_reload(node);
   if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
@@ -178,7 +166,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   const CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return kOk;
   if (!parsed.error.empty()) return wrong_command_line(description.name, fmt::format("{}\n\n{}", parsed.error, usage));
-  if (const std::string problem = load_options(flags, &table); !problem.empty())
+  if (const std::string problem = load_options(table, flags.config, flags.settings); !problem.empty())
     return wrong_command_line(description.name, problem);
 
   start_logging(description.name, flags.verbose, flags.quiet);
@@ -219,7 +207,7 @@ void StatusPublisher::note_losses(NodeStatus* status) {
 void StatusPublisher::tick(Node& node, int64_t now_us) {
   if (started_us_ == 0) started_us_ = now_us;
   // A clock that went back (a log played again) starts a new second.
-  if (last_us_ != 0 && now_us >= last_us_ && now_us - last_us_ < kStatusPeriodUs) return;
+  if (!is_due(now_us, last_us_, kStatusPeriodUs)) return;
   publish(node, now_us, process_status_t::RUNNING);
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "base/due.h"
 #include "base/options.h"
 #include "bus/transport/bus.h"
 
@@ -75,7 +76,7 @@ class StatusPublisher {
   Bus& bus_;
   std::string name_;
   int64_t started_us_ = 0;
-  int64_t last_us_ = 0;
+  int64_t last_us_ = kNever_us;
   std::function<int64_t()> count_lost_;
   int64_t lost_ = 0;
 };

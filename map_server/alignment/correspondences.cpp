@@ -103,11 +103,8 @@ ScaleRatio scale_ratio(const Submap& a, const Submap& b, const Correspondences& 
   }
   if (static_cast<int>(logs.size()) < std::max(1, min_landmarks))
     return {0, std::numeric_limits<double>::infinity(), 0};
-  const double middle = median(&logs);
-  const double count = static_cast<double>(logs.size());
-  for (double& value : logs) value = std::abs(value - middle);
-  // 1.4826: from the median deviation to the standard one; 1.2533: the median's standard error over the mean's.
-  return {middle, 1.2533 * 1.4826 * median(&logs) / std::sqrt(count), median(&depths)};
+  const RobustMean ratio = robust_mean(&logs, static_cast<double>(logs.size()));
+  return {ratio.value, ratio.sigma, median(&depths)};
 }
 
 }  // namespace rumi::map_server

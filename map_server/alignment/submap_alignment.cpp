@@ -126,12 +126,9 @@ class Aligner {
   Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
     std::vector<double> logs;
     for (size_t i : inliers) logs.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
-    const double middle = median(&logs);
-    for (double& value : logs) value = std::abs(value - middle);
-    const double independent = std::min<double>(static_cast<double>(logs.size()), o_.independent_depths);
-    // 1.4826: from the median deviation to the standard one; 1.2533: the median's standard error over the mean's.
-    const double sigma = 1.2533 * 1.4826 * median(&logs) / std::sqrt(independent);
-    return {middle, std::max(sigma, o_.min_sigma_depth_scale)};
+    const RobustMean scale =
+        robust_mean(&logs, std::min<double>(static_cast<double>(logs.size()), o_.independent_depths));
+    return {scale.value, std::max(scale.sigma, o_.min_sigma_depth_scale)};
   }
 
   // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.

@@ -6,7 +6,7 @@
 
 namespace rumi::map_server {
 
-const Keyframe* anchor_of(const Submap& submap, const Landmark& landmark) {
+const Keyframe* host_of(const Submap& submap, const Landmark& landmark) {
   return landmark.observations.empty() ? nullptr : submap.keyframe(landmark.observations.front().keyframe_id);
 }
 
@@ -31,8 +31,8 @@ SE3 Placement::cam_from_map(const Submap& submap, const FramePose& frame) const 
 
 Eigen::Vector3d Placement::position_in_map(const Submap& submap, const Landmark& landmark) const {
   if (const auto adjusted = landmarks.find(landmark.id); adjusted != landmarks.end()) return adjusted->second;
-  const Keyframe* anchor = anchor_of(submap, landmark);
-  return (anchor ? at(anchor->utime_us) : latest()) * landmark.position;
+  const Keyframe* host = host_of(submap, landmark);
+  return (host ? at(host->utime_us) : latest()) * landmark.position;
 }
 
 bool same_place(const Placement& a, const Placement& b) {

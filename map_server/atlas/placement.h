@@ -12,8 +12,8 @@
 
 namespace rumi::map_server {
 
-// The keyframe that a landmark follows: its first. Nothing if nobody observes it.
-const Keyframe* anchor_of(const Submap& submap, const Landmark& landmark);
+// The host of a landmark, which it follows: the first keyframe that observes it. Nothing if nobody observes it.
+const Keyframe* host_of(const Submap& submap, const Landmark& landmark);
 
 struct LandmarkRef {
   SubmapKey submap;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "slam/numeric/median.h"
+#include "slam/numeric/union_find.h"
 
 namespace rumi::map_server {
 namespace {
@@ -29,14 +30,18 @@ Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
 // Groups of submaps that hang together.
 class Groups {
  public:
-  void unite(SubmapKey a, SubmapKey b) { parent_[find(a)] = find(b); }
-  SubmapKey find(SubmapKey key) {
-    const SubmapKey up = parent_.try_emplace(key, key).first->second;
-    return up == key ? key : parent_[key] = find(up);
-  }
+  void unite(SubmapKey a, SubmapKey b) { groups_.unite(index(a), index(b)); }
+  size_t find(SubmapKey key) { return groups_.find(index(key)); }
 
  private:
-  std::map<SubmapKey, SubmapKey> parent_;
+  size_t index(SubmapKey key) {
+    const auto [known, is_new] = index_.try_emplace(key, index_.size());
+    if (is_new) groups_.add();
+    return known->second;
+  }
+
+  std::map<SubmapKey, size_t> index_;
+  UnionFind groups_;
 };
 
 // An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
@@ -151,7 +156,7 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
   Groups groups;
   for (const Tie& tie : ties(submaps)) groups.unite(tie.link->a, tie.link->b);
   for (const auto& [key, placement] : placed) groups.unite(key, placed.begin()->first);
-  std::map<SubmapKey, std::set<int64_t>> frames;  // by group, of those with a front submap
+  std::map<size_t, std::set<int64_t>> frames;  // by group, of those with a front submap
   for (const auto& [key, submap] : submaps)
     if (submap->kind == SubmapKind::kFront) frames[groups.find(key)];
   for (const auto& [key, submap] : submaps) {

@@ -10,13 +10,12 @@
 #include <cmath>
 
 #include "base/cpu_clock.h"
+#include "base/due.h"
 
 namespace rumi::map_server {
 namespace {
 
-bool has_passed(double period_s, int64_t since_us, int64_t now_us) {
-  return since_us == INT64_MIN || now_us < since_us || static_cast<double>(now_us - since_us) >= 1e6 * period_s;
-}
+int64_t to_us(double seconds) { return std::llround(1e6 * seconds); }
 
 // An adjustment of a map that is much as it was at the last one waits so many times as long.
 constexpr double kSettledPeriods = 4;
@@ -71,10 +70,10 @@ std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atl
   if (has || wants_adjustment_) {
     const double period_s = std::max(options_.adjustment_interval_s, options_.adjustment_s_per_view * views_) *
                             (is_settled(atlas) ? kSettledPeriods : 1);
-    if (hurry_ || (wants_adjustment_ && has_passed(period_s, last_adjustment_us_, now_us)))
+    if (hurry_ || (wants_adjustment_ && is_due(now_us, last_adjustment_us_, to_us(period_s))))
       return MapBuilder::Scope::kAll;
   }
-  if (has && has_passed(options_.interval_s, last_begin_us_, now_us)) return MapBuilder::Scope::kWeld;
+  if (has && is_due(now_us, last_begin_us_, to_us(options_.interval_s))) return MapBuilder::Scope::kWeld;
   return std::nullopt;
 }
 
@@ -110,7 +109,7 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     hurry_ = false;  // who hurries from now on means what is not in this build
   }
   // The first adjustment waits its turn from the first look on.
-  if (last_adjustment_us_ == INT64_MIN) last_adjustment_us_ = now_us;
+  if (last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
   running_ = true;
   done_ = false;
   if (!options_.thread) return run(scope);

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/due.h"
 #include "map_server/atlas/atlas.h"
 #include "map_server/merging/map_builder.h"
 
@@ -73,7 +74,7 @@ class MapMerger {
   std::map<SubmapKey, Placement> placed_;
   bool running_ = false, hurry_ = false;
   bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
-  int64_t last_begin_us_ = INT64_MIN, last_adjustment_us_ = INT64_MIN;
+  int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
   int views_ = 0;                                         // of the map as it was built last
   MergeResult result_;

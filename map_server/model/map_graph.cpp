@@ -76,9 +76,9 @@ class Bender {
       placed.placement.landmarks.clear();
       for (const auto& [id, position] : before.landmarks) {
         const Landmark* landmark = placed.submap->landmark(id);
-        const Keyframe* anchor = landmark ? anchor_of(*placed.submap, *landmark) : nullptr;
-        if (!anchor) continue;
-        const int64_t at_us = anchor->utime_us;
+        const Keyframe* host = landmark ? host_of(*placed.submap, *landmark) : nullptr;
+        if (!host) continue;
+        const int64_t at_us = host->utime_us;
         placed.placement.landmarks[id] = placed.placement.at(at_us) * (before.at(at_us).inverse() * position);
       }
     }

@@ -8,6 +8,7 @@
 #include "map_server/alignment/correspondences.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/numeric/median.h"
+#include "slam/numeric/union_find.h"
 
 namespace rumi::map_server {
 namespace {
@@ -49,7 +50,7 @@ class Joiner {
       for (const auto& [id, landmark] : placed.submap->landmarks) collect(key, landmark);
     for (const auto& [key, placed] : submaps_)
       for (const auto& [from, into] : placed.placement.fused)
-        if (index_.contains({key, from}) && index_.contains(into)) unite(index_.at({key, from}), index_.at(into));
+        if (index_.contains({key, from}) && index_.contains(into)) same_.unite(index_.at({key, from}), index_.at(into));
     make_points();
     return std::move(model_);
   }
@@ -62,7 +63,6 @@ class Joiner {
   struct Item {
     LandmarkRef ref;
     std::vector<MapModel::Observation> observations;
-    size_t parent = 0;  // of the union-find: the one with the lowest index stands for all
   };
 
   void make_views() {
@@ -102,7 +102,8 @@ class Joiner {
 
   void collect(SubmapKey key, const Landmark& landmark) {
     const size_t item = items_.size();
-    items_.push_back({{key, landmark.id}, {}, item});
+    items_.push_back({{key, landmark.id}, {}});
+    same_.add();
     index_[items_.back().ref] = item;
     for (const Observation& o : landmark.observations) {
       const Seen& seen = seen_.at({key, o.keyframe_id});
@@ -113,25 +114,14 @@ class Joiner {
       if (first == kNone)
         first = static_cast<int>(item);
       else
-        unite(static_cast<size_t>(first), item);
+        same_.unite(static_cast<size_t>(first), item);
     }
-  }
-
-  size_t find(size_t item) {
-    while (items_[item].parent != item) item = items_[item].parent = items_[items_[item].parent].parent;
-    return item;
-  }
-
-  void unite(size_t a, size_t b) {
-    a = find(a);
-    b = find(b);
-    items_[std::max(a, b)].parent = std::min(a, b);
   }
 
   void make_points() {
     std::vector<int> point_of(items_.size(), kNone);
     for (size_t i = 0; i < items_.size(); ++i) {
-      int& point = point_of[find(i)];
+      int& point = point_of[same_.find(i)];
       if (point == kNone) {  // i stands for all
         const PlacedSubmap& placed = submaps_.at(items_[i].ref.submap);
         const Landmark& landmark = *placed.submap->landmark(items_[i].ref.id);
@@ -150,6 +140,7 @@ class Joiner {
   std::map<std::pair<SubmapKey, int>, Seen> seen_;  // by keyframe
   std::vector<std::vector<int>> first_seen_;        // per view and keypoint, the item that was there first
   std::vector<Item> items_;                         // landmarks, those of back submaps first
+  UnionFind same_;                                  // items that are one thing
   std::map<LandmarkRef, size_t> index_;
 };
 

@@ -126,7 +126,7 @@ CREATE TABLE frames (                     -- what front_tracker said when it saw
   utime INTEGER PRIMARY KEY,
   session INTEGER NOT NULL,
   state INTEGER NOT NULL,                 -- 0 NOT_INITIALIZED, 1 TRACKING, 2 RECENTLY_LOST, 3 LOST
-  submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, -1: in none
+  submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, 0: in none
 );
 )sql";
 

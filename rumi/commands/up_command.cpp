@@ -74,11 +74,11 @@ std::vector<std::string> bus_flags(const UpOptions& up) {
 }
 
 // map_server is stopped after the others, so that what they hand on at their end still arrives.
-std::vector<ChildProcess> processes(const UpOptions& up, const std::string& config_file,
-                                    const std::vector<std::string>& camera_flags) {
-  std::vector<ChildProcess> children;
+std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file,
+                                  const std::vector<std::string>& camera_flags) {
+  std::vector<Supervised> children;
   const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
-    ChildProcess child{name, {(own_folder() / name).string()}, false, stop_stage};
+    Supervised child{name, {(own_folder() / name).string()}, false, stop_stage};
     child.command.insert(child.command.end(), more.begin(), more.end());
     child.command.insert(child.command.end(), {"--config", config_file});
     for (const std::string& flag : bus_flags(up)) child.command.push_back(flag);
@@ -100,7 +100,7 @@ std::vector<ChildProcess> processes(const UpOptions& up, const std::string& conf
   return children;
 }
 
-ChildProcess snapshot_process(const UpOptions& up, const std::string& out, bool update) {
+Supervised snapshot_process(const UpOptions& up, const std::string& out, bool update) {
   std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
   if (update) command.push_back("--update");
   if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});

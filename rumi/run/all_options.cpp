@@ -22,14 +22,4 @@ void describe(OptionTable& table, AllOptions& o) {
   describe(table, o.viewer_offscreen);
 }
 
-std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings) {
-  if (!config_file.empty()) {
-    if (std::string error = table.load_yaml(config_file); !error.empty()) return error;
-  }
-  for (const std::string& setting : settings) {
-    if (std::string error = table.set(setting); !error.empty()) return error;
-  }
-  return "";
-}
-
 }  // namespace rumi::tool

@@ -37,7 +37,4 @@ struct AllOptions {
 void describe(OptionTable& table, UpOptions& options);
 void describe(OptionTable& table, AllOptions& options);
 
-// Fills the table's fields from a file (may be empty) and from KEY=VALUE settings. Returns what is wrong, or nothing.
-std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings);
-
 }  // namespace rumi::tool

@@ -3,17 +3,18 @@
 // order.
 #pragma once
 
-#include <sys/types.h>
-
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "base/child_process.h"
+
 namespace rumi::tool {
 
-struct ChildProcess {
+struct Supervised {
   std::string name;
   std::vector<std::string> command;  // executable (path) and arguments
   bool source = false;               // the input: when it ends with success, everything ends
@@ -39,8 +40,8 @@ class Supervisor {
  public:
   using LineHandler = std::function<void(const std::string& name, const std::string& line)>;
 
-  Supervisor(std::vector<ChildProcess> children, const SupervisorOptions& options, LineHandler on_line);
-  ~Supervisor();  // kills what is left
+  Supervisor(std::vector<Supervised> processes, const SupervisorOptions& options, LineHandler on_line);
+  // Its end kills what is left.
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
@@ -58,17 +59,16 @@ class Supervisor {
   // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on (who is
   // not listened to waits in the middle of its work) and those of them that die are started again. Returns an empty
   // string, or why it failed.
-  std::string run_beside(const ChildProcess& process, const std::atomic<bool>& at_once);
+  std::string run_beside(const Supervised& what, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Child {
-    ChildProcess process;
-    pid_t pid = 0;        // 0: not running
-    int output = -1;      // our end of its stdout and stderr
-    std::string partial;  // a line without its end
+  struct Process {
+    Supervised what;
+    std::optional<Child> child;  // while it runs
+    std::string partial;         // a line without its end
     Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;
@@ -76,20 +76,20 @@ class Supervisor {
     bool is_beside = false;  // see run_beside()
   };
 
-  bool start(Child& child);
+  std::string start(Process& process);
   void read_output(std::chrono::milliseconds timeout);
-  void drain(Child& child);
+  void drain(Process& process);
   std::string watch(bool* source_ended);
   void ask_to_reload() const;
   std::string await_finish(const std::atomic<bool>& stop);
-  std::string on_death(Child& child, int status);
-  void stop_those(const std::function<bool(const ChildProcess&)>& is_meant, const std::atomic<bool>& at_once);
-  void kill_child(Child& child);
+  std::string on_death(Process& process, const ChildEnd& end);
+  void stop_those(const std::function<bool(const Supervised&)>& is_meant, const std::atomic<bool>& at_once);
+  void kill_now(Process& process);
   void stop_all(const std::atomic<bool>& at_once, const std::function<void()>& before_last_stage);
-  bool reap(Child& child, int* status);
+  std::optional<ChildEnd> reap(Process& process);
   void say(const std::string& line) { on_line_("rumi", line); }
 
-  std::vector<Child> children_;
+  std::vector<Process> processes_;
   SupervisorOptions options_;
   LineHandler on_line_;
   int restarts_ = 0;

@@ -210,7 +210,7 @@ std::vector<ScaleCut> ModelCompletion::scale_cuts(const SparseModel& model) cons
 }
 
 std::set<int> ModelCompletion::torn(const SparseModel& model) const {
-  return torn_off(model_links(in_.pairs, model), o_.tear, model);
+  return torn_off(pair_agreements(in_.pairs, model), o_.tear, model);
 }
 
 }  // namespace rumi::ruminator

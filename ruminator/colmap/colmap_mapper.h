@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "base/child_process.h"
 #include "base/process_name.h"
+#include "base/run_child.h"
 #include "ruminator/colmap/read_model.h"
 
 namespace rumi::ruminator {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "slam/numeric/median.h"
+#include "slam/numeric/union_find.h"
 
 namespace rumi::ruminator {
 
@@ -85,14 +86,10 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
 }
 
 std::vector<int> connected_images(int images, const std::vector<ImagePair>& pairs, int min_matches) {
-  std::vector<int> parent(images);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  UnionFind connected(images);
   for (const ImagePair& pair : pairs)
-    if (static_cast<int>(pair.matches.size()) >= min_matches) parent[root(pair.first)] = root(pair.second);
+    if (static_cast<int>(pair.matches.size()) >= min_matches) connected.unite(pair.first, pair.second);
+  const auto root = [&connected](int i) { return static_cast<int>(connected.find(i)); };
 
   std::vector<int> size(images, 0), roots;
   for (int i = 0; i < images; ++i)

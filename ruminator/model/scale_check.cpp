@@ -14,10 +14,10 @@ namespace {
 void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->points = static_cast<int>(logs->size());
   if (logs->empty()) return;
-  cut->log_ratio = median(logs);
-  for (double& value : *logs) value = std::abs(value - cut->log_ratio);
+  const RobustMean ratio = robust_mean(logs, static_cast<double>(logs->size()));
+  cut->log_ratio = ratio.value;
+  cut->log_error = ratio.sigma;
   cut->log_spread = *std::max_element(logs->begin(), logs->end());
-  cut->log_error = 1.2533 * 1.4826 * median(logs) / std::sqrt(static_cast<double>(logs->size()));
 }
 
 // Do the points across the cut tell how the scales of its sides relate?

@@ -22,19 +22,20 @@ struct TearOptions {
 };
 
 // A pair of images that both have a pose.
-struct ImageLink {
+struct PairAgreement {
   int first = 0, second = 0;  // images
   int shared = 0;             // matches that are observations of one point
   int severed = 0;            // of which one keypoint alone belongs to a point, or each to another
 };
 
 // Of all pairs of the model's images, in their order.
-std::vector<ImageLink> model_links(const std::vector<ImagePair>& pairs, const SparseModel& model);
+std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, const SparseModel& model);
 
-// Images that are torn off from the largest part of the model. Parts are images that hang together over sound links,
-// the strongest first, unless what they have in common is torn as a whole: so a few matches around a loop do not hold
-// what is torn at its neighbours, and a tear that few matches of any one pair cross shows in all of them together.
-// Empty for a sound model.
-std::set<int> torn_off(const std::vector<ImageLink>& links, const TearOptions& options, const SparseModel& model);
+// Images that are torn off from the largest part of the model. Parts are images that hang together over sound
+// agreements, the strongest first, unless what they have in common is torn as a whole: so a few matches around a loop
+// do not hold what is torn at its neighbours, and a tear that few matches of any one pair cross shows in all of them
+// together. Empty for a sound model.
+std::set<int> torn_off(const std::vector<PairAgreement>& agreements, const TearOptions& options,
+                       const SparseModel& model);
 
 }  // namespace rumi::ruminator

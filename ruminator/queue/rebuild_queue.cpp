@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "bus/process/process.h"
@@ -58,7 +59,7 @@ std::string describe_result(const RuminationWindow& window, const BuildResult& r
 }
 
 // Also when the clock was set back by far.
-bool is_due(int64_t now_us, int64_t not_before_us) {
+bool may_begin(int64_t now_us, int64_t not_before_us) {
   constexpr int64_t kClockWentBackUs = 3'600'000'000;
   return now_us >= not_before_us || not_before_us - now_us > kClockWentBackUs;
 }
@@ -215,7 +216,7 @@ void RebuildQueue::drop(Entries::iterator entry, const std::string& reason) {
 
 void RebuildQueue::tick(int64_t now_us) {
   sender_.tick(now_us);
-  if (spool_ && !stopping_ && (now_us - last_adopted_us_ >= kAdoptPeriodUs || now_us < last_adopted_us_)) adopt();
+  if (spool_ && !stopping_ && is_due(now_us, last_adopted_us_, kAdoptPeriodUs)) adopt();
   take_progress();
   take_report(now_us);
   start_next(now_us);
@@ -235,7 +236,7 @@ void RebuildQueue::start_next(int64_t now_us) {
   auto entry = entries_.begin();
   while (entry != entries_.end() && !worker_.busy() && !stopping_) {
     const auto next = std::next(entry);
-    if (entry->stage == Stage::kQueued && !entry->given_up && is_due(now_us, entry->not_before_us)) {
+    if (entry->stage == Stage::kQueued && !entry->given_up && may_begin(now_us, entry->not_before_us)) {
       if (claim(*entry)) {
         start(entry);
         take_report(now_us);  // at once where there is no thread
@@ -394,7 +395,7 @@ void RebuildQueue::deliver(int64_t now_us) {
   const bool under_way = std::any_of(entries_.begin(), entries_.end(), [](const Entry& e) { return e.in_flight; });
   if (under_way || stopping_) return;
   const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) {
-    return e.stage == Stage::kDelivering && !e.given_up && is_due(now_us, e.not_before_us);
+    return e.stage == Stage::kDelivering && !e.given_up && may_begin(now_us, e.not_before_us);
   });
   if (entry == entries_.end()) return;
   std::vector<uint8_t> submap = entry->submap;
@@ -456,11 +457,11 @@ void RebuildQueue::announce(Entry& entry, int8_t state, const std::string& reaso
 
 void RebuildQueue::announce_all(int64_t now_us) {
   for (Entry& entry : entries_) {
-    const bool is_due = now_us - entry.announced_us >= kAnnouncePeriodUs || now_us < entry.announced_us;
-    if (is_due && !entry.given_up) announce(entry, entry.announced, entry.note);
+    if (!entry.given_up && is_due(now_us, entry.announced_us, kAnnouncePeriodUs))
+      announce(entry, entry.announced, entry.note);
   }
   if (!finishing_ || entries_.empty()) return;
-  if (now_us - last_told_us_ < kTellPeriodUs && now_us >= last_told_us_) return;
+  if (!is_due(now_us, last_told_us_, kTellPeriodUs)) return;
   last_told_us_ = now_us;
   if (!finished()) log_info("{}", detail());
 }

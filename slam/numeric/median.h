@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -14,6 +15,21 @@ T median(std::vector<T>* values) {
   const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
   std::nth_element(values->begin(), middle, values->end());
   return *middle;
+}
+
+// Of values scattered about one: their median, and how well it is known.
+struct RobustMean {
+  double value = 0, sigma = 0;
+};
+
+// sigma: the standard error of the median, from the median absolute deviation, as if `independent` of the values were
+// independent. Leaves the absolute deviations in *values. Precondition: at least one value, none of them NaN.
+inline RobustMean robust_mean(std::vector<double>* values, double independent) {
+  constexpr double kSigmaFromMad = 1.4826;          // of a normal distribution
+  constexpr double kMedianErrorOverMeans = 1.2533;  // of one, too: sqrt(pi / 2)
+  const double middle = median(values);
+  for (double& value : *values) value = std::abs(value - middle);
+  return {middle, kMedianErrorOverMeans * kSigmaFromMad * median(values) / std::sqrt(independent)};
 }
 
 }  // namespace rumi

@@ -190,7 +190,8 @@ TEST(ImageSource, RefusesWhatCannotBeUsed) {
   write(folder / "binary/rgb.txt", std::string("\x00\x01\xff\n\x02", 5));
   write(folder / "empty.lcm", "");
   write(folder / "garbage.mp4", std::string(5000, 'g'));
-  for (const char* name : {"empty_list", "no_file", "binary"}) write(folder.path() / name / "calibration.yaml", kCalibration);
+  for (const char* name : {"empty_list", "no_file", "binary"})
+    write(folder.path() / name / "calibration.yaml", kCalibration);
   EXPECT_THAT(error_of(folder / "missing"), AllOf(HasSubstr("missing"), HasSubstr("no such file or folder")));
   EXPECT_THAT(error_of(folder.path()), HasSubstr("no rgb.txt"));
   EXPECT_THAT(error_of(folder / "empty_list"), AllOf(HasSubstr("rgb.txt"), HasSubstr("names no image")));

@@ -220,7 +220,7 @@ TEST_F(MapServerNodeTest, ALandmarkThatNobodyObservesIsKept) {
 }
 
 TEST_F(MapServerNodeTest, StatusTellsTheWholeAtlasAtOneHertz) {
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
   Submap big = make_submap(kKey, 1, 4);
   ASSERT_TRUE(send_and_wait(make_submap_update(big, 0)).ok);
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap({7, 2}, 2, 2, 50'000'000), 0)).ok);
@@ -275,7 +275,7 @@ TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
 
 TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNoSubmap));
   bus_.dispatch();
   ask(map_request_t::SNAPSHOT, 5);
   ASSERT_EQ(answers_.size(), 1);
@@ -502,7 +502,7 @@ TEST_F(MapServerNodeOnDisk, FullDiskIsSaidAndNothingIsLost) {
   EXPECT_EQ(refused.revision, 1);
   EXPECT_TRUE(node_->status().degraded);
   EXPECT_THAT(node_->status().detail, HasSubstr("map.db"));
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNoSubmap));
   pass(3);
   node_->store().limit_bytes(int64_t{1} << 40);
   const TransferResult retried = send_and_wait(make_submap_update(maker.submap(), refused.revision));
@@ -517,7 +517,7 @@ TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
   SubmapMaker maker(kKey, 1);
   maker.step();
   ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
   pass(2);  // frame states are written once a second
   const Atlas before = node_->atlas();
   node_.reset();
@@ -529,7 +529,7 @@ TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
 
 TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
   pass(1.5);
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
   bus_.dispatch();
   node_->finish();
   EXPECT_EQ(node_->store().load().frames().size(), 1);
@@ -563,7 +563,7 @@ TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
   std::filesystem::remove(options_.snapshot_file);
   pass(30);
   EXPECT_FALSE(exists());  // there is nothing new
-  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNone));
+  bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::LOST, kNoSubmap));
   pass(11);
   EXPECT_TRUE(exists());
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 5), 0)).ok);

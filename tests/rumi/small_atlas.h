@@ -66,7 +66,7 @@ inline map_server::Atlas make_test_atlas() {
     return std::string();
   });
   for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame(utime_us, {1, TrackingState::kTracking, 1});
-  atlas.record_frame(1'400'000, {1, TrackingState::kLost, kNone});
+  atlas.record_frame(1'400'000, {1, TrackingState::kLost, kNoSubmap});
   return atlas;
 }
 

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <limits>
 
-#include "base/child_process.h"
+#include "base/run_child.h"
 #include "base/sqlite.h"
 #include "tests/slam/synthetic_scene.h"
 #include "tests/support/temporary_folder.h"

@@ -31,10 +31,10 @@ SparseModel torn_at(const TestWindow& w, int first) {
 TEST(TornModel, TheTruthIsSoundWithOutliersToo) {
   TestWindow w = testing::sideways_window(12);
   const SparseModel truth = testing::true_model(w);
-  for (const ImageLink& link : model_links(w.pairs, truth)) EXPECT_EQ(link.severed, 0);
-  EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
+  for (const PairAgreement& agreement : pair_agreements(w.pairs, truth)) EXPECT_EQ(agreement.severed, 0);
+  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kOptions, truth).empty());
   testing::spoil(&w, 0.05, 0.05);
-  EXPECT_TRUE(torn_off(model_links(w.pairs, truth), kOptions, truth).empty());
+  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kOptions, truth).empty());
 }
 
 TEST(TornModel, TheSmallerPartIsTornOff) {
@@ -42,7 +42,7 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
   testing::spoil(&w, 0.02, 0.05);
   for (const int first : {4, 9}) {
     const SparseModel model = torn_at(w, first);
-    const std::set<int> off = torn_off(model_links(w.pairs, model), kOptions, model);
+    const std::set<int> off = torn_off(pair_agreements(w.pairs, model), kOptions, model);
     std::set<int> smaller;
     for (int image = 0; image < 14; ++image)
       if ((image >= first) == (first > 7)) smaller.insert(image);
@@ -53,14 +53,16 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
 TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   const TestWindow w = testing::sideways_window(6);
   SparseModel model = testing::true_model(w);
-  std::vector<ImageLink> links;
-  for (const ImageLink& link : model_links(w.pairs, model))
-    if (link.second != 5) links.push_back(link);
-  EXPECT_TRUE(torn_off(links, kOptions, model).empty());
+  std::vector<PairAgreement> agreements;
+  for (const PairAgreement& agreement : pair_agreements(w.pairs, model))
+    if (agreement.second != 5) agreements.push_back(agreement);
+  EXPECT_TRUE(torn_off(agreements, kOptions, model).empty());
 }
 
 // Images 0 to 4 and 5 to 7 hang together, strongly.
-std::vector<ImageLink> two_groups() { return {{0, 1, 80}, {1, 2, 80}, {2, 3, 80}, {3, 4, 80}, {5, 6, 80}, {6, 7, 80}}; }
+std::vector<PairAgreement> two_groups() {
+  return {{0, 1, 80}, {1, 2, 80}, {2, 3, 80}, {3, 4, 80}, {5, 6, 80}, {6, 7, 80}};
+}
 
 SparseModel of_images(int count) {
   SparseModel model;
@@ -69,36 +71,36 @@ SparseModel of_images(int count) {
 }
 
 TEST(TornModel, AFewMatchesElsewhereDoNotHoldWhatIsTorn) {
-  std::vector<ImageLink> links = two_groups();
-  links.push_back({4, 5, 8, 47});
-  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
-  links.push_back({0, 7, 18, 1});
-  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  std::vector<PairAgreement> agreements = two_groups();
+  agreements.push_back({4, 5, 8, 47});
+  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  agreements.push_back({0, 7, 18, 1});
+  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, ManyPairsTogetherTellATearThatFewMatchesOfAnyOneCross) {
-  std::vector<ImageLink> links = two_groups();
-  links.insert(links.end(), {{4, 5, 16, 2}, {3, 5, 14, 6}, {4, 6, 13, 5}, {3, 6, 15, 5}});
-  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  std::vector<PairAgreement> agreements = two_groups();
+  agreements.insert(agreements.end(), {{4, 5, 16, 2}, {3, 5, 14, 6}, {4, 6, 13, 5}, {3, 6, 15, 5}});
+  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, OneSpoiledPairAmongManyIsNoTear) {
-  std::vector<ImageLink> links = two_groups();
-  links.insert(links.end(), {{4, 5, 60, 15}, {3, 5, 50, 2}, {4, 6, 70, 3}, {3, 6, 40, 4}});
-  EXPECT_TRUE(torn_off(links, kOptions, of_images(8)).empty());
+  std::vector<PairAgreement> agreements = two_groups();
+  agreements.insert(agreements.end(), {{4, 5, 60, 15}, {3, 5, 50, 2}, {4, 6, 70, 3}, {3, 6, 40, 4}});
+  EXPECT_TRUE(torn_off(agreements, kOptions, of_images(8)).empty());
 }
 
 TEST(TornModel, WhereNoiseSeversEverywhereATearSeversMore) {
-  std::vector<ImageLink> links = two_groups();
-  for (ImageLink& link : links) link.severed = 12;
-  links.push_back({4, 5, 60, 20});
-  EXPECT_TRUE(torn_off(links, kOptions, of_images(8)).empty());
-  links.back().severed = 120;
-  EXPECT_EQ(torn_off(links, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  std::vector<PairAgreement> agreements = two_groups();
+  for (PairAgreement& agreement : agreements) agreement.severed = 12;
+  agreements.push_back({4, 5, 60, 20});
+  EXPECT_TRUE(torn_off(agreements, kOptions, of_images(8)).empty());
+  agreements.back().severed = 120;
+  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, OfNothingIsNothing) {
-  EXPECT_TRUE(model_links({}, {}).empty());
+  EXPECT_TRUE(pair_agreements({}, {}).empty());
   EXPECT_TRUE(torn_off({}, kOptions, {}).empty());
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <random>
 
 namespace rumi {
 namespace {
@@ -31,6 +32,31 @@ TEST(Median, KeepsAllTheValues) {
   median(&values);
   std::sort(values.begin(), values.end());
   EXPECT_EQ(values, (std::vector<int>{1, 2, 2, 5, 7, 9}));
+}
+
+// The median of so many normal values scatters as it says, and wild values change little.
+TEST(RobustMean, KnowsHowWellItIsKnown) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal(5, 2);
+  double squares = 0, sigmas = 0;
+  constexpr int kRuns = 400, kValues = 101, kWild = 10;
+  for (int run = 0; run < kRuns; ++run) {
+    std::vector<double> values;
+    for (int i = 0; i < kValues; ++i) values.push_back(normal(random));
+    for (int i = 0; i < kWild; ++i) values[i] = i % 2 ? 1e6 : -1e6;
+    const RobustMean mean = robust_mean(&values, kValues);
+    squares += (mean.value - 5) * (mean.value - 5);
+    sigmas += mean.sigma;
+  }
+  const double scatter = std::sqrt(squares / kRuns);
+  EXPECT_NEAR(sigmas / kRuns, scatter, 0.2 * scatter);
+}
+
+TEST(RobustMean, LeavesTheDeviations) {
+  std::vector<double> values = {1, 2, 10};
+  EXPECT_EQ(robust_mean(&values, 3).value, 2);
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(values, (std::vector<double>{0, 1, 8}));
 }
 
 }  // namespace

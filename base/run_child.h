@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs another program to its end: with a time limit, at low priority, cancellable at any moment.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rumi {
+
+struct ChildCommand {
+  std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
+  std::vector<std::string> environment;  // NAME=value, besides ours
+  std::string log_file;                  // stdout and stderr are appended to it; empty: no log
+  size_t log_limit_bytes = 1 << 20;      // what is said beyond it is left out of the log, but not of last_output
+  std::function<void(std::string_view)>
+      on_output;             // called in this thread with what it says, as it comes; may be empty
+  double time_limit_s = 60;  // of the wall clock; against a child that hangs
+  double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
+  int nice = 0;                                                  // ours, if that is higher
+  int threads = 1;  // OMP_NUM_THREADS and its kin, in the child's environment
+};
+
+struct ChildResult {
+  enum class Outcome { kExited, kSignalled, kTimedOut, kCancelled, kNotStarted };
+  Outcome outcome = Outcome::kNotStarted;
+  int exit_code = 0;             // kExited
+  int signal = 0;                // kSignalled
+  double wall_s = 0, cpu_s = 0;  // CPU: its own and that of the children it waited for
+  std::string last_output;       // the end of what it said, at most 16 KiB
+  bool ok() const { return outcome == Outcome::kExited && exit_code == 0; }
+  std::string describe() const;  // "killed by signal 9 (Killed)", "colmap: not found in PATH; install ...", ...
+  std::string error;             // kNotStarted: why
+};
+
+// Blocks. The child runs in a process group of its own, which is killed as a whole when it has to end (SIGTERM, and
+// SIGKILL a second later) and when its first process has ended. That process dies with the calling thread
+// (PR_SET_PDEATHSIG). It inherits no descriptor, reads from /dev/null, and starts with default signal handling.
+ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& cancel);
+
+}  // namespace rumi
