@@ -95,26 +95,39 @@ void OptionTable::insert(Entry entry) {
   entry.initial = is_text ? *std::get<std::string*>(entry.field) : entry.default_text;
   const std::string problem = assign(entry, entry.initial, false);
   if (!problem.empty()) throw std::logic_error("default of an option: " + problem);
+  entry.group = group_;
   entries_.push_back(std::move(entry));
+}
+
+void OptionTable::for_users(const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
+    if (entry == entries_.end()) throw std::logic_error("no such option: " + key);
+    entry->is_for_users = true;
+  }
+}
+
+bool OptionTable::is_meant(const Entry& entry, Which which) {
+  return which == Which::kAll || entry.is_for_users == (which == Which::kUsers);
 }
 
 void OptionTable::add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min,
                       int max) {
-  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}, {}});
+  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, double* field, const std::string& unit, const std::string& help,
                       double min, double max) {
-  insert({key, unit, help, field, min, max, {}, {}, {}});
+  insert({key, unit, help, field, min, max, {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, bool* field, const std::string& help) {
-  insert({key, "", help, field, 0, 0, {}, {}, {}});
+  insert({key, "", help, field, 0, 0, {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, std::string* field, const std::string& help,
                       const std::vector<std::string>& choices) {
-  insert({key, "", help, field, 0, 0, choices, {}, {}});
+  insert({key, "", help, field, 0, 0, choices, {}, {}, {}});
 }
 
 const OptionTable::Entry* OptionTable::find(const std::string& key) const {
@@ -157,7 +170,7 @@ std::string OptionTable::unknown(const std::string& key) const {
     return edit_distance(a.key, key) < edit_distance(b.key, key);
   });
   if (nearest == entries_.end()) return fmt::format("{}: unknown option; this program has none", key);
-  return fmt::format("{}: unknown option; did you mean {}? (--help lists all)", key, nearest->key);
+  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest->key);
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {
@@ -223,24 +236,28 @@ std::string OptionTable::describe(const Entry& entry) const {
                      range.empty() ? "" : range + ")");
 }
 
-std::string OptionTable::help() const {
+std::string OptionTable::help(Which which) const {
   std::string text;
   for (const Entry& entry : entries_)
-    text += fmt::format("{:<{}} {}\n", fmt::format("  {} = {}", entry.key, entry.default_text), kHelpColumn,
-                        describe(entry));
+    if (is_meant(entry, which))
+      text += fmt::format("{:<{}} {}\n", fmt::format("  {} = {}", entry.key, entry.default_text), kHelpColumn,
+                          describe(entry));
   return text;
 }
 
-std::string OptionTable::to_yaml() const {
+std::string OptionTable::to_yaml(Which which) const {
   std::vector<std::string> sections;
   for (const Entry& entry : entries_)
-    if (std::find(sections.begin(), sections.end(), section_of(entry.key)) == sections.end())
+    if (is_meant(entry, which) && std::find(sections.begin(), sections.end(), section_of(entry.key)) == sections.end())
       sections.push_back(section_of(entry.key));
   std::string text;
   for (const std::string& section : sections) {
     text += section + ":\n";
+    std::string group;
     for (const Entry& entry : entries_) {
-      if (section_of(entry.key) != section) continue;
+      if (section_of(entry.key) != section || !is_meant(entry, which)) continue;
+      if (which == Which::kExperts && entry.group != group) text += fmt::format("  # {}\n", entry.group);
+      group = entry.group;
       // What is below the section may have dots of its own; load_yaml puts the key together again.
       const std::string name = entry.key.substr(section.size() + 1);
       text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.field)), kHelpColumn,

@@ -24,6 +24,11 @@ class OptionTable {
   void add(const std::string& key, std::string* field, const std::string& help,
            const std::vector<std::string>& choices = {});
 
+  // What is added from now on belongs to this room of the section: a heading in the YAML of experts.
+  void group(const std::string& room) { group_ = room; }
+  // What a user sets; all others are for experts, who tune or try out. Throws for a key that was not added.
+  void for_users(const std::vector<std::string>& keys);
+
   // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an
   // unknown one). Nothing is changed by a file that has an error. Sections that this table knows nothing of are
   // accepted, unknown keys in a known section are not.
@@ -33,10 +38,11 @@ class OptionTable {
   // All fields have their defaults again.
   void reset();
 
+  enum class Which { kUsers, kExperts, kAll };
   // One line per option: key, default, unit, range, help.
-  std::string help() const;
+  std::string help(Which which) const;
   // The present values as YAML with the help as comments; load_yaml reads it back.
-  std::string to_yaml() const;
+  std::string to_yaml(Which which) const;
 
  private:
   struct Entry {
@@ -46,6 +52,8 @@ class OptionTable {
     std::vector<std::string> choices;
     std::string default_text;  // for a person
     std::string initial;       // the same as assign() reads it
+    std::string group;
+    bool is_for_users = false;
   };
   std::string assign(const Entry& entry, const std::string& text, bool apply) const;
   const Entry* find(const std::string& key) const;
@@ -53,7 +61,9 @@ class OptionTable {
   std::string range_text(const Entry& entry) const;
   std::string describe(const Entry& entry) const;
   void insert(Entry entry);
+  static bool is_meant(const Entry& entry, Which which);
   std::vector<Entry> entries_;
+  std::string group_;
 };
 
 // Fills the table's fields from a file (may be empty) and from KEY=VALUE settings. Returns what is wrong, or nothing.

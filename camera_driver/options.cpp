@@ -84,6 +84,7 @@ std::string check(const CameraOptions& o) {
 }
 
 void describe(OptionTable& table, CameraOptions& o) {
+  table.group("camera_driver");
   table.add("camera_driver.camera_file", &o.camera_file,
             "calibration file; empty: beside the data, or in the log; a camera without one cannot be tracked");
   table.add("camera_driver.every", &o.every, "frames", "publish every Nth frame", 1, kMaxEvery);
@@ -117,6 +118,11 @@ void describe(OptionTable& table, CameraOptions& o) {
             "camera: exposure, gain and white balance stay as they are after so long; 0: never", 0, kMaxLockS);
   table.add("camera_driver.stall", &o.stall_s, "s", "camera: opened again after so long without an image", kMinStallS,
             kMaxStallS);
+  table.for_users({"camera_driver.camera_file", "camera_driver.every", "camera_driver.start", "camera_driver.duration",
+                   "camera_driver.loop", "camera_driver.rate", "camera_driver.speed", "camera_driver.encoding",
+                   "camera_driver.width", "camera_driver.height", "camera_driver.format", "camera_driver.exposure",
+                   "camera_driver.gain", "camera_driver.white_balance", "camera_driver.focus",
+                   "camera_driver.power_line", "camera_driver.controls", "camera_driver.lock_auto"});
 }
 
 }  // namespace rumi::camera_driver

@@ -7,12 +7,14 @@ namespace rumi::front_tracker {
 
 void describe(OptionTable& t, FrontTrackerOptions& o) {
   const std::string s = "front_tracker.";
+  t.group("frame");
   t.add(s + "keypoints", &o.orb.keypoints, "", "ORB keypoints per image", 100, 20000);
   t.add(s + "levels", &o.orb.levels, "", "levels of the image pyramid", 1, 12);
   t.add(s + "scale_factor", &o.orb.scale_factor, "", "between two levels", 1.05, 2.0);
   t.add(s + "fast_threshold", &o.orb.fast_threshold, "grey levels", "contrast of a corner", 1, 100);
   t.add(s + "cell_px", &o.orb.cell_px, "px", "keypoints are spread over cells of this size", 8, 200);
 
+  t.group("initialization");
   InitializerOptions& i = o.initializer;
   t.add(s + "init_keypoints", &i.keypoints, "", "keypoints per image while there is no submap to track", 200, 20000);
   t.add(s + "init_min_matches", &i.min_matches, "", "between the two images that begin a submap", 20, 10000);
@@ -31,6 +33,7 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         0.0, 100.0);
   t.add(s + "init_min_points", &i.two_view.min_points, "", "triangulated by the first pair", 10, 5000);
 
+  t.group("tracking");
   TrackingOptions& r = o.tracking;
   t.add(s + "search_radius", &r.search_radius_px, "px",
         "around a landmark's predicted place, for images 640 px wide (Th_p)", 2.0, 200.0);
@@ -66,19 +69,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         "between frames; a pose of few landmarks beyond it becomes no keyframe", 1.0, 1e6);
   t.add(s + "max_acceleration", &r.max_acceleration, "depths/s²",
         "the same of the position, in median depths of the landmarks", 0.01, 1e6);
-  t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
-  t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
-        10, 1000);
-  t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
-  t.add(s + "reloc_sure_inliers", &r.relocalization_sure_inliers, "", "with as many a third of reloc_min_ratio does",
-        10, 100000);
-  t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
-  t.add(
-      s + "back_keyframes", &r.back_keyframes, "keyframes",
-      "of back submaps, kept to relocalize in (about 140 kB each); the oldest submaps go first; 0: front submaps only",
-      0, 100000);
   t.add(s + "local_keyframes", &r.local_keyframes, "", "whose landmarks are looked for in a frame", 1, 200);
-
+  t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
   KeyframeOptions& k = o.keyframes;
   t.add(s + "keyframe_ratio", &k.min_tracked_ratio, "",
         "a keyframe is due below this share of the reference's landmarks", 0.1, 1.0);
@@ -93,6 +85,19 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "keyframe_max_interval_s", &k.max_interval_s, "s", "a keyframe is due after so long", 0.01, 1000.0);
   t.add(s + "keyframe_min_inliers", &k.min_inliers, "", "fewer matches: a keyframe is due sooner", 0, 5000);
 
+  t.group("relocalization");
+  t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
+        10, 1000);
+  t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
+  t.add(s + "reloc_sure_inliers", &r.relocalization_sure_inliers, "", "with as many a third of reloc_min_ratio does",
+        10, 100000);
+  t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
+  t.add(
+      s + "back_keyframes", &r.back_keyframes, "keyframes",
+      "of back submaps, kept to relocalize in (about 140 kB each); the oldest submaps go first; 0: front submaps only",
+      0, 100000);
+
+  t.group("mapping");
   MappingOptions& m = o.mapping;
   t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
   t.add(s + "min_parallax", &m.min_parallax_deg, "deg", "of a new landmark", 0.1, 20.0);
@@ -112,10 +117,11 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "redundant_ratio", &m.redundant_ratio, "", "of a keyframe's landmarks seen by three others: it is dropped",
         0.5, 1.0);
 
+  t.group("front_tracker");
   t.add(s + "max_image_side", &o.max_image_side, "px",
         "larger images are worked on at this size; 0: never; ruminator's must be the same", 0, 100000);
-  t.add(s + "mapping_thread", &o.mapping_thread, "map in a thread of its own (replay: never)");
   t.add(s + "publish_interval_s", &o.publish_interval_s, "s", "between two updates of a submap, at least", 0.0, 60.0);
+  t.for_users({"front_tracker.keypoints", "front_tracker.max_image_side"});
 }
 
 }  // namespace rumi::front_tracker

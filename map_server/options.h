@@ -21,6 +21,7 @@ struct MapServerOptions {
 void describe(OptionTable& table, MergeOptions& o);
 
 inline void describe(OptionTable& table, MapServerOptions& o) {
+  table.group("map_server");
   table.add("map_server.database", &o.database,
             "SQLite file of the map, created when missing and continued when not; :memory: keeps nothing");
   table.add("map_server.localize_only", &o.localize_only,
@@ -33,6 +34,8 @@ inline void describe(OptionTable& table, MapServerOptions& o) {
             "write a copy of the map this often, if it changed, and at the end; 0: never", 0, 1e6);
   table.add("map_server.snapshot_file", &o.snapshot_file, "the copy, replaced whole each time");
   describe(table, o.merge);
+  table.for_users(
+      {"map_server.database", "map_server.localize_only", "map_server.snapshot_s", "map_server.snapshot_file"});
 }
 
 }  // namespace rumi::map_server

@@ -19,6 +19,7 @@ struct RuminatorOptions : RebuildQueueOptions {
 inline void describe(OptionTable& table, RuminatorOptions& o) {
   describe(table, o.build);
   WindowOptions& w = o.window;
+  table.group("window");
   table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked, at most (inter)", 1,
             1000);
   table.add("ruminator.max_turn_deg", &w.max_turn_deg, "deg", "the same as a turn of the camera", 0.1, 180);
@@ -39,13 +40,13 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             "since the last sample of a gap that is no longer small; frames that moved less are left out", 0, 1000);
   table.add("ruminator.min_sharpness", &w.min_sharpness, "",
             "of the neighbours' median; frames below it are thinned out first", 0, 1);
+  table.group("queue");
   table.add("ruminator.ring_mb", &o.ring_mb, "MB", "images kept in memory", 1, 100000);
   table.add("ruminator.jpeg_quality", &o.jpeg_quality, "", "of kept images that came uncompressed", 1, 100);
   table.add("ruminator.max_queued_windows", &o.max_queued_windows, "", "complete windows that wait for rebuilding", 1,
             1000);
   table.add("ruminator.camera_file", &o.camera_file, "calibration; empty: the one that comes with the images");
   table.add("ruminator.rebuild", &o.rebuild, "rebuild the windows; false: only announce them");
-  table.add("ruminator.build_thread", &o.build_thread, "rebuild in a thread of its own (replay: never)");
   table.add("ruminator.spool", &o.spool,
             "folder where windows wait, and are found again after a restart; empty: in memory (replay always)");
   table.add("ruminator.failed_mb", &o.failed_mb, "MB", "windows that could not be rebuilt are kept up to this size", 0,
@@ -55,6 +56,8 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
   table.add("ruminator.retry_s", &o.retry_s, "s", "to the next try of rebuilding, or of sending to map_server", 0.1,
             86400);
   table.add("ruminator.match_wait_s", &o.match_wait_s, "s", "how long the state of a frame waits for its image", 0, 60);
+  table.for_users({"ruminator.max_image_side", "ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild",
+                   "ruminator.spool", "ruminator.ring_mb", "ruminator.failed_mb"});
 }
 
 }  // namespace rumi::ruminator

@@ -19,6 +19,7 @@ struct ViewerOptions {
 };
 
 inline void describe(OptionTable& table, ViewerOptions& o) {
+  table.group("viewer_offscreen");
   table.add("viewer_offscreen.output", &o.output, "folder that trajectory.png is written into; empty: no file");
   table.add("viewer_offscreen.interval_s", &o.interval_s, "s", "from one picture to the next", 0.1, 86400);
   table.add("viewer_offscreen.jpeg_quality", &o.jpeg_quality, "", "of VIEWER_IMAGE", 1, 100);
@@ -28,6 +29,8 @@ inline void describe(OptionTable& table, ViewerOptions& o) {
       "keep every picture: pictures/000001.png, ... in the folder, and trajectory.mp4; a series that was not ended "
       "goes on, else it begins anew");
   table.add("viewer_offscreen.video_fps", &o.video_fps, "Hz", "pictures in a second of trajectory.mp4", 0.1, 120);
+  table.for_users(
+      {"viewer_offscreen.output", "viewer_offscreen.interval_s", "viewer_offscreen.camera", "viewer_offscreen.series"});
 }
 
 }  // namespace rumi::viewer_offscreen

@@ -160,8 +160,11 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   if (description.add_flags) description.add_flags(app);
   if (description.add_options) description.add_options(table);
   const std::string usage = app.help();
-  if (const std::string options = table.help(); !options.empty())
-    app.footer("Options for --config and --set, with their defaults:\n" + options);
+  if (const std::string options = table.help(OptionTable::Which::kUsers); !options.empty())
+    app.footer("Options for --config and --set, with their defaults (all of them: --help-expert):\n" + options);
+  app.add_action(
+      "--help-expert", [&table] { fmt::print("{}", table.help(OptionTable::Which::kAll)); },
+      "print all options for --config and --set, and exit");
 
   const CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return kOk;

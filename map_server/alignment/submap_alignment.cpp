@@ -125,6 +125,7 @@ class Aligner {
   // scatter says how much it is worth.
   Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
     std::vector<double> logs;
+    logs.reserve(inliers.size());
     for (size_t i : inliers) logs.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
     const RobustMean scale =
         robust_mean(&logs, std::min<double>(static_cast<double>(logs.size()), o_.independent_depths));

@@ -156,7 +156,6 @@ class MapBuilder {
   PlaceSearch places_;
   std::set<SubmapKey> fixed_;
   std::set<SubmapKey> built_;                     // the submaps of the last build
-  size_t built_places_ = 0;                       // and how many places were known then
   std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
   SubmapContacts fused_;                          // submaps that have points in common there
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi config: every option with its default, as config/rumi.yaml has it.
+// rumi config: the options with their values, as config/rumi.yaml and config/expert.yaml have them.
 #include <fmt/format.h>
 
 #include <memory>
@@ -13,11 +13,14 @@ namespace rumi::tool {
 void add_config_command(CommandLine& app, std::function<int()>* chosen) {
   auto config = std::make_shared<std::string>();
   auto settings = std::make_shared<std::vector<std::string>>();
-  CommandLine* command = app.add_command("config", "Print every option with its value as YAML (see config/rumi.yaml)");
+  auto expert = std::make_shared<bool>(false);
+  CommandLine* command =
+      app.add_command("config", "Print the options that a user sets, with their values, as YAML (config/rumi.yaml)");
+  command->add_flag("--expert", *expert, "the others, by rooms (config/expert.yaml)");
   command->add_option("--config", *config, "YAML file to begin with");
   command->add_option("--set", *settings, "KEY=VALUE, may be repeated")->one_each();
-  command->on_chosen([config, settings, chosen] {
-    *chosen = [config, settings] {
+  command->on_chosen([config, settings, expert, chosen] {
+    *chosen = [config, settings, expert] {
       AllOptions options;
       OptionTable table;
       describe(table, options);
@@ -25,7 +28,7 @@ void add_config_command(CommandLine& app, std::function<int()>* chosen) {
         fmt::print(stderr, "rumi config: {}\n", error);
         return 2;
       }
-      fmt::print("{}", table.to_yaml());
+      fmt::print("{}", table.to_yaml(*expert ? OptionTable::Which::kExperts : OptionTable::Which::kUsers));
       return 0;
     };
   });

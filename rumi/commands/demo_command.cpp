@@ -49,7 +49,7 @@ std::string set_options(const Arguments& arguments, const std::vector<std::strin
   describe(table, run->options);
   std::string error = load_options(table, arguments.config, arguments.settings);
   if (error.empty()) error = load_options(table, "", settings);
-  run->options_yaml = table.to_yaml();
+  run->options_yaml = table.to_yaml(OptionTable::Which::kAll);
   return error;
 }
 

@@ -35,7 +35,7 @@ int replay(Arguments& arguments) {
     return 2;
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
-  run.options_yaml = table.to_yaml();
+  run.options_yaml = table.to_yaml(OptionTable::Which::kAll);
   ProgressLine line(!arguments.quiet);
   run.on_progress = [&line](const ReplayProgress& progress) {
     line.update(progress.frames, progress.total, [&] {

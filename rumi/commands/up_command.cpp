@@ -115,7 +115,7 @@ bool read_again(const Arguments& arguments, const SharedConfig& config) {
   describe(table, options);
   std::string error = load_options(table, arguments.config, arguments.settings);
   if (error.empty()) error = check(options.camera_driver);
-  if (error.empty()) config.write(table.to_yaml());
+  if (error.empty()) config.write(table.to_yaml(OptionTable::Which::kAll));
   if (!error.empty()) fmt::print(stderr, "rumi up: options read again, but not used: {}\n", error);
   return error.empty();
 }
@@ -138,7 +138,7 @@ int up(const Arguments& arguments) {
   }
   listen_to_signals();
   try {
-    const SharedConfig config(table.to_yaml());
+    const SharedConfig config(table.to_yaml(OptionTable::Which::kAll));
     SupervisorOptions supervision;
     supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
     Supervisor supervisor(

@@ -43,6 +43,7 @@ Eigen::Matrix<double, 2, 3> widest_plane(const std::vector<TimedPose>& truth) {
 void draw_paths(cv::Mat& image, const RunMetrics& metrics, const std::vector<TimedPose>& truth, int64_t period_us) {
   const auto plane = widest_plane(truth);
   std::vector<Eigen::Vector2d> path;
+  path.reserve(truth.size());
   for (const TimedPose& pose : truth) path.push_back(plane * pose.map_from_cam.translation);
   Eigen::Vector2d low = path[0], high = path[0];
   const auto include = [&](const Eigen::Vector2d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); };

@@ -11,6 +11,7 @@ void describe(OptionTable& table, UpOptions& o) {
   table.add("up.channel", &o.channel, "channel of the camera images");
   table.add("up.viewer", &o.viewer, "start viewer_offscreen too");
   table.add("up.settle_s", &o.settle_s, "s", "from the end of the input to the stop of the others", 0, 3600);
+  table.for_users({"up.input", "up.lcm_url", "up.channel_prefix", "up.channel", "up.viewer", "up.settle_s"});
 }
 
 void describe(OptionTable& table, AllOptions& o) {

@@ -44,6 +44,7 @@ struct BuildOptions {
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {
+  table.group("colmap");
   table.add("ruminator.colmap", &o.colmap, "COLMAP's program: a name found in PATH, or a path");
   table.add("ruminator.nice", &o.nice, "", "niceness of rebuilding, COLMAP's processes included", 0, 19);
   table.add("ruminator.mapper_cpu_limit_s", &o.mapper_cpu_limit_s, "s", "CPU time of one run of COLMAP's mapper", 1,
@@ -52,6 +53,7 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "the same on the wall clock, against a mapper that hangs: other programs may have the cores", 1, 864000);
   table.add("ruminator.max_image_side", &o.max_image_side, "px",
             "larger images are worked on at this size; 0: never; front_tracker's must be the same", 0, 100000);
+  table.group("matching");
   table.add("ruminator.sift_keypoints", &o.sift.keypoints, "", "per image, the strongest", 100, 20000);
   table.add("ruminator.sift_contrast", &o.sift.contrast_threshold, "", "least contrast of a keypoint", 0.001, 1);
   table.add("ruminator.sift_low_contrast", &o.sift.low_contrast_threshold, "", "the same for images that show little",
@@ -68,6 +70,9 @@ inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.match_min_matches", &o.matching.min_matches, "", "of a pair, for it to be verified", 8, 20000);
   table.add("ruminator.match_min_inliers", &o.matching.min_inliers, "", "of a verified pair", 8, 20000);
   table.add("ruminator.match_max_error_px", &o.matching.max_error_px, "px", "from the epipolar line", 0.1, 20);
+  table.group("model");
+  table.add("ruminator.resection_min_inliers", &o.refinement.resection_min_inliers, "",
+            "points seen by an image, for it to have a pose", 6, 1000);
   table.add("ruminator.max_error_px", &o.refinement.max_error_px, "px", "of an observation of the model", 0.5, 20);
   table.add("ruminator.min_parallax_deg", &o.refinement.min_parallax_deg, "degrees", "of a point of the model", 0.1,
             20);
@@ -122,6 +127,7 @@ inline void describe(OptionTable& table, BuildOptions& o) {
             "distance to a front submap over the spread of the positions, for the submap to join two sides", 0.001, 1);
   table.add("ruminator.join_front_max_rotation_deg", &o.joining.front_max_rotation_deg, "degrees",
             "the same of rotations", 0.1, 180);
+  table.group("build");
   table.add("ruminator.landmark_max_distance", &o.landmarks.max_distance, "", "of the descriptors of a match, Hamming",
             1, 256);
   table.add("ruminator.landmark_max_line_px", &o.landmarks.max_line_px, "px", "of a match from the epipolar line", 0.1,
@@ -129,8 +135,6 @@ inline void describe(OptionTable& table, BuildOptions& o) {
   table.add("ruminator.landmark_max_error_px", &o.landmarks.max_error_px, "px", "of an observation of a landmark", 0.1,
             100);
   table.add("ruminator.landmark_min_parallax_deg", &o.landmarks.min_parallax_deg, "degrees", "of a landmark", 0.01, 20);
-  table.add("ruminator.resection_min_inliers", &o.refinement.resection_min_inliers, "",
-            "points seen by an image, for it to have a pose", 6, 1000);
   table.add("ruminator.landmark_neighbours", &o.landmarks.neighbours, "images",
             "that each is matched with for the landmarks of the submap", 1, 1000);
   table.add("ruminator.look_images", &o.look_images, "images", "of a long gap, looked at before anything else", 0,

@@ -11,6 +11,7 @@
 namespace rumi {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 struct Example {
@@ -129,7 +130,7 @@ TEST_F(OptionsTest, UnreadableFilesAreNamed) {
 TEST_F(OptionsTest, ToYamlIsReadBack) {
   EXPECT_EQ(table_.set("tracker.ratio=0.123456789012345678"), "");
   EXPECT_EQ(table_.set("viewer.enabled=false"), "");
-  const std::string yaml = table_.to_yaml();
+  const std::string yaml = table_.to_yaml(OptionTable::Which::kAll);
   EXPECT_THAT(yaml, HasSubstr("# per frame, keypoints (50 .. 20000)"));
   Example copy;
   OptionTable other;
@@ -142,8 +143,29 @@ TEST_F(OptionsTest, ToYamlIsReadBack) {
 
 TEST_F(OptionsTest, HelpShowsDefaultsNotPresentValues) {
   EXPECT_EQ(table_.set("tracker.keypoints=77"), "");
-  EXPECT_THAT(table_.help(), HasSubstr("tracker.keypoints = 1000"));
-  EXPECT_THAT(table_.help(), HasSubstr("how to draw (fast | good)"));
+  EXPECT_THAT(table_.help(OptionTable::Which::kAll), HasSubstr("tracker.keypoints = 1000"));
+  EXPECT_THAT(table_.help(OptionTable::Which::kAll), HasSubstr("how to draw (fast | good)"));
+}
+
+TEST_F(OptionsTest, UsersSeeTheirsAndExpertsTheOthersByRooms) {
+  OptionTable table;
+  int wanted = 1, first = 2, second = 3;
+  table.add("part.wanted", &wanted, "", "a user's", 0, 9);
+  table.group("one room");
+  table.add("part.first", &first, "", "an expert's", 0, 9);
+  table.group("the next");
+  table.add("part.second", &second, "", "another", 0, 9);
+  table.for_users({"part.wanted"});
+  EXPECT_EQ(table.help(OptionTable::Which::kUsers).find("part.first"), std::string::npos);
+  EXPECT_THAT(table.help(OptionTable::Which::kUsers), HasSubstr("part.wanted = 1"));
+  EXPECT_THAT(table.help(OptionTable::Which::kAll), AllOf(HasSubstr("part.wanted"), HasSubstr("part.second")));
+  EXPECT_EQ(table.to_yaml(OptionTable::Which::kUsers).substr(0, 17), "part:\n  wanted: 1");
+  const std::string experts = table.to_yaml(OptionTable::Which::kExperts);
+  EXPECT_THAT(experts, AllOf(HasSubstr("  # one room\n  first: 2"), HasSubstr("  # the next\n  second: 3")));
+  EXPECT_EQ(experts.find("wanted"), std::string::npos);
+  EXPECT_EQ(table.load_yaml_text(experts + "  wanted: 5\n", "both"), "") << "a file may have any of them";
+  EXPECT_EQ(wanted, 5);
+  EXPECT_THROW(table.for_users({"part.nothing"}), std::logic_error);
 }
 
 TEST_F(OptionsTest, WrongDeclarationsAreFoundAtOnce) {

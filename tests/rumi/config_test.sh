@@ -1,15 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# config/rumi.yaml is what the program would write, and means what the program means without it.
-#   config_test.sh RUMI CONFIG
+# config/rumi.yaml and config/expert.yaml are what the program would write, and mean what it means without them.
+#   config_test.sh RUMI CONFIG_FOLDER
 set -eu
 rumi=$1
-config=$2
+folder=$2
 defaults=$(mktemp)
 trap 'rm -f "$defaults"' EXIT
-"$rumi" config >"$defaults"
-diff -u "$config" "$defaults" || {
-  echo "config/rumi.yaml is not up to date: rumi config > config/rumi.yaml" >&2
-  exit 1
+check() {  # FILE [FLAG]: `rumi config FLAG` writes FILE, and reads it
+  "$rumi" config ${2:-} >"$defaults"
+  diff -u "$folder/$1" "$defaults" || {
+    echo "config/$1 is not up to date: rumi config ${2:-} > config/$1" >&2
+    exit 1
+  }
+  "$rumi" config ${2:-} --config "$folder/$1" | diff -u "$defaults" -
 }
-"$rumi" config --config "$config" | diff -u "$defaults" -
+check rumi.yaml
+check expert.yaml --expert
