@@ -59,6 +59,7 @@ class Paper {
   }
   void polygon(const std::vector<cv::Point2d>& corners, const cv::Vec3b& rgb) {
     std::vector<cv::Point> points;
+    points.reserve(corners.size());
     for (const cv::Point2d& corner : corners) points.push_back(scaled(corner));
     cv::fillPoly(large_, points, bgr(rgb), cv::LINE_AA);
   }

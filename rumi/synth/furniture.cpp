@@ -179,6 +179,7 @@ void add_plant(MeshBuilder& b, const SE3& f, double width, double height) {
   b.begin_part();
   const Look green = b.look(Material::kLeaf);
   std::vector<TextureAtlas::Patch> patches;
+  patches.reserve(14);
   for (int k = 0; k < 14; ++k) patches.push_back(b.paint_patch(green, 0.2, 0.09));
   for (int k = static_cast<int>(70 * std::max(0.6, height)); k > 0; --k) {
     const double z = b.uniform(pot, 0.92 * height), angle = b.uniform(0, 2 * M_PI), rise = b.uniform(-0.2, 0.7);

@@ -42,7 +42,7 @@ uint32_t MeshBuilder::vertex(const Eigen::Vector3d& room, const Eigen::Vector3d&
 TextureAtlas::Patch MeshBuilder::paint_patch(const Look& look, double width_m, double height_m) {
   const double px_per_m = std::min(look.px_per_m, TextureAtlas::kMaxPatch / std::max(width_m, height_m));
   const auto px = [&](double metres) {
-    return std::clamp(static_cast<int>(metres * px_per_m + 0.5), 6, TextureAtlas::kMaxPatch);
+    return std::clamp(static_cast<int>(std::floor(metres * px_per_m + 0.5)), 6, TextureAtlas::kMaxPatch);
   };
   return mesh_.atlas.add(paint(look.material, {px(width_m), px(height_m)}, px_per_m, rng));
 }

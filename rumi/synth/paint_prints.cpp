@@ -22,7 +22,10 @@ void text_block(Canvas& c, const cv::Rect& r, int height_px, int ink) {
 // A "photograph": noise as landscape, light and shade.
 cv::Mat landscape(cv::Size size, cv::RNG& rng) {
   cv::Mat picture(size, CV_8U);
-  for (int y = 0; y < size.height; ++y) picture.row(y).setTo(230 - 60 * y / size.height);
+  for (int y = 0; y < size.height; ++y) {
+    const int level = 230 - 60 * y / size.height;
+    picture.row(y).setTo(level);
+  }
   add_noise(picture, octave_noise(size, rng, size.height * 0.4, 0.55, 2), 26);  // clouds
   for (int layer = 0; layer < 4; ++layer) {
     const cv::Mat ridge = octave_noise({size.width, 1}, rng, size.width * 0.3, 0.55);
@@ -194,7 +197,10 @@ void screen(Canvas& c) {
 // Sky, houses and trees behind the bars of a window.
 void window(Canvas& c) {
   const cv::Size s = c.size();
-  for (int y = 0; y < s.height; ++y) c.tone.row(y).setTo(255 - 50 * y / s.height);
+  for (int y = 0; y < s.height; ++y) {
+    const int level = 255 - 50 * y / s.height;
+    c.tone.row(y).setTo(level);
+  }
   add_noise(c.tone, octave_noise(s, c.rng, s.height * 0.3, 0.6, 2), 20);
   for (int i = 0; i < 14; ++i) {
     const int w = static_cast<int>(s.width * c.rng.uniform(0.06, 0.2)),

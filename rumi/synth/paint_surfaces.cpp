@@ -193,6 +193,7 @@ void carpet(Canvas& c) {
     cv::Mat& layer = c.rng.uniform(0, 2) ? c.tone : c.accent;
     const int n = c.rng.uniform(3, 7), radius = c.px(c.rng.uniform(0.015, 0.07));
     std::vector<cv::Point> polygon;
+    polygon.reserve(n);
     for (int k = 0; k < n; ++k)
       polygon.push_back(at + cv::Point(static_cast<int>(radius * std::cos(2 * CV_PI * k / n)),
                                        static_cast<int>(radius * std::sin(2 * CV_PI * k / n))));

@@ -2,6 +2,7 @@
 // Paints the surfaces of the room: every object gets a picture of its own, because a repeated one would mislead SLAM.
 #pragma once
 
+#include <cmath>
 #include <opencv2/core.hpp>
 
 namespace rumi::tool {
@@ -47,7 +48,7 @@ struct Canvas {
   double px_per_m;
   cv::RNG& rng;
 
-  int px(double metres) const { return std::max(1, static_cast<int>(metres * px_per_m + 0.5)); }
+  int px(double metres) const { return std::max(1, static_cast<int>(std::floor(metres * px_per_m + 0.5))); }
   cv::Size size() const { return tone.size(); }
 };
 void paint_wall(Material material, Canvas& canvas);

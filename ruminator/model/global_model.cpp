@@ -58,6 +58,7 @@ struct RotationError {
 
 std::vector<RelativeRotation> in_largest_part(size_t images, std::vector<RelativeRotation> rotations) {
   std::vector<ImagePair> pairs;
+  pairs.reserve(rotations.size());
   for (const RelativeRotation& r : rotations) pairs.push_back({r.first, r.second, {}});
   const std::vector<int> part = connected_images(static_cast<int>(images), pairs, 0);
   std::erase_if(rotations, [&part](const RelativeRotation& r) { return part[r.first] != 0; });

@@ -125,6 +125,7 @@ std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowI
   std::vector<Common> best;
   for (int i = 0; i < options.samples; ++i) {
     std::vector<Common> sample;
+    sample.reserve(3);
     for (int k = 0; k < 3; ++k) sample.push_back(common[random() % common.size()]);
     const auto guess = fit(sample);
     if (!guess || !guess->is_finite() || guess->scale <= 0) continue;

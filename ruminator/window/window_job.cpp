@@ -193,7 +193,7 @@ std::string write_window_job(const std::string& file, const WindowJob& job) {
   if (!log.close() || !ok) {
     std::remove(temporary.c_str());
     // The name that people know.
-    std::string error = log.error();
+    const std::string& error = log.error();
     return error.starts_with(temporary) ? file + error.substr(temporary.size()) : error;
   }
   return commit_file(temporary, file);

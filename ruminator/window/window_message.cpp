@@ -10,6 +10,7 @@ namespace {
 
 std::vector<int64_t> utimes(const std::vector<Sample>& samples) {
   std::vector<int64_t> list;
+  list.reserve(samples.size());
   for (const Sample& sample : samples) list.push_back(sample.utime_us);
   return list;
 }

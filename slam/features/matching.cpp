@@ -27,6 +27,7 @@ std::vector<Match> match_features(const Features& first, const std::vector<int>&
   const double refusing = options.max_ratio > 0 ? options.max_distance / options.max_ratio : 256;
   const int farthest = std::max(options.max_distance, static_cast<int>(std::min(256.0, std::ceil(refusing))));
   std::vector<Descriptor> column_descriptors;
+  column_descriptors.reserve(columns.size());
   for (int column : columns) column_descriptors.push_back(second.descriptors[column]);
   std::vector<BestMatch> best_row(rows.size()), best_column(columns.size());
   for (size_t r = 0; r < rows.size(); ++r) {

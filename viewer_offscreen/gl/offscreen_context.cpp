@@ -48,7 +48,7 @@ void load_functions(const GlPlatform& platform) {
   loaded_from.clear();
 #define RUMI_LOAD(Type, gl)                            \
   gl = reinterpret_cast<Type>(platform.function(#gl)); \
-  if (!gl) throw std::runtime_error(std::string(platform.name()) + " has no " #gl);
+  if (!(gl)) throw std::runtime_error(std::string(platform.name()) + " has no " #gl);
   RUMI_GL_FUNCTIONS(RUMI_LOAD)
 #undef RUMI_LOAD
   loaded_from = platform.name();

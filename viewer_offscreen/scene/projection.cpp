@@ -91,7 +91,7 @@ PrincipalPlane principal_plane(const std::vector<const SubmapView*>& submaps) {
     for (const TrajectoryPoint& p : s->trajectory)
       spread += (p.position - plane.center) * (p.position - plane.center).transpose() / n;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
-  const Vector3d variance = solver.eigenvalues();  // ascending
+  const Vector3d& variance = solver.eigenvalues();  // ascending
   Vector3d normal = solver.eigenvectors().col(0), major = solver.eigenvectors().col(2);
   if (up.norm() < 1e-9) up = normal;
   // A path along a line lies in many planes: take the one that is level for the cameras.

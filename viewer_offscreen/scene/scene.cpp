@@ -78,6 +78,7 @@ std::vector<FrameNote> frames_with_pose(const std::vector<SubmapView>& submaps) 
   for (const SubmapView& submap : submaps)
     for (const TrajectoryPoint& p : submap.trajectory) frames[p.utime_us] = {p.utime_us, FrameNote::kUnknownState, {}};
   std::vector<FrameNote> all;
+  all.reserve(frames.size());
   for (const auto& [utime_us, frame] : frames) all.push_back(frame);
   return all;
 }

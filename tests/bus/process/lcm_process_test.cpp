@@ -22,8 +22,10 @@
 namespace rumi {
 namespace {
 
+using testing::AllOf;
 using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::seconds kPatience{10};
@@ -121,6 +123,10 @@ TEST(RunProcessTest, HelpShowsEveryFlagAndDefault) {
         "LCM_DEFAULT_URL", "test_process.step = 1", "added to the request id (0 .. 1000)",
         "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152", "--never-finished"})
     EXPECT_THAT(child.output(), HasSubstr(text));
+  EXPECT_THAT(child.output(), Not(HasSubstr("test_process.spare")));
+  Child expert({"--help-expert"});
+  EXPECT_EQ(expert.wait(), 0);
+  EXPECT_THAT(expert.output(), AllOf(HasSubstr("test_process.step = 1"), HasSubstr("test_process.spare = 0")));
   // A default, as CLI11 2.1 or 2.4 writes it.
   EXPECT_THAT(child.output(), AnyOf(HasSubstr("--channel TEXT=CAMERA"), HasSubstr("--channel TEXT [CAMERA]")));
 }

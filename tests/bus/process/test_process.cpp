@@ -14,6 +14,7 @@ namespace {
 struct Options {
   std::string input;
   int step = 1;
+  int spare = 0;
   int end_after = 0;
   bool never_finished = false;
   double hands_on_for_s = 0;
@@ -69,6 +70,8 @@ int main(int argc, char** argv) {
                             },
                             [&](rumi::OptionTable& table) {
                               table.add("test_process.step", &options.step, "", "added to the request id", 0, 1000);
+                              table.for_users({"test_process.step"});
+                              table.add("test_process.spare", &options.spare, "", "for experts", 0, 9);
                             },
                             [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); },
                             [&](rumi::Node& node) -> std::string {
