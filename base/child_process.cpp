@@ -81,7 +81,6 @@ struct Prepared {
   int death_signal = SIGKILL;
   int descriptor_limit = 0;
   pid_t parent = 0;
-  sigset_t signals{};  // to be blocked in the child as they were in the parent before the fork
   FileDescriptor input;
   Pipe output, failure;
 };
