@@ -20,17 +20,7 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "init_min_matches", &i.min_matches, "", "between the two images that begin a submap", 20, 10000);
   t.add(s + "init_max_frames", &i.max_frames, "frames", "buffered until a submap stands; they get poses afterwards", 3,
         1000);
-  t.add(s + "init_min_motion", &i.min_motion_px, "px",
-        "median motion beyond a rotation, for images 640 px wide, from which a pair is tried", 0.1, 100.0);
-  t.add(s + "init_accept_parallax", &i.accept_parallax_deg, "deg", "median parallax at which a pair is taken at once",
-        0.1, 30.0);
-  t.add(s + "init_min_parallax", &i.min_parallax_deg, "deg", "median parallax below which a pair is refused", 0.1,
-        30.0);
   t.add(s + "init_max_rmse", &i.max_rmse_px, "px", "reprojection error after the first bundle adjustment", 0.1, 10.0);
-  t.add(s + "init_min_motion_to_rmse", &i.min_motion_to_rmse, "",
-        "motion beyond a rotation over that error below which more motion is waited for; for images narrower than 640 "
-        "px less by the square",
-        0.0, 100.0);
   t.add(s + "init_min_points", &i.two_view.min_points, "", "triangulated by the first pair", 10, 5000);
 
   t.group("tracking");
@@ -40,12 +30,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "local_radius", &r.local_radius_px, "px", "the same once the pose is nearly known", 1.0, 100.0);
   t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
-  t.add(s + "min_inliers", &r.min_inliers, "", "landmarks that must agree with a pose; fewer: lost", 6, 1000);
-  t.add(s + "min_established", &r.min_established, "",
-        "landmarks that at least three keyframes have seen and that agree with a pose; fewer: lost", 0, 1000);
-  t.add(s + "min_established_parallax", &r.min_established_parallax_deg, "deg",
-        "of such a landmark, seen by three keyframes, that counts fully; less counts by its square times the sights",
-        0.0, 20.0);
+  t.add(s + "max_scale_drift", &r.max_scale_drift, "",
+        "of the scale in a second, relative (standard deviation), that tracking goes on with; beyond it: lost", 0.01, 10.0);
   t.add(
       s + "patch_inliers", &r.patch_inliers, "",
       "landmarks that do in fast motion and in images with few corners; with fewer, others in view that no keypoint is "
@@ -59,16 +45,6 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
       "less than patch_motion each and keyframe_max_motion in all, for 40 % less CPU at 30 Hz; 0: corners in every "
       "image",
       0.0, 10.0);
-  t.add(s + "epipolar_inliers", &r.epipolar_inliers, "",
-        "landmarks that do alone; with fewer, what is matched with the last frame and keyframe and is no landmark "
-        "supports the pose (epipolar constraint); 0: never",
-        0, 1000);
-  t.add(s + "sure_inliers", &r.sure_inliers, "",
-        "landmarks that make a pose believable wherever it is; with fewer, see the accelerations; 0: always", 0, 1000);
-  t.add(s + "max_angular_acceleration", &r.max_angular_acceleration, "deg/s²",
-        "between frames; a pose of few landmarks beyond it becomes no keyframe", 1.0, 1e6);
-  t.add(s + "max_acceleration", &r.max_acceleration, "depths/s²",
-        "the same of the position, in median depths of the landmarks", 0.01, 1e6);
   t.add(s + "local_keyframes", &r.local_keyframes, "", "whose landmarks are looked for in a frame", 1, 200);
   t.add(s + "recently_lost_s", &r.recently_lost_s, "s", "relocalization only, before a new submap is begun", 0.0, 60.0);
   KeyframeOptions& k = o.keyframes;
@@ -100,9 +76,6 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.group("mapping");
   MappingOptions& m = o.mapping;
   t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
-  t.add(s + "min_parallax", &m.min_parallax_deg, "deg", "of a new landmark", 0.1, 20.0);
-  t.add(s + "min_baseline", &m.min_baseline_ratio, "",
-        "of two keyframes between which landmarks are made, over the median depth", 0.0, 1.0);
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);

@@ -15,6 +15,17 @@ namespace rumi::front_tracker {
 // its keypoints are landmarks found by patches.
 enum class Corners { kEnough, kFew, kNone };
 
+// How well a frame's pose, and the submap's scale where it is, are known.
+struct PoseCertainty {
+  // Of the camera's place and direction, given the landmarks: covariance of the twist (translation, rotation) in
+  // exp(twist) * cam_from_submap. A landmark counts as far as its own place is known.
+  Eigen::Matrix<double, 6, 6> twist_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  // How far off that leaves what the image shows at the landmarks' median depth: RMS over the image, px.
+  double image_px = 0;
+  // Of the logarithm of the scale that the landmarks in view carry, against the submap's beginning: variance.
+  double log_scale_variance = 0;
+};
+
 // One image on its way through the tracker.
 struct Frame {
   int64_t utime_us = 0;
@@ -23,6 +34,7 @@ struct Frame {
   KeypointGrid grid;                           // over the undistorted pixels
   std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
   SE3 cam_from_submap;                         // meaningful once tracked
+  PoseCertainty certainty;  // once tracked
   bool is_believable = true;                   // else the pose is nothing to build on
   Corners corners = Corners::kEnough;
   int reference_keyframe = kNone;

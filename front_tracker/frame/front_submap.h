@@ -12,6 +12,12 @@
 
 namespace rumi::front_tracker {
 
+// What was known of a keyframe's place when it was made (frame/certainty.h).
+struct KeyframeCertainty {
+  Eigen::Matrix3d position_covariance;  // in the submap
+  double log_scale_variance = 0;
+};
+
 // A submap under construction: the submap itself and what only its maker needs.
 struct FrontSubmap {
   FrontSubmap() = default;
@@ -20,6 +26,7 @@ struct FrontSubmap {
 
   Submap map;
   std::vector<double> octave_scales;
+  std::map<int, KeyframeCertainty> certainty;  // of the keyframes
   std::map<int, KeypointGrid> grids;  // of the keyframes, over undistorted pixels
   // Of the latest keyframes, while they may still be aligned with each other.
   std::map<int, std::shared_ptr<const ImagePyramid>> images;

@@ -9,22 +9,14 @@ struct TrackingOptions {
   double local_radius_px = 4;    // the same for the local map, once the pose is nearly known
   int max_distance = 64;         // Hamming distance of a match
   double max_ratio = 0.9;        // best over second-best distance at the same octave
-  int min_inliers = 25;          // fewer: lost
-  int min_established = 25;      // of these, seen by three keyframes; fewer: lost, for nothing carries the scale on
-  double min_established_parallax_deg = 6;  // of these, to count fully; less counts by its square times the sights
+  double max_scale_drift = 0.25;  // of the logarithm of scale, in a second: standard deviation
   int min_first_inliers = 15;               // of the matches with the last frame; fewer: brute force and resection
   int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
   double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast
-  int epipolar_inliers = 70;   // fewer: matches with earlier frames that are no landmarks help too; 0: never
   // Images sooner than that after the last one with corners are tracked by patches alone where they move little (by
   // KeyframeOptions::max_motion in all); 0: none. See docs/tracking.md, "Without corners".
   double corner_interval_s = 0.14;
   int local_keyframes = 25;  // whose landmarks are looked for
-  // A pose with fewer landmarks that is farther from where the motion so far leads than these accelerations and the
-  // poses' own noise explain becomes no keyframe.
-  int sure_inliers = 80;
-  double max_angular_acceleration = 700;  // degrees/s²
-  double max_acceleration = 3.5;          // median depths of the landmarks/s²: a submap has no metres
   double recently_lost_s = 1.0;           // only relocalization is tried; after it a new submap is begun
   int relocalization_min_inliers = 40;
   double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "front_tracker/frame/certainty.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/numeric/median.h"
 
@@ -154,27 +155,36 @@ bool InitialStructure::adjust() {
   const BundleProblem problem = as_it_is();
   double sum = 0;
   size_t count = 0;
-  std::vector<double> parallaxes;
+  int in_both = 0;
   for (size_t p = 0; p < points_.size(); ++p) {
     for (size_t v = 0; v < views_.size(); ++v) {
       if (!views_[v].agrees[p]) continue;
       sum += reprojection_chi2(input_->camera, problem, observation(v, p));
       ++count;
     }
-    if (views_[0].agrees[p] && views_[1].agrees[p])
-      parallaxes.push_back(parallax_rad(points_[p], Eigen::Vector3d::Zero(), views_[1].cam_from_reference.center()));
+    in_both += views_[0].agrees[p] && views_[1].agrees[p];
   }
-  if (static_cast<int>(parallaxes.size()) < input_->options.two_view.min_points) {
-    refusal_ = fmt::format("{} points left after bundle adjustment", parallaxes.size());
+  if (in_both < input_->options.two_view.min_points) {
+    refusal_ = fmt::format("{} points left after bundle adjustment", in_both);
     return false;
   }
-  const double parallax_deg = median(&parallaxes) * 180 / M_PI;
   const double rmse_px = std::sqrt(sum / static_cast<double>(count));
-  if (rmse_px > input_->options.max_rmse_px || parallax_deg < input_->options.min_parallax_deg) {
-    refusal_ = fmt::format("after bundle adjustment: error {:.2f} px, parallax {:.2f} deg", rmse_px, parallax_deg);
+  if (rmse_px > input_->options.max_rmse_px) {
+    refusal_ = fmt::format("after bundle adjustment: error {:.2f} px", rmse_px);
     return false;
   }
   return true;
+}
+
+double InitialStructure::direction_sigma_rad() const {
+  const SE3& last = views_[1].cam_from_reference;
+  std::vector<TwiceSeen> seen;
+  for (size_t p = 0; p < points_.size(); ++p)
+    if (views_[0].agrees[p] && views_[1].agrees[p])
+      seen.push_back({points_[p], observation(0, p).sigma_px, observation(1, p).sigma_px});
+  const Eigen::Matrix3d covariance =
+      position_covariance(last, relative_twist_covariance(input_->camera, last, seen));
+  return std::sqrt(covariance.trace()) / last.center().norm();
 }
 
 bool InitialStructure::same_as(const InitialStructure& other) const {

@@ -15,13 +15,15 @@ namespace {
 constexpr size_t kMostReferences = 4;
 constexpr size_t kReferenceInterval = 10;  // frames from one reference to the next, at most
 constexpr double kRenewAt = 0.7;           // share of the newest reference that is found: below, another is due
+constexpr double kMinMotion_px = 2;  // median, beyond what a rotation explains: twice a keypoint's noise; less: nothing is tried
+constexpr double kMoreMotion = 1.1;   // than at the last try, for the next
 constexpr int kMostMisses = 3;             // frames in a row (blurred, say) that a reference survives
 
 }  // namespace
 
 Initializer::Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& scales)
     : camera_(camera), options_(options), scales_(scales) {
-  options_.two_view.min_median_parallax_deg = options.min_parallax_deg;
+  options_.two_view.min_median_parallax_deg = 0;  // the structure tells, see max_direction_sigma_rad
 }
 
 void Initializer::clear() {
@@ -79,7 +81,7 @@ void Initializer::follow() {
   // The oldest has seen most motion; what makes room is the one after it.
   if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
   references_.push_back(
-      {frames_.size() - 1, ReferenceTracks(now.features), 0, options_.min_motion_px * camera_.width / 640.0});
+      {frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
 }
 
 // The reference from which the image moved most, if it is worth a try.
@@ -113,20 +115,6 @@ std::optional<InitialMap> Initializer::add(Frame frame) {
   return map;
 }
 
-// Whether more is to be waited for; if so until the image has moved by that much more.
-bool Initializer::refuse(const TwoViewResult& pair, int matches, Reference* reference) {
-  refusal_ = pair.refusal;
-  double more = 1.2;
-  if (pair.ok()) {
-    const double parallax_deg = pair.hypotheses.front().median_parallax_deg;
-    if (parallax_deg >= options_.accept_parallax_deg || matches <= 2 * options_.min_matches) return false;
-    refusal_ = fmt::format("parallax {:.2f} deg: waiting for more", parallax_deg);
-    more = std::clamp(options_.accept_parallax_deg / parallax_deg, 1.1, 1.5);
-  }
-  reference->next_motion_px = more * reference->tracks.motion_px();
-  return true;
-}
-
 // The structures that the pair allows and the frames between agree with, adjusted; the one that fits best first.
 std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
                                                          const std::vector<int>& keypoints) {
@@ -155,13 +143,10 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
 }
 
 // What speaks against beginning with it; empty: nothing.
-std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double motion_px) const {
-  // What depth does to the images must stand out from what the structure leaves unexplained (blur, a bend). In narrow
-  // images it stands out less, and the starts are right all the same.
-  const double min_ratio = options_.min_motion_to_rmse * std::pow(std::min(1.0, camera_.width / 640.0), 2);
-  if (motion_px < min_ratio * best.error_px)
-    return fmt::format("{:.1f} px beyond a rotation at an error of {:.2f} px: waiting for more motion", motion_px,
-                       best.error_px);
+std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals) const {
+  const double direction_rad = best.structure.direction_sigma_rad() * best.error_px;
+  if (direction_rad > options_.max_direction_sigma_rad)
+    return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion", direction_rad * 180 / M_PI);
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
     // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
@@ -185,19 +170,20 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
     last.push_back(frames_.back().features->undistorted[found[i]]);
   }
   const TwoViewResult pair = reconstruct_two_views(camera_, first, last, options_.two_view);
-  if (refuse(pair, tracks.count(), reference)) return std::nullopt;
-
   const double motion_px = tracks.motion_px();
-  reference->next_motion_px = 1.1 * motion_px;
+  reference->next_motion_px = kMoreMotion * motion_px;
+  refusal_ = pair.refusal;
+  if (!pair.ok()) return std::nullopt;
+
   const FollowedFrames input{camera_, options_, scales_, frames_, reference->frame, tracks};
   const std::vector<Rival> rivals = find_rivals(input, pair, keypoints);
   if (rivals.empty()) return std::nullopt;
   const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
-  refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals, motion_px);
+  refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals);
   if (!refusal_.empty()) return std::nullopt;
-  log_debug("begins with parallax {:.2f} deg, {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px",
-            pair.hypotheses.front().median_parallax_deg, motion_px, frames_.size() - reference->frame, frames_.size(),
-            best->error_px);
+  log_debug("begins with {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px, direction of the motion known to {:.1f} deg",
+            motion_px, frames_.size() - reference->frame, frames_.size(), best->error_px,
+            best->structure.direction_sigma_rad() * best->error_px * 180 / M_PI);
   return best->structure.finish();
 }
 

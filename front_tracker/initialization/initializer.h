@@ -50,10 +50,9 @@ class Initializer {
   void drop_images();
   Reference* most_promising();
   std::optional<InitialMap> begin_with(Reference* reference);
-  bool refuse(const TwoViewResult& pair, int matches, Reference* reference);
   std::vector<Rival> find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
                                  const std::vector<int>& keypoints);
-  std::string objection(const Rival& best, const std::vector<Rival>& rivals, double motion_px) const;
+  std::string objection(const Rival& best, const std::vector<Rival>& rivals) const;
 
   Camera camera_;
   InitializerOptions options_;

@@ -2,6 +2,7 @@
 // The part of Mapper that triangulates: keypoints without a landmark in two keyframes, matched along the epipolar line.
 #include <opencv2/core/hal/intrin.hpp>
 
+#include "front_tracker/frame/certainty.h"
 #include "front_tracker/mapping/mapper.h"
 #include "front_tracker/patches/align_keypoints.h"
 #include "slam/geometry/epipolar.h"
@@ -10,6 +11,10 @@
 
 namespace rumi::front_tracker {
 namespace {
+
+// Standard deviations of logarithms: of the distance between two keyframes that landmarks are made with, and of the
+// distance of a landmark from them by the keypoints' noise.
+constexpr double kMaxLogBaseline = 0.1, kMaxLogDistance = 0.5;
 
 std::vector<int> free_keypoints(const Keyframe& kf) {
   std::vector<int> free;
@@ -66,13 +71,11 @@ bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen:
 void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   Keyframe& kf = *map.keyframe(keyframe_id);
-  const double depth = median_depth(map, kf.cam_from_submap, kf.landmark_ids);
   int used = 0;
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     if (used++ == options_.neighbours) break;
-    Keyframe& neighbour = *map.keyframe(id);
-    const double baseline = (kf.cam_from_submap.center() - neighbour.cam_from_submap.center()).norm();
-    if (baseline > options_.min_baseline_ratio * depth) make_landmarks_between(submap, kf, neighbour);
+    if (log_baseline_variance(submap, keyframe_id, id) <= kMaxLogBaseline * kMaxLogBaseline)
+      make_landmarks_between(submap, kf, *map.keyframe(id));
   }
 }
 
@@ -86,8 +89,9 @@ std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& su
   const double sa = scales[a.features->keypoints[keypoint_a].octave],
                sb = scales[b.features->keypoints[keypoint_b].octave];
   const Eigen::Vector3d to_a = *point - a.cam_from_submap.center(), to_b = *point - b.cam_from_submap.center();
-  const double max_cosine = std::cos(options_.min_parallax_deg * M_PI / 180);
-  if (to_a.normalized().dot(to_b.normalized()) > max_cosine) return std::nullopt;
+  // Standard deviation of the logarithm of the distance.
+  const double sine = to_a.normalized().cross(to_b.normalized()).norm(), focal_px = 0.5 * (camera_.fx + camera_.fy);
+  if (std::hypot(sa, sb) > kMaxLogDistance * focal_px * sine) return std::nullopt;
   if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
     return std::nullopt;
   // The ratio of the distances must go with that of the octaves.
@@ -100,6 +104,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
   const std::vector<double>& scales = submap.octave_scales;
   const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
   Candidates candidates(b, scales);
+  const double scale_variance = log_scale_variance_between(submap, a.id, b.id);
   KeyframeAligner aligner(submap, a.id);
   for (int i : free_keypoints(a)) {
     const Eigen::Vector2f pa = a.features->undistorted[i];
@@ -126,6 +131,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     candidates.take(best);
     update_landmark_view(submap.map, scales, &lm);
     submap.recent_landmarks.emplace_back(lm.id, a.id);
+    lm.log_scale_variance = scale_variance;
   }
 }
 

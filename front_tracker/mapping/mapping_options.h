@@ -5,8 +5,6 @@ namespace rumi::front_tracker {
 
 struct MappingOptions {
   int neighbours = 10;               // keyframes to triangulate with and to fuse into
-  double min_parallax_deg = 1.0;     // of a new landmark
-  double min_baseline_ratio = 0.03;  // of two keyframes, over the median depth; see docs/tracking.md, "Mapping"
   int max_distance = 50;             // Hamming distance of a new pair
   int bundle_keyframes = 24;         // free in the local bundle adjustment
   int bundle_fixed_keyframes = 24;   // that hold it in place, at most

@@ -18,4 +18,7 @@ struct EarlierView {
 EpipolarView match_epipolar(const Camera& camera, const std::vector<double>& octave_scales, const EarlierView& earlier,
                             const Frame& frame);
 
+// Of these, how many agree with the frame's pose.
+int count_agreeing(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view);
+
 }  // namespace rumi::front_tracker

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "front_tracker/frame/scale_support.h"
+#include "front_tracker/frame/certainty.h"
 #include "front_tracker/matching/brute_force_matching.h"
 #include "front_tracker/matching/projection_search.h"
 #include "slam/optimization/resection.h"
@@ -116,7 +116,8 @@ bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame
   if (inliers < options_.relocalization_min_inliers) return false;
   // A few dozen agreeing by chance or at the rim of the image are no proof: of what should be in view much must be
   // there. Seen from elsewhere most of it is not recognized.
-  const bool sure = inliers >= options_.relocalization_sure_inliers && carries_scale(submap, found, options_);
+  found.certainty = certainty_of(submap, scales_, found);
+  const bool sure = inliers >= options_.relocalization_sure_inliers && found.certainty.image_px <= 1.0;
   const double min_ratio = sure ? options_.relocalization_min_ratio / 3 : options_.relocalization_min_ratio;
   if (inliers < min_ratio * static_cast<double>(in_view)) return false;
   found.reference_keyframe = keyframe_id;

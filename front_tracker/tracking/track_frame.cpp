@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of Tracker that finds a frame's pose: short-term association with the last frame, then mid-term association
 // with the landmarks nearby (equation 5 of the paper).
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
-#include "front_tracker/frame/scale_support.h"
+#include "front_tracker/frame/certainty.h"
 #include "front_tracker/matching/brute_force_matching.h"
 #include "front_tracker/matching/epipolar_matches.h"
 #include "front_tracker/matching/projection_search.h"
@@ -19,9 +20,11 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Of two poses of few landmarks.
-constexpr double kRotationNoise_deg = 0.3;
-constexpr double kTranslationNoise = 0.005;  // of the landmarks' median depth
+// How far off the image may be by what is known of the pose, for it to need no support.
+constexpr double kUncertain_px = 1.0;
+constexpr double kLost_px = 3.0;
+constexpr int kFewest = 10;
+constexpr double kAgree = 0.8;  // share of what is matched with earlier frames, that agrees with a believable pose
 
 }  // namespace
 
@@ -53,25 +56,11 @@ void Tracker::note_motion(const Frame& frame) {
 
 bool Tracker::track(Frame* frame) {
   predict_pose(frame);
-  const SE3 predicted = frame->cam_from_submap;
+  why_lost_ = "no match with the last frame";
   if (!match_last_frame(frame) && !match_regardless_of_place(frame)) return false;
   if (!match_local_map(frame)) return false;
-  frame->is_believable = velocity_dt_us_ == 0 ||
-                         is_believable(*frame, predicted, std::max(frame->utime_us - last_.utime_us, velocity_dt_us_));
   note_motion(*frame);
   return true;
-}
-
-// Few landmarks, in a corner of the image or some of them wrong, may agree with a pose far off. The motion so far then
-// tells: `predicted` by constant velocity, over `dt_us`.
-bool Tracker::is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us) {
-  const TrackingOptions& o = options_.tracking;
-  if (frame.matches() >= o.sure_inliers) return true;
-  const double depth = median_depth(active().map, frame.cam_from_submap, frame.landmark_ids);
-  const double dt2 = std::pow(1e-6 * static_cast<double>(dt_us), 2);
-  const Vector6d off = (frame.cam_from_submap * predicted.inverse()).log();  // translation, rotation
-  return off.tail<3>().norm() <= (o.max_angular_acceleration * dt2 + kRotationNoise_deg) * M_PI / 180 &&
-         off.head<3>().norm() <= (o.max_acceleration * dt2 + kTranslationNoise) * depth;
 }
 
 bool Tracker::match_last_frame(Frame* frame) {
@@ -155,7 +144,7 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
 bool Tracker::patches_may_help(const Frame& frame, int inliers) const {
   const TrackingOptions& o = options_.tracking;
   if (frame.corners == Corners::kFew) return inliers >= o.min_first_inliers;
-  return inliers >= o.min_inliers && motion_since_last_frame(frame) > o.patch_motion;
+  return inliers >= kFewest && motion_since_last_frame(frame) > o.patch_motion;
 }
 
 bool Tracker::match_local_map(Frame* frame) {
@@ -167,18 +156,31 @@ bool Tracker::match_local_map(Frame* frame) {
     if (id != kNone) visible.push_back(id);
   search_by_projection(camera_, local_landmarks(frame), search, scales_, frame, &visible);
   int inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers >= options_.tracking.min_inliers && align_keypoints(active(), frame, &templates_))
+  if (inliers >= kFewest && align_keypoints(active(), frame, &templates_))
     inliers = refine_pose(camera_, active().map, scales_, frame);
   if (inliers < options_.tracking.patch_inliers && patches_may_help(*frame, inliers) &&
       search_by_patch(active(), visible, options_.tracking.patch_inliers, frame, &templates_) > 0)
     inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers >= options_.tracking.min_inliers && inliers < options_.tracking.epipolar_inliers)
-    inliers = support_by_epipolar_matches(frame);
+  if (inliers < kFewest) {
+    why_lost_ = fmt::format("{} landmarks agree", inliers);
+    return false;
+  }
+  frame->certainty = certainty_of(active().map, scales_, *frame);
+  frame->is_believable = frame->certainty.image_px <= kUncertain_px;
+  if (!frame->is_believable) inliers = support_by_epipolar_matches(frame);
+  if (inliers < kFewest || (!frame->is_believable && frame->certainty.image_px > kLost_px)) {
+    why_lost_ = fmt::format("{} landmarks agree, image within {:.1f} px, believable {}", inliers, frame->certainty.image_px, frame->is_believable);
+    return false;
+  }
   for (int id : visible)
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)
     if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
-  return inliers >= options_.tracking.min_inliers && carries_scale(active().map, *frame, options_.tracking);
+  if (drifts(*frame)) {
+    why_lost_ = fmt::format("the scale drifts: {:.3f}", std::sqrt(frame->certainty.log_scale_variance));
+    return false;
+  }
+  return true;
 }
 
 // A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
@@ -193,7 +195,23 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
   if (is_here && newest.utime_us != last_.utime_us)
     views.push_back(
         match_epipolar(camera_, scales_, {newest.features, newest.landmark_ids, newest.cam_from_submap}, *frame));
-  return refine_pose(camera_, map, scales_, frame, views);
+  const int inliers = refine_pose(camera_, map, scales_, frame, views);
+  int agree = 0, all = 0;
+  for (const EpipolarView& view : views) {
+    all += static_cast<int>(view.matches.size());
+    agree += count_agreeing(camera_, frame->cam_from_submap, view);
+  }
+  frame->is_believable = all >= 30 && agree >= kAgree * all;
+  return inliers;
+}
+
+// Is the scale lost faster than that would be worth anything?
+bool Tracker::drifts(const Frame& frame) const {
+  constexpr int64_t kOver_us = 1'000'000;
+  if (recent_.empty()) return false;
+  const auto then = std::find_if(recent_.begin(), recent_.end(), [&](const Support& s) { return frame.utime_us - s.utime_us <= kOver_us; });
+  const double before = then == recent_.end() ? recent_.back().log_scale_variance : then->log_scale_variance;
+  return frame.certainty.log_scale_variance - before > std::pow(options_.tracking.max_scale_drift, 2);
 }
 
 // Of a frame of the past, from where its neighbour in time was.
@@ -204,7 +222,9 @@ bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<cons
   frame->cam_from_submap = neighbour.cam_from_submap;
   search_by_projection(camera_, landmarks, search, scales_, frame);
   const Submap& map = active().map;
-  if (refine_pose(camera_, map, scales_, frame) < options_.tracking.min_inliers) return false;
+  if (refine_pose(camera_, map, scales_, frame) < kFewest) return false;
+  frame->certainty = certainty_of(map, scales_, *frame);
+  if (frame->certainty.image_px > kUncertain_px) return false;
   frame->reference_keyframe = neighbour.reference_keyframe;
   frame->cam_from_keyframe =
       frame->cam_from_submap * map.keyframe(frame->reference_keyframe)->cam_from_submap.inverse();
@@ -236,7 +256,7 @@ void Tracker::track_back(const Frame& found, std::deque<Frame> frames) {
       if (id != kNone) landmarks.push_back(active().map.landmark(id));
     Frame frame = std::move(frames.back());
     frames.pop_back();
-    if (!pose_from_neighbour(next, landmarks, &frame) || !carries_scale(active().map, frame, options_.tracking)) break;
+    if (!pose_from_neighbour(next, landmarks, &frame)) break;
     record_pose(&active(), frame);
     note_pose_afterwards(frame);
     next = std::move(frame);

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "base/log.h"
-#include "front_tracker/frame/scale_support.h"
+#include "front_tracker/frame/certainty.h"
 #include "front_tracker/patches/patch_tracking.h"
 #include "slam/map/landmark_view.h"
 #include "slam/numeric/median.h"
@@ -18,6 +18,7 @@ namespace {
 constexpr int64_t kFoundAgain_us = 1'000'000;
 // How long before a loss a slip may have begun.
 constexpr int64_t kMayBeWrong_us = 4'000'000;
+constexpr double kUncertain_px = 1.0;
 
 }  // namespace
 
@@ -89,9 +90,9 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   const double motion = motion_since_last_frame(frame);
   if (motion > o.patch_motion || motion_since_corners_ + motion > options_.keyframes.max_motion) return false;
   const PatchTracking tracked = track_by_patches(active(), last_, &frame, &templates_);
-  if (tracked.inliers < std::max<double>(o.sure_inliers, kLeastFound * tracked.in_view) ||
-      !carries_scale(active().map, frame, o))
-    return false;
+  if (tracked.inliers < kLeastFound * tracked.in_view) return false;
+  frame.certainty = certainty_of(active().map, scales_, frame);
+  if (frame.certainty.image_px > kUncertain_px || drifts(frame)) return false;
   motion_since_corners_ += motion;
   note_motion(frame);
   ++active().map.revision;
@@ -109,6 +110,7 @@ bool Tracker::look_again(Frame* frame) {
 }
 
 void Tracker::lose(const Frame& frame) {
+  log_debug("lost at {}: {}", frame.utime_us, why_lost_);
   state_ = TrackingState::kRecentlyLost;
   initializer_.clear();
   const Submap& map = active().map;
@@ -373,6 +375,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
     if (needs_keyframe(frame)) {
       const Keyframe& kf = submap.add_keyframe(&frame);
+      note_certainty(kf.id, frame.certainty, &submap);
       submap.keep_images(options_.mapping.keyframe_images);
       relocalizer_.add_keyframe(active_, submap.map, kf);
       tasks_.emplace_back(&submap, kf.id);
@@ -382,7 +385,7 @@ void Tracker::accept(Frame frame, TrackResult* result) {
     record_pose(&submap, frame);
   }
   note_pose(submap, frame, result);
-  recent_.push_back({frame.utime_us, result->inliers});
+  recent_.push_back({frame.utime_us, result->inliers, frame.certainty.log_scale_variance});
   while (frame.utime_us - recent_.front().utime_us > kMayBeWrong_us || recent_.size() > kMostWithdrawn)
     recent_.pop_front();
   last_ = std::move(frame);

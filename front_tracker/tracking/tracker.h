@@ -72,6 +72,7 @@ class Tracker {
   struct Support {
     int64_t utime_us = 0;
     int inliers = 0;
+    double log_scale_variance = 0;
   };
 
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
@@ -86,7 +87,7 @@ class Tracker {
   int support_by_epipolar_matches(Frame* frame);
   bool relocalize(size_t submap_index, int keyframe_id, Frame* frame);
   bool relocalize_anywhere(Frame* frame);
-  bool is_believable(const Frame& frame, const SE3& predicted, int64_t dt_us);
+  bool drifts(const Frame& frame) const;
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
   double motion_since_last_frame(const Frame& frame) const;
@@ -126,6 +127,8 @@ class Tracker {
   std::vector<MappingTask> tasks_;
   std::vector<TrackResult> posed_afterwards_;
   std::vector<int64_t> withdrawn_;
+
+  std::string why_lost_;
 
   TrackingState state_ = TrackingState::kNotInitialized;
   size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST

@@ -82,6 +82,7 @@ ordered_json to_json(const RunEvaluation& evaluation) {
       {"rpe_trans_m", or_null(run.map.rpe_trans_m)},
       {"rpe_rot_deg", or_null(run.map.rpe_rot_deg)},
       {"tracked_frame_ratio", or_null(run.tracked_frame_ratio)},
+      {"path_m", run.map.path_m},
       {"span_rate", or_null(run.span_rate)},
       {"true_rate", or_null(run.true_rate)},
       {"submap_frame_ratio", or_null(run.submap_frame_ratio)},

@@ -34,4 +34,9 @@ double parallax_rad(const Eigen::Vector3d& point, const Eigen::Vector3d& center_
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+Eigen::Matrix3d sight_information(const Eigen::Vector3d& to_point, double sigma_rad) {
+  const double d2 = to_point.squaredNorm();
+  return (Eigen::Matrix3d::Identity() - to_point * to_point.transpose() / d2) / (sigma_rad * sigma_rad * d2);
+}
+
 }  // namespace rumi

@@ -17,4 +17,8 @@ std::optional<Eigen::Vector3d> triangulate(const SE3& a_from_world, const Eigen:
 // Angle between the directions from the point to the two camera centres, radians.
 double parallax_rad(const Eigen::Vector3d& point, const Eigen::Vector3d& center_a, const Eigen::Vector3d& center_b);
 
+// What a sight of a point tells of its position: the inverse of the covariance, across the ray alone. `to_point` leads
+// from the camera to the point, the sight is known to `sigma_rad`.
+Eigen::Matrix3d sight_information(const Eigen::Vector3d& to_point, double sigma_rad);
+
 }  // namespace rumi

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "slam/features/orb_extractor.h"
+#include "slam/geometry/triangulation.h"
 #include "slam/numeric/median.h"
 
 namespace rumi {
@@ -34,10 +35,11 @@ Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
 }  // namespace
 
 void update_landmark_view(const Submap& submap, const std::vector<double>& scales, Landmark* landmark) {
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero(), newest = Eigen::Vector3d::Zero();
-  double least_cosine = 1;
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   std::vector<const Descriptor*> descriptors;
   double distance = 0;
+  const double f = 0.5 * (submap.camera.fx + submap.camera.fy);
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   // Newest first: the latest looks matter most to what comes next.
   for (auto o = landmark->observations.rbegin(); o != landmark->observations.rend(); ++o) {
     const Keyframe* kf = submap.keyframe(o->keyframe_id);
@@ -46,15 +48,15 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& scale
     const double d = ray.norm();
     if (!(d > 0)) continue;
     direction += ray / d;
-    if (newest.isZero()) newest = ray / d;
-    least_cosine = std::min(least_cosine, newest.dot(ray) / d);
+    if (information.isZero()) information = ray * ray.transpose() / (d * d * d * d);  // it is not infinitely far
+    information += sight_information(ray, scale_of(kf->features->keypoints[o->keypoint_index].octave, scales) / f);
     distance = d * scale_of(kf->features->keypoints[o->keypoint_index].octave,
                             scales);  // in the end that of the oldest observation, which made the landmark
     if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
   }
   if (descriptors.empty()) return;
+  landmark->information = information;
   landmark->view_direction = direction.normalized();
-  landmark->parallax_rad = std::acos(std::max(-1.0, least_cosine));
   landmark->octave0_distance = distance;
   landmark->descriptor = median_descriptor(descriptors);
 }

@@ -48,7 +48,9 @@ struct Landmark {
   // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never on the wire.
   Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras to it
   int visible = 0, found = 0;  // frames in which it should have been seen, and was; kept by whoever tracks with it
-  double parallax_rad = 0;     // the widest angle between the newest sight of it and others
+  // Inverse covariance of the position, the cameras being where they are and a keypoint's noise a pixel at octave 0.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  double log_scale_variance = 0;  // of the submap's unit there, against its beginning; kept by whoever tracks with it
   double octave0_distance =
       0;  // from where it would be a keypoint of octave 0: octave = log_scale(octave0_distance / d)
 };

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/frame/certainty.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "slam/map/landmark_view.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Matrix23d = Eigen::Matrix<double, 2, 3>;
+using Matrix26d = Eigen::Matrix<double, 2, 6>;
+
+// Of the projection, by the point in the camera's frame.
+Matrix23d derivative_by_point(const Camera& camera, const Eigen::Vector3d& p) {
+  Matrix23d d;
+  d << camera.fx, 0, -camera.fx * p.x() / p.z(), 0, camera.fy, -camera.fy * p.y() / p.z();
+  return d / p.z();
+}
+
+// exp(twist) moves the point by translation + rotation x point.
+Matrix26d derivative_by_twist(const Matrix23d& by_point, const Eigen::Vector3d& p) {
+  Matrix26d a;
+  a.leftCols<3>() = by_point;
+  for (int k = 0; k < 2; ++k) a.block<1, 3>(k, 3) = p.cross(Eigen::Vector3d(by_point.row(k))).transpose();
+  return a;
+}
+
+double image_uncertainty_px(const Camera& camera, const Matrix6d& twist_covariance, double depth) {
+  constexpr double kPlaces[] = {0.1, 0.5, 0.9};  // of the image's width and height
+  double variance = 0;
+  for (const double u : kPlaces)
+    for (const double v : kPlaces) {
+      const Eigen::Vector3d p = depth * camera.ray(Eigen::Vector2d(u * camera.width, v * camera.height));
+      const Matrix26d a = derivative_by_twist(derivative_by_point(camera, p), p);
+      variance += (a * twist_covariance * a.transpose()).trace() / 9;
+    }
+  return std::sqrt(variance);
+}
+
+}  // namespace
+
+namespace {
+
+// Of what a sight tells of the twist: inverse covariance.
+Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const KnownPoint& seen) {
+  const Eigen::Vector3d p = cam_from_submap * seen.position;
+  if (!(p.z() > 1e-6)) return Matrix6d::Zero();
+  const Matrix23d by_point = derivative_by_point(camera, p);
+  const Matrix23d turned = by_point * cam_from_submap.rotation.toRotationMatrix();
+  const Eigen::Matrix2d covariance = seen.sigma_px * seen.sigma_px * Eigen::Matrix2d::Identity() +
+                                     turned * seen.information.inverse() * turned.transpose();
+  const Matrix26d by_twist = derivative_by_twist(by_point, p);
+  return by_twist.transpose() * covariance.inverse() * by_twist;
+}
+
+Matrix6d invert(const Matrix6d& information) {
+  return (information + 1e-12 * Matrix6d::Identity()).ldlt().solve(Matrix6d::Identity());
+}
+
+}  // namespace
+
+Matrix6d twist_covariance(const Camera& camera, const SE3& cam_from_submap, const std::vector<KnownPoint>& seen) {
+  Matrix6d information = Matrix6d::Zero();
+  for (const KnownPoint& point : seen) information += sight_of(camera, cam_from_submap, point);
+  return invert(information);
+}
+
+Matrix6d relative_twist_covariance(const Camera& camera, const SE3& second_from_first,
+                                   const std::vector<TwiceSeen>& seen) {
+  Matrix6d information = Matrix6d::Zero();
+  const Eigen::Matrix3d r = second_from_first.rotation.toRotationMatrix();
+  for (const TwiceSeen& point : seen) {
+    const Eigen::Vector3d p = second_from_first * point.position;
+    if (!(p.z() > 1e-6) || !(point.position.z() > 1e-6)) continue;
+    // The reduced system: the point is whatever suits both views best.
+    const Matrix23d first = derivative_by_point(camera, point.position) / point.sigma_first_px;
+    const Matrix23d by_point = derivative_by_point(camera, p) / point.sigma_second_px, second = by_point * r;
+    const Matrix26d by_twist = derivative_by_twist(by_point, p);
+    const Eigen::Matrix3d known = first.transpose() * first + second.transpose() * second;
+    const Eigen::Matrix<double, 6, 3> mixed = by_twist.transpose() * second;
+    information += by_twist.transpose() * by_twist - mixed * known.inverse() * mixed.transpose();
+  }
+  const Eigen::Vector3d length = second_from_first.translation.normalized();
+  information.topLeftCorner<3, 3>() += information.topLeftCorner<3, 3>().trace() * length * length.transpose();
+  return invert(information);
+}
+
+Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance) {
+  const Eigen::Matrix3d r = cam_from_submap.rotation.toRotationMatrix();
+  // exp(twist) moves the centre -R^T t by -R^T translation.
+  return r.transpose() * twist_covariance.topLeftCorner<3, 3>() * r;
+}
+
+double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance) {
+  const double length2 = baseline.squaredNorm();
+  if (!(length2 > 0)) return std::numeric_limits<double>::infinity();
+  return baseline.dot(position_covariance * baseline) / (length2 * length2);
+}
+
+PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame) {
+  Matrix6d information = Matrix6d::Zero();
+  double weights = 0, scale_variance = 0;
+  for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
+    const Landmark* lm = frame.landmark_ids[i] == kNone ? nullptr : submap.landmark(frame.landmark_ids[i]);
+    if (!lm) continue;
+    const Matrix6d added = sight_of(submap.camera, frame.cam_from_submap,
+                                    {lm->position, lm->information, octave_scales[frame.features->keypoints[i].octave]});
+    information += added;
+    // What tells of the position tells of the scale.
+    const double weight = added.topLeftCorner<3, 3>().trace();
+    weights += weight;
+    scale_variance += weight * lm->log_scale_variance;
+  }
+  PoseCertainty certainty;
+  certainty.twist_covariance = invert(information);
+  certainty.image_px = image_uncertainty_px(submap.camera, certainty.twist_covariance,
+                                            median_depth(submap, frame.cam_from_submap, frame.landmark_ids));
+  certainty.log_scale_variance = weights > 0 ? scale_variance / weights : 0;
+  return certainty;
+}
+
+double log_baseline_variance(const FrontSubmap& submap, int keyframe_a, int keyframe_b) {
+  const Eigen::Vector3d baseline = submap.map.keyframe(keyframe_a)->cam_from_submap.center() -
+                                   submap.map.keyframe(keyframe_b)->cam_from_submap.center();
+  double variance = 0;
+  for (const int id : {keyframe_a, keyframe_b})
+    if (const auto known = submap.certainty.find(id); known != submap.certainty.end())
+      variance += log_length_variance(baseline, known->second.position_covariance);
+  return variance;
+}
+
+double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe, int older_keyframe) {
+  const auto known = submap.certainty.find(newer_keyframe);
+  const double carried = known == submap.certainty.end() ? 0 : known->second.log_scale_variance;
+  return carried + log_baseline_variance(submap, newer_keyframe, older_keyframe);
+}
+
+void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap* submap) {
+  const Keyframe& kf = *submap->map.keyframe(keyframe_id);
+  submap->certainty[keyframe_id] = {position_covariance(kf.cam_from_submap, certainty.twist_covariance),
+                                    certainty.log_scale_variance};
+  for (const int id : kf.landmark_ids) {
+    Landmark* lm = id == kNone ? nullptr : submap->map.landmark(id);
+    if (!lm || lm->observations.front().keyframe_id == keyframe_id) continue;
+    lm->log_scale_variance =
+        std::min(lm->log_scale_variance,
+                 log_scale_variance_between(*submap, keyframe_id, lm->observations.front().keyframe_id));
+  }
+}
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How well a frame's pose, and the submap's scale where it is, are known.
+#pragma once
+
+#include "front_tracker/frame/front_submap.h"
+
+namespace rumi::front_tracker {
+
+struct KnownPoint {
+  Eigen::Vector3d position;
+  Eigen::Matrix3d information;  // inverse covariance of the position
+  double sigma_px = 1;          // of the keypoint that is taken for it
+};
+// Covariance of the twist in exp(twist) * cam_from_submap that what a frame sees leaves.
+Eigen::Matrix<double, 6, 6> twist_covariance(const Camera& camera, const SE3& cam_from_submap, const std::vector<KnownPoint>& seen);
+// The same of a second view of points that only it and a first view, whose pose is exact, tell of; the distance of the
+// two is the unit of length, and so exact.
+struct TwiceSeen {
+  Eigen::Vector3d position;
+  double sigma_first_px = 1, sigma_second_px = 1;
+};
+Eigen::Matrix<double, 6, 6> relative_twist_covariance(const Camera& camera, const SE3& second_from_first,
+                                                      const std::vector<TwiceSeen>& seen);
+// Of the distance between two places beside its length, from the covariance of the one, in their frame.
+double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance);
+// Of the camera's centre, in the submap.
+Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Eigen::Matrix<double, 6, 6>& twist_covariance);
+
+// Of a frame with a pose and matches.
+PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame);
+
+// The variance that the scale of landmarks has which are made between two keyframes: what the newer one carries, and
+// how well the distance between the two is known beside its length.
+double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe, int older_keyframe);
+// How well the distance between two keyframes is known beside its length: variance of its logarithm.
+double log_baseline_variance(const FrontSubmap& submap, int keyframe_a, int keyframe_b);
+
+// Of a new keyframe, with the certainty of its frame: from now on its landmarks are known by it, too.
+void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap* submap);
+
+}  // namespace rumi::front_tracker

@@ -1,0 +1,88 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
+# The whole system on every recording there is, real and rendered: prints a Markdown table, median and worst over the
+# seeds, and writes OUT/table.csv and OUT/runs.csv.
+#   scripts/recordings_table.sh BUILD_DIR DATA OUT [SEEDS]
+# DATA: folder with recordings (rgb.txt, calibration.yaml and, where known, groundtruth.txt or another estimate,
+# colmap.txt) in it and in DATA/real, and with true camera paths (TUM files) in DATA/trajectories to render along.
+# SEEDS (1): runs of each; they differ in the number of keypoints, which changes every random choice after it.
+# What is measured in OUT is kept, so that an interrupted run can be continued.
+# RUMI_TABLE_RECORDINGS="NAME ...": only these. RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
+# time (1: CPU times are then good). RUMI_TABLE_ONLY=1: the table of what exists. Needs python3.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+rumi=$1/bin/rumi
+data=$2
+out=$3
+seeds=${4:-1}
+# Where each path begins, s.
+rendered="fr1_room:2 fr1_floor:4 fr1_teddy:4 fr2_desk:10 fr2_pioneer_slam:20 fr3_teddy:40 V102:20 V103:20 V203:20
+  icl_living_room_t0:4 icl_living_room_t1:4 icl_living_room_t2:4 icl_living_room_t3:4 icl_office_t0:4 icl_office_t1:4
+  icl_office_t2:4 icl_office_t3:4"
+passage=1.5 # seconds
+mkdir -p "$out"
+
+names() {
+  for list in "$data"/*/rgb.txt "$data"/real/*/rgb.txt; do
+    folder=${list%/rgb.txt}
+    if [ -e "$folder/calibration.yaml" ]; then basename "$folder"; fi
+  done
+  for path in $rendered; do
+    if [ -e "$data/trajectories/${path%%:*}.txt" ]; then echo "rendered_${path%%:*}" "passages_${path%%:*}"; fi
+  done
+}
+
+# Renders a recording where it is not there yet. Leaves its folder in $folder.
+find_recording() { # name
+  case $1 in
+    rendered_* | passages_*) folder=$out/sequences/$1 ;;
+    *)
+      folder=$data/$1
+      [ -e "$folder" ] || folder=$data/real/$1
+      return 0
+      ;;
+  esac
+  if [ -e "$folder/done" ]; then return 0; fi
+  path=${1#*_}
+  for p in $rendered; do if [ "${p%%:*}" = "$path" ]; then start=${p##*:}; fi; done
+  length="--duration 12"
+  if [ "${1%%_*}" = passages ]; then
+    length="--duration 20 --hard blur --at 5 --for $passage --hard dark --at 9 --for $passage
+      --hard textureless --at 13 --for $passage --hard rotation --at 17 --for $passage"
+  fi
+  # shellcheck disable=SC2086
+  "$rumi" synth -q --overwrite -o "$folder" --path "$data/trajectories/$path.txt" --start "$start" $length
+  touch "$folder/done"
+}
+
+measure() { # name seed
+  run=$out/$1/$2
+  if [ -e "$run/evaluation.json" ] || [ -e "$run/no_truth" ]; then return 0; fi
+  find_recording "$1"
+  options="--set front_tracker.keypoints=$((1000 + 7 * (2 * ($2 % 2) - 1) * (($2 + 1) / 2)))"
+  for option in ${RUMI_TABLE_SET:-}; do options="$options --set $option"; done
+  rm -rf "$run"
+  mkdir -p "$run"
+  # shellcheck disable=SC2086
+  "$rumi" replay -q "$folder" -o "$run/run" $options >"$run/log" 2>&1 || echo "$1, seed $2: see $run/log" >&2
+  for truth in groundtruth.txt colmap.txt; do
+    if [ ! -e "$folder/$truth" ]; then continue; fi
+    basename "$truth" .txt >"$run/truth"
+    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log"; then
+      mv "$run/part" "$run/evaluation.json"
+      return 0
+    fi
+  done
+  touch "$run/no_truth"
+}
+
+if [ "${5:-}" = measure ]; then # one run, called by xargs below
+  measure "$6" "$4"
+  exit 0
+fi
+if [ -z "${RUMI_TABLE_ONLY:-}" ]; then
+  for seed in $(seq 0 $((seeds - 1))); do
+    for name in ${RUMI_TABLE_RECORDINGS:-$(names)}; do echo "$seed measure $name"; done
+  done | xargs -P "${RUMI_TABLE_JOBS:-1}" -L 1 "$0" "$1" "$data" "$out"
+fi
+python3 -B "$here/recordings_table.py" "$out"
