@@ -103,7 +103,8 @@ double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3
   return baseline.dot(position_covariance * baseline) / (length2 * length2);
 }
 
-PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame) {
+PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame,
+                           const std::vector<EpipolarView>& views) {
   Matrix6d information = Matrix6d::Zero();
   double weights = 0, scale_variance = 0;
   for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
@@ -117,6 +118,7 @@ PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octa
     weights += weight;
     scale_variance += weight * lm->log_scale_variance;
   }
+  for (const EpipolarView& view : views) information += epipolar_information(submap.camera, frame.cam_from_submap, view);
   PoseCertainty certainty;
   certainty.twist_covariance = invert(information);
   certainty.image_px = image_uncertainty_px(submap.camera, certainty.twist_covariance,

@@ -26,8 +26,9 @@ double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3
 // Of the camera's centre, in the submap.
 Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Eigen::Matrix<double, 6, 6>& twist_covariance);
 
-// Of a frame with a pose and matches.
-PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame);
+// Of a frame with a pose and matches; `views` tell of the pose, too.
+PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame,
+                           const std::vector<EpipolarView>& views = {});
 
 // The variance that the scale of landmarks has which are made between two keyframes: what the newer one carries, and
 // how well the distance between the two is known beside its length.

@@ -9,7 +9,9 @@ struct TrackingOptions {
   double local_radius_px = 4;    // the same for the local map, once the pose is nearly known
   int max_distance = 64;         // Hamming distance of a match
   double max_ratio = 0.9;        // best over second-best distance at the same octave
-  double max_scale_drift = 0.25;  // of the logarithm of scale, in a second: standard deviation
+  // How far off the image may be by what is known of a pose (PoseCertainty::image_px), for the pose to need no support.
+  double uncertain_px = 1.0;
+  double max_scale_drift = 0.25;  // of the logarithm of scale in a second, standard deviation; more: lost
   int min_first_inliers = 15;               // of the matches with the last frame; fewer: brute force and resection
   int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
   double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast

@@ -12,10 +12,6 @@
 namespace rumi::front_tracker {
 namespace {
 
-// Standard deviations of logarithms: of the distance between two keyframes that landmarks are made with, and of the
-// distance of a landmark from them by the keypoints' noise.
-constexpr double kMaxLogBaseline = 0.1, kMaxLogDistance = 0.5;
-
 std::vector<int> free_keypoints(const Keyframe& kf) {
   std::vector<int> free;
   for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
@@ -74,7 +70,7 @@ void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   int used = 0;
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     if (used++ == options_.neighbours) break;
-    if (log_baseline_variance(submap, keyframe_id, id) <= kMaxLogBaseline * kMaxLogBaseline)
+    if (log_baseline_variance(submap, keyframe_id, id) <= options_.max_log_baseline * options_.max_log_baseline)
       make_landmarks_between(submap, kf, *map.keyframe(id));
   }
 }
@@ -91,7 +87,7 @@ std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& su
   const Eigen::Vector3d to_a = *point - a.cam_from_submap.center(), to_b = *point - b.cam_from_submap.center();
   // Standard deviation of the logarithm of the distance.
   const double sine = to_a.normalized().cross(to_b.normalized()).norm(), focal_px = 0.5 * (camera_.fx + camera_.fy);
-  if (std::hypot(sa, sb) > kMaxLogDistance * focal_px * sine) return std::nullopt;
+  if (std::hypot(sa, sb) > options_.max_log_distance * focal_px * sine) return std::nullopt;
   if (!agrees(camera_, a.cam_from_submap * *point, pa, sa) || !agrees(camera_, b.cam_from_submap * *point, pb, sb))
     return std::nullopt;
   // The ratio of the distances must go with that of the octaves.

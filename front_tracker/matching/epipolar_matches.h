@@ -19,6 +19,6 @@ EpipolarView match_epipolar(const Camera& camera, const std::vector<double>& oct
                             const Frame& frame);
 
 // Of these, how many agree with the frame's pose.
-int count_agreeing(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view);
+size_t count_agreeing(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view);
 
 }  // namespace rumi::front_tracker

@@ -13,6 +13,7 @@ struct Loss {
   int64_t utime_us = 0;        // of the first image that was lost
   int submap_id = 0;           // that it was lost in
   size_t frames_before = 0;    // that this submap had then
+  std::string why = {};        // the first image was
   int images = 0;              // lost so far
   int posed_afterwards = 0;    // of these
   int withdrawn = 0;           // images before it whose poses turned out to be wrong

@@ -20,10 +20,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-// How far off the image may be by what is known of the pose, for it to need no support.
-constexpr double kUncertain_px = 1.0;
-constexpr double kLost_px = 3.0;
-constexpr int kFewest = 10;
+constexpr int kFewest = 10;    // landmarks that make a pose
+constexpr double kLost = 3;    // times TrackingOptions::uncertain_px, from which nothing is to be done with a pose
 constexpr double kAgree = 0.8;  // share of what is matched with earlier frames, that agrees with a believable pose
 
 }  // namespace
@@ -56,7 +54,7 @@ void Tracker::note_motion(const Frame& frame) {
 
 bool Tracker::track(Frame* frame) {
   predict_pose(frame);
-  why_lost_ = "no match with the last frame";
+  why_lost_ = "too few landmarks agree";
   if (!match_last_frame(frame) && !match_regardless_of_place(frame)) return false;
   if (!match_local_map(frame)) return false;
   note_motion(*frame);
@@ -161,26 +159,15 @@ bool Tracker::match_local_map(Frame* frame) {
   if (inliers < options_.tracking.patch_inliers && patches_may_help(*frame, inliers) &&
       search_by_patch(active(), visible, options_.tracking.patch_inliers, frame, &templates_) > 0)
     inliers = refine_pose(camera_, active().map, scales_, frame);
-  if (inliers < kFewest) {
-    why_lost_ = fmt::format("{} landmarks agree", inliers);
-    return false;
-  }
-  frame->certainty = certainty_of(active().map, scales_, *frame);
-  frame->is_believable = frame->certainty.image_px <= kUncertain_px;
-  if (!frame->is_believable) inliers = support_by_epipolar_matches(frame);
-  if (inliers < kFewest || (!frame->is_believable && frame->certainty.image_px > kLost_px)) {
-    why_lost_ = fmt::format("{} landmarks agree, image within {:.1f} px, believable {}", inliers, frame->certainty.image_px, frame->is_believable);
-    return false;
-  }
+  const bool found = inliers >= kFewest && is_certain(frame, &inliers);
   for (int id : visible)
     if (Landmark* lm = active().map.landmark(id)) ++lm->visible;
   for (int id : frame->landmark_ids)
     if (Landmark* lm = id == kNone ? nullptr : active().map.landmark(id)) ++lm->found;
-  if (drifts(*frame)) {
-    why_lost_ = fmt::format("the scale drifts: {:.3f}", std::sqrt(frame->certainty.log_scale_variance));
-    return false;
-  }
-  return true;
+  if (!found) return false;
+  if (!drifts(*frame)) return true;
+  why_lost_ = "the scale is not known any more";
+  return false;
 }
 
 // A few landmarks in a corner of the image leave the rotation uncertain by degrees. Returns the number of inliers.
@@ -196,13 +183,27 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
     views.push_back(
         match_epipolar(camera_, scales_, {newest.features, newest.landmark_ids, newest.cam_from_submap}, *frame));
   const int inliers = refine_pose(camera_, map, scales_, frame, views);
-  int agree = 0, all = 0;
+  frame->certainty = certainty_of(map, scales_, *frame, views);
+  size_t agree = 0, all = 0;
   for (const EpipolarView& view : views) {
-    all += static_cast<int>(view.matches.size());
+    all += view.matches.size();
     agree += count_agreeing(camera_, frame->cam_from_submap, view);
   }
-  frame->is_believable = all >= 30 && agree >= kAgree * all;
+  frame->is_believable = frame->certainty.image_px <= options_.tracking.uncertain_px &&
+                         static_cast<double>(agree) >= kAgree * static_cast<double>(all);
   return inliers;
+}
+
+// Is the pose known well enough to go on with, by the landmarks that agree or with support? `inliers` of them are left.
+bool Tracker::is_certain(Frame* frame, int* inliers) {
+  const double uncertain_px = options_.tracking.uncertain_px;
+  frame->certainty = certainty_of(active().map, scales_, *frame);
+  frame->is_believable = frame->certainty.image_px <= uncertain_px;
+  if (frame->is_believable) return true;
+  *inliers = support_by_epipolar_matches(frame);
+  if (*inliers >= kFewest && frame->certainty.image_px <= kLost * uncertain_px) return true;
+  why_lost_ = fmt::format("{} landmarks leave the pose uncertain by {:.1f} px of the image", *inliers, frame->certainty.image_px);
+  return false;
 }
 
 // Is the scale lost faster than that would be worth anything?
@@ -224,7 +225,7 @@ bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<cons
   const Submap& map = active().map;
   if (refine_pose(camera_, map, scales_, frame) < kFewest) return false;
   frame->certainty = certainty_of(map, scales_, *frame);
-  if (frame->certainty.image_px > kUncertain_px) return false;
+  if (frame->certainty.image_px > options_.tracking.uncertain_px) return false;
   frame->reference_keyframe = neighbour.reference_keyframe;
   frame->cam_from_keyframe =
       frame->cam_from_submap * map.keyframe(frame->reference_keyframe)->cam_from_submap.inverse();

@@ -18,7 +18,6 @@ namespace {
 constexpr int64_t kFoundAgain_us = 1'000'000;
 // How long before a loss a slip may have begun.
 constexpr int64_t kMayBeWrong_us = 4'000'000;
-constexpr double kUncertain_px = 1.0;
 
 }  // namespace
 
@@ -92,7 +91,7 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   const PatchTracking tracked = track_by_patches(active(), last_, &frame, &templates_);
   if (tracked.inliers < kLeastFound * tracked.in_view) return false;
   frame.certainty = certainty_of(active().map, scales_, frame);
-  if (frame.certainty.image_px > kUncertain_px || drifts(frame)) return false;
+  if (frame.certainty.image_px > o.uncertain_px || drifts(frame)) return false;
   motion_since_corners_ += motion;
   note_motion(frame);
   ++active().map.revision;
@@ -110,14 +109,14 @@ bool Tracker::look_again(Frame* frame) {
 }
 
 void Tracker::lose(const Frame& frame) {
-  log_debug("lost at {}: {}", frame.utime_us, why_lost_);
   state_ = TrackingState::kRecentlyLost;
   initializer_.clear();
   const Submap& map = active().map;
   loss_ = Loss{.first_utime_us = first_utime_us_,
                .utime_us = frame.utime_us,
                .submap_id = map.key.id,
-               .frames_before = map.frames.size()};
+               .frames_before = map.frames.size(),
+               .why = why_lost_};
 }
 
 // One line for a loss, when it is over.

@@ -87,6 +87,7 @@ class Tracker {
   int support_by_epipolar_matches(Frame* frame);
   bool relocalize(size_t submap_index, int keyframe_id, Frame* frame);
   bool relocalize_anywhere(Frame* frame);
+  bool is_certain(Frame* frame, int* inliers);
   bool drifts(const Frame& frame) const;
   std::vector<const Landmark*> local_landmarks(Frame* frame);
   bool needs_keyframe(const Frame& frame) const;
@@ -128,7 +129,7 @@ class Tracker {
   std::vector<TrackResult> posed_afterwards_;
   std::vector<int64_t> withdrawn_;
 
-  std::string why_lost_;
+  std::string why_lost_;  // the last frame that was not tracked
 
   TrackingState state_ = TrackingState::kNotInitialized;
   size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST

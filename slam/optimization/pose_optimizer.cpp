@@ -167,4 +167,10 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
   return result;
 }
 
+Matrix6d epipolar_information(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view) {
+  NormalEquations n;
+  add_epipolar(camera, cam_from_submap, view, &n);
+  return n.h;
+}
+
 }  // namespace rumi

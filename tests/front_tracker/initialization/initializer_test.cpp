@@ -76,13 +76,13 @@ TEST(Initializer, APairAloneIsNoStart) {
   EXPECT_TRUE(run(scene, far_apart, 4));
 }
 
-TEST(Initializer, WaitsForMotionThatStandsOutFromTheError) {
+TEST(Initializer, WaitsUntilTheDirectionOfTheMotionIsKnown) {
   const Motion motion = [](int i) { return SyntheticScene::pose(0.01 * i, 0.002 * i, 0); };
   constexpr int kNever = 100;
-  const auto begins_at = [&](unsigned seed, double min_motion_to_rmse, std::string* refusals) {
+  const auto begins_at = [&](unsigned seed, double max_direction_rad, std::string* refusals) {
     FeatureScene scene(seed);
     InitializerOptions options;
-    options.min_motion_to_rmse = min_motion_to_rmse;
+    options.max_direction_sigma_rad = max_direction_rad;
     Initializer initializer(test_camera(), options, test_octave_scales());
     for (int i = 0; i < kNever; ++i) {
       if (initializer.add(scene.frame(33'333 * (i + 1), motion(i)))) return i;
@@ -92,9 +92,9 @@ TEST(Initializer, WaitsForMotionThatStandsOutFromTheError) {
   };
   for (unsigned seed = 0; seed < 5; ++seed) {
     std::string refusals;
-    const int regardless = begins_at(seed, 0, &refusals);
+    const int regardless = begins_at(seed, 10, &refusals);
     EXPECT_EQ(refusals.find("waiting for more motion"), std::string::npos) << refusals;
-    const int later = begins_at(seed, 25, &refusals);
+    const int later = begins_at(seed, 0.005, &refusals);
     EXPECT_NE(refusals.find("waiting for more motion"), std::string::npos) << refusals;
     EXPECT_LT(regardless, later);
     EXPECT_LT(later, kNever) << "and then it begins" << refusals;

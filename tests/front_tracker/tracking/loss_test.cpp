@@ -83,10 +83,10 @@ TEST(Loss, ThatIsNotOverIsSaidAtTheEnd) {
   EXPECT_THAT(said_when_covered(100, cover + 5), HasSubstr("5 images, 0.2 s; not found again until the end"));
 }
 
-// Nothing carries the scale on once the submap is not young any more.
+// Nothing carries the scale on.
 TEST(Loss, WhatRelocalizationWouldFindInTheSameImageIsNone) {
   FrontTrackerOptions options = testing::replay_options();
-  options.tracking.min_established = 1000;
+  options.tracking.max_scale_drift = 1e-6;
   const std::string text = said(spdlog::level::debug, options, 0, testing::rendered_walk().images.size());
   EXPECT_GT(count(text, "found by another look"), 5u) << "the test shows nothing";
   EXPECT_EQ(count(text, ": 0 images"), 0u) << text;
