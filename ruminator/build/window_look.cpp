@@ -36,6 +36,8 @@ class Looker {
         look_.features.emplace(image, features);
         return false;
       }
+      note_evidence(other, image, motion);
+      note_evidence(image, other, motion);
       if (motion.kind == MotionKind::kUnknown) continue;
       same_view_.unite(other, image);
       turns_ = turns_ || motion.kind == MotionKind::kTurn;
@@ -55,8 +57,11 @@ class Looker {
     return std::nullopt;
   }
 
+  // All images hang together by turns, and those far apart do not speak for depth.
   std::string verdict() {
-    if (look_.features.size() < 2) return "";
+    double evidence = 0;
+    for (const auto& [image, farthest] : farthest_) evidence += farthest.evidence;
+    if (look_.features.size() < 2 || evidence >= 0) return "";
     const size_t first = same_view_.find(look_.features.begin()->first);
     for (const auto& [image, features] : look_.features)
       if (same_view_.find(image) != first) return "";
@@ -65,12 +70,23 @@ class Looker {
   }
 
  private:
+  void note_evidence(size_t image, size_t other, const PairMotion& motion) {
+    const size_t distance = std::max(image, other) - std::min(image, other);
+    Farthest& farthest = farthest_[image];
+    if (motion.evidence != 0 && distance > farthest.distance) farthest = {distance, motion.evidence};
+  }
+
   const WindowJob& job_;
   const Camera& camera_;
   const BuildOptions& o_;
   WindowLook& look_;
   UnionFind same_view_;  // images that turns of the camera bring together
   bool turns_ = false;
+  struct Farthest {
+    size_t distance = 0;
+    double evidence = 0;  // of depth
+  };
+  std::map<size_t, Farthest> farthest_;  // of each image the pair that still matches: it shows depth if any does
 };
 
 }  // namespace

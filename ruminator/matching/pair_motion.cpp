@@ -23,6 +23,7 @@ constexpr size_t kMostMatches = 400;  // more say the same
 constexpr double kMinSigmaPx = 1;     // of a keypoint: finer than that no lens is known
 constexpr double kMaxSigmaPx = 2;     // more: what fits is chance
 constexpr double kRoughErrorPx = 3;   // of an inlier, while sigma is not known
+constexpr double kNearSigmas = 2;     // of an inlier, once it is
 constexpr int kSamples = 500;         // of RANSAC, at most
 constexpr int kTurnSteps = 20;
 // How far a calibration may be off: the logarithm of the focal length, and the radial distortion.
@@ -40,6 +41,10 @@ constexpr ModelSize kTurnSize{2, 5}, kDepthSize{3, 5};
 constexpr double kOutlierFactor = 2;
 // Of a match that has nothing to do with any other: it lies where it likes. What costs more explains nothing.
 const double kUnrelatedCost = std::log(4.0) * kCoordinates;
+// Blur makes keypoints uncertain along one direction, which an essential matrix takes for depth, and then costs a
+// little less by right. So there is depth only where of the matches that it explains so many are so far, in sigmas,
+// from where the rotation has them. Of matches that fit one of the two without error, that share makes the costs equal.
+constexpr double kMovedShare = 0.2, kMovedSigmas = 4;
 
 // Squared distances of the matches from what the model allows, in pixels: cost per match.
 double gric(const std::vector<double>& squares, double sigma_px, ModelSize size) {
@@ -264,8 +269,19 @@ double sigma_of(const std::vector<double>& squares) {
 }
 
 int count_inliers(const std::vector<double>& squares, double sigma_px) {
-  return static_cast<int>(
-      std::count_if(squares.begin(), squares.end(), [&](double s) { return s < 4 * sigma_px * sigma_px; }));
+  const double most = std::pow(kNearSigmas * sigma_px, 2);
+  return static_cast<int>(std::count_if(squares.begin(), squares.end(), [most](double s) { return s < most; }));
+}
+
+double moved_share(const std::vector<double>& turn, const std::vector<double>& depth, double sigma_px) {
+  const double near = std::pow(kNearSigmas * sigma_px, 2), far = std::pow(kMovedSigmas * sigma_px, 2);
+  int explained = 0, moved = 0;
+  for (size_t i = 0; i < turn.size(); ++i) {
+    if (depth[i] > near) continue;
+    ++explained;
+    moved += turn[i] > far;
+  }
+  return explained > 0 ? static_cast<double>(moved) / explained : 0;
 }
 
 }  // namespace
@@ -286,11 +302,15 @@ PairMotion judge_motion(const Camera& camera, const std::vector<Eigen::Vector2f>
   motion.turn_rad = std::abs(Eigen::AngleAxisd(fit->second_from_first).angle());
   motion.turn_cost = gric(turn, motion.sigma_px, kTurnSize);
   motion.depth_cost = gric(depth, motion.sigma_px, kDepthSize);
-  const bool turns = motion.turn_cost <= motion.depth_cost;
+  motion.moved = moved_share(turn, depth, motion.sigma_px);
+  const bool turns = motion.turn_cost <= std::min(motion.depth_cost, kUnrelatedCost);
+  const bool has_depth = motion.depth_cost < std::min(motion.turn_cost, kUnrelatedCost) && motion.moved >= kMovedShare;
   motion.matches = count_inliers(turns ? turn : depth, motion.sigma_px);
   if (motion.matches < kMinMatches || std::min(motion.turn_cost, motion.depth_cost) > kUnrelatedCost) return motion;
+  motion.evidence = static_cast<double>(turn.size()) * (motion.turn_cost - motion.depth_cost);
+  if (!turns && !has_depth) return motion;
   const bool is_still = motion.turn_rad * m.focal_px < 2 * motion.sigma_px;
-  motion.kind = !turns ? MotionKind::kDepth : is_still ? MotionKind::kStill : MotionKind::kTurn;
+  motion.kind = has_depth ? MotionKind::kDepth : is_still ? MotionKind::kStill : MotionKind::kTurn;
   return motion;
 }
 

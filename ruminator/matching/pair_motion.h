@@ -14,10 +14,10 @@
 namespace rumi::ruminator {
 
 enum class MotionKind {
-  kUnknown,  // too few matches, or too many that have nothing to do with each other
+  kUnknown,  // too few matches, too many that have nothing to do with each other, or a bit of either
   kStill,    // the pictures are the same
   kTurn,     // a rotation of the camera explains what moved
-  kDepth,    // it does not: the matches need an essential matrix
+  kDepth,    // it does not: an essential matrix does, for much that the rotation leaves far out
 };
 
 struct PairMotion {
@@ -27,6 +27,8 @@ struct PairMotion {
   double turn_rad = 0;    // by the rotation that explains most
   double turn_cost = 0;   // GRIC of the rotation, by match
   double depth_cost = 0;  // the same of the essential matrix
+  double evidence = 0;    // of depth, of all matches: what it costs less; 0 where neither explains them
+  double moved = 0;       // part of the matches that it explains that are far from where the rotation has them
 };
 
 // `matches`: with outliers, as match_sift returns them; undistorted pixels of either image by its indices.
