@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "base/cpu_clock.h"
 #include "bus/wire/working_image.h"
@@ -66,6 +67,12 @@ WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOpti
   return images;
 }
 
+std::set<int> all_of(size_t images) {
+  std::set<int> all;
+  for (size_t i = 0; i < images; ++i) all.insert(all.end(), static_cast<int>(i));
+  return all;
+}
+
 std::vector<Sample> front_samples(const RuminationWindow& window) {
   std::vector<Sample> samples = window.samples();
   std::erase_if(samples, [](const Sample& sample) { return sample.submap_id == kNoSubmap; });
@@ -103,6 +110,8 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
       camera, images.features, options.matching, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
   if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
+  if (!cancel && result->failure.empty())
+    result->failure = find_no_depth(camera, images.features, pairs, all_of(images.features.size()));
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -119,6 +128,11 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   result->failure = model.failure;
   result->retryable = !model.failure.empty() && model.retryable;
   if (!model.failure.empty()) return;
+  // What is published has a proof of its depth.
+  std::set<int> in_model;
+  for (const auto& [image, pose] : model.best.model.cam_from_world) in_model.insert(image);
+  result->failure = find_no_depth(camera, images.features, pairs, in_model);
+  if (!result->failure.empty()) return;
 
   Submap submap;
   submap.key = {job.window.session, -job.window.id};
