@@ -142,10 +142,11 @@ bool Atlas::choose_map() {
   if (is_placed()) return false;
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_) {
+    // A back submap serves to join front submaps, and stands for itself where there is none.
     const auto rank = [](const Submap& s) {
-      return std::make_tuple(-static_cast<int64_t>(s.frames.size()), first_utime_us(s));
+      return std::make_tuple(s.kind != SubmapKind::kFront || s.frames.empty(), -static_cast<int64_t>(s.frames.size()),
+                             first_utime_us(s));
     };
-    if (candidate.submap.kind == SubmapKind::kBack) continue;  // it serves to join front submaps
     if (!best || rank(candidate.submap) < rank(best->submap)) best = &candidate;
   }
   bool changed = false;

@@ -2,7 +2,8 @@
 // All submaps, what became of every frame, and which submaps form the map that is served. Knows no LCM and no files.
 //
 // The served map is made of the submaps that place_map() named last. As long as nobody has placed any, the front submap
-// with most frames stands for it, in its own unit and frame of reference.
+// with most frames stands for it, or the back submap where there is no front one, in its own unit and frame of
+// reference.
 #pragma once
 
 #include <cstdint>
@@ -54,7 +55,7 @@ class Atlas {
   // is wrong it must have left the submap as it was. An unknown submap is kept only if the change raised its revision.
   std::string change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change);
   // From now on exactly these submaps form the served map, and lie in it like this, until the next call: however large
-  // another one grows, it does not take the map's place. None: back to the largest front submap. The revisions of the
+  // another one grows, it does not take the map's place. None: back to the largest submap. The revisions of the
   // placements are set here. Throws std::invalid_argument, and changes nothing, for a submap that is not here, a
   // landmark fused into one of a submap that is not among these, or a number that is not finite.
   // `unmoved`: submaps that form it too and stay where they are in it.

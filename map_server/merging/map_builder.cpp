@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "slam/numeric/median.h"
@@ -42,6 +43,15 @@ class Groups {
 
   std::map<SubmapKey, size_t> index_;
   UnionFind groups_;
+};
+
+struct GroupSize {
+  std::set<int64_t> frames;
+  bool has_front = false;  // which decides between equals
+
+  bool operator<(const GroupSize& other) const {
+    return std::pair(frames.size(), has_front) < std::pair(other.frames.size(), other.has_front);
+  }
 };
 
 // An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
@@ -156,19 +166,17 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
   Groups groups;
   for (const Tie& tie : ties(submaps)) groups.unite(tie.link->a, tie.link->b);
   for (const auto& [key, placement] : placed) groups.unite(key, placed.begin()->first);
-  std::map<size_t, std::set<int64_t>> frames;  // by group, of those with a front submap
-  for (const auto& [key, submap] : submaps)
-    if (submap->kind == SubmapKind::kFront) frames[groups.find(key)];
+  std::map<size_t, GroupSize> sizes;
   for (const auto& [key, submap] : submaps) {
-    const auto group = frames.find(groups.find(key));
-    if (group == frames.end()) continue;
-    for (const auto& [utime_us, frame] : submap->frames) group->second.insert(utime_us);
+    GroupSize& size = sizes[groups.find(key)];
+    size.has_front = size.has_front || submap->kind == SubmapKind::kFront;
+    for (const auto& [utime_us, frame] : submap->frames) size.frames.insert(utime_us);
   }
-  if (!fixed_.empty()) std::erase_if(frames, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
-  const auto largest = std::max_element(frames.begin(), frames.end(),
-                                        [](const auto& x, const auto& y) { return x.second.size() < y.second.size(); });
+  if (!fixed_.empty()) std::erase_if(sizes, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
+  const auto largest =
+      std::max_element(sizes.begin(), sizes.end(), [](const auto& x, const auto& y) { return x.second < y.second; });
   std::set<SubmapKey> members;
-  if (largest == frames.end()) return members;
+  if (largest == sizes.end()) return members;
   for (const auto& [key, submap] : submaps)
     if (groups.find(key) == largest->first) members.insert(key);
   return members;
@@ -198,14 +206,17 @@ MapPart MapBuilder::part_of(Scope scope, const std::set<SubmapKey>& members, con
 
 SubmapKey MapBuilder::choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const {
   if (!part.held.empty()) return *part.held.begin();
+  // Where the map lies already, a submap of it: a front submap if there is one, whose beginning nothing takes away.
+  const auto is_placed = [&](SubmapKey key) { return fixed_.empty() ? placed.contains(key) : fixed_.contains(key); };
   SubmapKey anchor;
-  size_t most = 0;
+  std::tuple<bool, bool, size_t> best;
   for (const SubmapKey& key : part.submaps) {
     const Submap& submap = *submaps.at(key);
-    if (submap.kind != SubmapKind::kFront || submap.frames.empty()) continue;
-    if (fixed_.empty() ? placed.contains(key) : fixed_.contains(key)) return key;
-    if (submap.frames.size() <= most) continue;
-    most = submap.frames.size();
+    if (submap.frames.empty()) continue;
+    const bool is_front = submap.kind == SubmapKind::kFront;
+    const std::tuple rank(is_placed(key), is_front, is_placed(key) ? 1 : submap.frames.size());
+    if (rank <= best) continue;
+    best = rank;
     anchor = key;
   }
   return anchor;

@@ -85,8 +85,8 @@ class MapBuilder {
   // One for every two submaps that have something in common, of each kind: accepted and refused ones.
   std::vector<Link> links() const;
 
-  // The submaps that hang together with the largest front submap by accepted links. `placed`: where submaps are in the
-  // map as it is; they stay there until the adjustment.
+  // The submaps that hang together by accepted links and have the most frames, with or without a front submap among
+  // them. `placed`: where submaps are in the map as it is; they stay there until the adjustment.
   BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll);
 
  private:
@@ -117,7 +117,7 @@ class MapBuilder {
   // Of the members, what is looked at: all, or what lies around those that are new.
   MapPart part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
                   const Placements& placed) const;
-  // The front submap whose beginning stays where it is.
+  // The submap whose beginning stays where it is: a front submap if there is one that is where the map is.
   SubmapKey choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const;
   Placed place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor, const Placements& placed) const;
   std::vector<KeyframeJoint> joints(const Placed& submaps) const;

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "base/cpu_clock.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/build/back_landmarks.h"
+#include "ruminator/build/window_look.h"
 #include "ruminator/build/window_model.h"
 #include "ruminator/build/window_prospects.h"
 
@@ -45,7 +48,9 @@ struct WindowImages {
   std::vector<WindowImage> colmap;
 };
 
-WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options, const Progress& progress,
+// `seen`: features that are known already, by image.
+WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options,
+                     const std::map<size_t, SiftFeatures>& seen, const Progress& progress,
                      const std::atomic<bool>& cancel) {
   WindowImages images;
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
@@ -53,12 +58,19 @@ WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOpti
     std::string ignored;
     cv::Mat grey = decode_working_image(job.images[i], job.camera, camera, &ignored);
     if (grey.empty()) continue;  // broken, or of another camera
-    images.features.push_back(extract_sift(grey, camera, options.sift));
+    const auto known = seen.find(i);
+    images.features.push_back(known != seen.end() ? known->second : extract_sift(grey, camera, options.sift));
     images.colmap.push_back({fmt::format("{}", job.images[i].utime), images.features.back().undistorted});
     images.utimes_us.push_back(job.images[i].utime);
     images.grey.push_back(std::move(grey));
   }
   return images;
+}
+
+std::set<int> all_of(size_t images) {
+  std::set<int> all;
+  for (size_t i = 0; i < images; ++i) all.insert(all.end(), static_cast<int>(i));
+  return all;
 }
 
 std::vector<Sample> front_samples(const RuminationWindow& window) {
@@ -90,11 +102,16 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   result->failure = find_blind_gap(job, options);
   if (!result->failure.empty()) return;
   const Camera camera = working_camera(job.camera, options.max_image_side);
-  const WindowImages images = extract(job, camera, options, progress, cancel);
+  const WindowLook look = look_at_motion(job, camera, options, cancel);
+  result->failure = look.hopeless;
+  if (!result->failure.empty()) return;
+  const WindowImages images = extract(job, camera, options, look.features, progress, cancel);
   const std::vector<ImagePair> pairs = match_window(
       camera, images.features, options.matching, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
   if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
+  if (!cancel && result->failure.empty())
+    result->failure = find_no_depth(camera, images.features, pairs, all_of(images.features.size()));
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -111,6 +128,11 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   result->failure = model.failure;
   result->retryable = !model.failure.empty() && model.retryable;
   if (!model.failure.empty()) return;
+  // What is published has a proof of its depth.
+  std::set<int> in_model;
+  for (const auto& [image, pose] : model.best.model.cam_from_world) in_model.insert(image);
+  result->failure = find_no_depth(camera, images.features, pairs, in_model);
+  if (!result->failure.empty()) return;
 
   Submap submap;
   submap.key = {job.window.session, -job.window.id};

@@ -182,6 +182,9 @@ void RebuildQueue::refuse(const RuminationWindow& window, const std::string& rea
   log_warning("window {}: {}; failed: {}", window.id, describe(window), reason);
   announce(entry, window_t::FAILED, reason);
   ++failed_;
+  BuildResult nothing;
+  nothing.failure = reason;
+  if (built_handler_) built_handler_(window, nothing);
 }
 
 // The newest loss matters most: what waited longest goes first.

@@ -335,6 +335,20 @@ TEST_F(MergingNodeTest, KilledWhileItMergesItMakesTheSameMap) {
   stop();
 }
 
+TEST_F(MergingNodeTest, ABackSubmapIsServedWithoutAFrontOne) {
+  start();
+  ASSERT_TRUE(send(kBack1).ok);
+  pass(1.5);  // the next status
+  EXPECT_TRUE(in_map(kBack1)) << "before it is adjusted";
+  settle();
+  EXPECT_TRUE(in_map(kBack1));
+  EXPECT_EQ(node_->atlas().frames_in_map(), static_cast<int64_t>(chain_->submap(kBack1).frames.size()));
+  ASSERT_TRUE(send(kFront1).ok);
+  settle();
+  EXPECT_TRUE(in_map(kFront1));
+  EXPECT_TRUE(in_map(kBack1));
+}
+
 TEST_F(MergingNodeTest, WhatIsCulledStaysAwayAndItsBytesAreGivenBack) {
   const TemporaryFolder folder;
   int64_t bytes[2] = {};

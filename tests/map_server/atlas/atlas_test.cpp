@@ -43,6 +43,24 @@ TEST(Atlas, AmongEqualsTheEarliestIsTheMap) {
   EXPECT_FALSE(atlas.find({7, 1})->in_map);
 }
 
+TEST(Atlas, ABackSubmapIsTheMapWhereThereIsNoFrontOne) {
+  const auto back_submap = [](int id, uint32_t seed, int steps) {
+    Submap submap = make_submap({7, id}, seed, steps);
+    submap.kind = SubmapKind::kBack;
+    return submap;
+  };
+  Atlas atlas;
+  update_atlas(&atlas, back_submap(-1, 1, 3));
+  EXPECT_TRUE(atlas.find({7, -1})->in_map);
+  EXPECT_EQ(atlas.map_trajectory().size(), atlas.frames().size());
+  update_atlas(&atlas, back_submap(-2, 2, 5));
+  EXPECT_TRUE(atlas.find({7, -2})->in_map) << "the largest";
+  EXPECT_FALSE(atlas.find({7, -1})->in_map);
+  update_atlas(&atlas, make_submap({7, 1}, 3, 2));
+  EXPECT_TRUE(atlas.find({7, 1})->in_map) << "until somebody has found out which belong together";
+  EXPECT_FALSE(atlas.find({7, -2})->in_map);
+}
+
 TEST(Atlas, RevisionRisesWithTheMapOnly) {
   Atlas atlas;
   SubmapMaker big({7, 1}, 1), small({7, 2}, 2, 90'000'000);

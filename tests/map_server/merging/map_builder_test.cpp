@@ -110,6 +110,34 @@ TEST_F(MapBuilderTest, JoinsAChain) {
   EXPECT_TRUE(finite(map.placements));
 }
 
+TEST_F(MapBuilderTest, ABackSubmapAloneIsTheMapAndStaysWhereItIsWhenAFrontOneJoinsIt) {
+  MapBuilder builder({});
+  const auto alone = submaps({back1_}), both = submaps({front1_, back1_});
+  builder.find_links(alone);
+  const BuiltMap first = builder.build(alone, {});
+  ASSERT_EQ(first.placements.size(), 1u);
+  EXPECT_LT(error(first.placements).rmse, 0.02);
+  const Sim3 before = first.placements.at(back1_).map_from_submap.begin()->second;
+
+  builder.find_links(both);
+  const BuiltMap second = builder.build(both, first.placements);
+  ASSERT_EQ(second.placements.size(), 2u);
+  EXPECT_LT(error(second.placements).rmse, 0.04);
+  const Sim3 after = second.placements.at(back1_).map_from_submap.begin()->second;
+  EXPECT_NEAR(after.scale, before.scale, 1e-9);
+  EXPECT_LT((after.translation - before.translation).norm(), 1e-9);
+}
+
+TEST_F(MapBuilderTest, OfWhatDoesNotHangTogetherTheMostFramesAreTheMap) {
+  MapBuilder builder({});
+  add(front1_, 0, 20, 0);
+  const auto apart = submaps({front1_, back2_});  // no image in common
+  builder.find_links(apart);
+  const BuiltMap map = builder.build(apart, {});
+  EXPECT_EQ(map.placements.size(), 1u);
+  EXPECT_TRUE(map.placements.contains(back2_));
+}
+
 TEST_F(MapBuilderTest, ACancelledSearchEndsSoon) {
   const std::atomic<bool> cancel = true;
   MapBuilder builder({}, &cancel);

@@ -215,7 +215,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Hopeless{"AllBlack", [](WindowJob* job) { blacken(job, 0, 20); }, "no three have enough"},
                       Hopeless{"BlackGap", [](WindowJob* job) { blacken(job, 7, 13); },
                                "none of the 6 images of the gap"},
-                      Hopeless{"StandingStill", stand_still, "no parallax"},
+                      Hopeless{"StandingStill", stand_still, "stands still"},
                       Hopeless{"AllBroken",
                                [](WindowJob* job) {
                                  for (image_t& image : job->images) image.data.resize(image.size = 50);
