@@ -30,6 +30,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "local_radius", &r.local_radius_px, "px", "the same once the pose is nearly known", 1.0, 100.0);
   t.add(s + "max_distance", &r.max_distance, "bits", "Hamming distance of a match (Th_d)", 10, 128);
   t.add(s + "max_ratio", &r.max_ratio, "", "best over second-best distance of a match", 0.3, 1.0);
+  t.add(s + "uncertain_px", &r.uncertain_px, "px",
+        "of the image by what is known of a pose from landmarks: beyond it other matches support it, beyond three "
+        "times as much it is lost",
+        0.1, 100.0);
   t.add(s + "max_scale_drift", &r.max_scale_drift, "",
         "of the scale in a second, relative (standard deviation), that tracking goes on with; beyond it: lost", 0.01, 10.0);
   t.add(
@@ -65,8 +69,6 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.add(s + "reloc_min_inliers", &r.relocalization_min_inliers, "", "landmarks that must agree with a relocalization",
         10, 1000);
   t.add(s + "reloc_min_ratio", &r.relocalization_min_ratio, "", "of the landmarks that should be in view", 0.0, 1.0);
-  t.add(s + "reloc_sure_inliers", &r.relocalization_sure_inliers, "", "with as many a third of reloc_min_ratio does",
-        10, 100000);
   t.add(s + "reloc_candidates", &r.relocalization_candidates, "", "keyframes compared in full per frame", 1, 100);
   t.add(
       s + "back_keyframes", &r.back_keyframes, "keyframes",
@@ -76,6 +78,10 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.group("mapping");
   MappingOptions& m = o.mapping;
   t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
+  t.add(s + "max_log_baseline", &m.max_log_baseline, "",
+        "of the distance between two keyframes that landmarks are made with, relative (standard deviation)", 0.001, 100.0);
+  t.add(s + "max_log_distance", &m.max_log_distance, "",
+        "of a new landmark's distance by its keypoints' noise, relative (standard deviation)", 0.01, 10.0);
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);
   t.add(s + "bundle_fixed_keyframes", &m.bundle_fixed_keyframes, "keyframes", "that hold it in place, at most", 0, 200);
   t.add(s + "bundle_iterations", &m.bundle_iterations, "", "of local bundle adjustment", 1, 100);

@@ -71,24 +71,42 @@ Matrix6d twist_covariance(const Camera& camera, const SE3& cam_from_submap, cons
   return invert(information);
 }
 
-Matrix6d relative_twist_covariance(const Camera& camera, const SE3& second_from_first,
-                                   const std::vector<TwiceSeen>& seen) {
-  Matrix6d information = Matrix6d::Zero();
-  const Eigen::Matrix3d r = second_from_first.rotation.toRotationMatrix();
-  for (const TwiceSeen& point : seen) {
-    const Eigen::Vector3d p = second_from_first * point.position;
-    if (!(p.z() > 1e-6) || !(point.position.z() > 1e-6)) continue;
-    // The reduced system: the point is whatever suits both views best.
-    const Matrix23d first = derivative_by_point(camera, point.position) / point.sigma_first_px;
-    const Matrix23d by_point = derivative_by_point(camera, p) / point.sigma_second_px, second = by_point * r;
-    const Matrix26d by_twist = derivative_by_twist(by_point, p);
-    const Eigen::Matrix3d known = first.transpose() * first + second.transpose() * second;
-    const Eigen::Matrix<double, 6, 3> mixed = by_twist.transpose() * second;
-    information += by_twist.transpose() * by_twist - mixed * known.inverse() * mixed.transpose();
+Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure) {
+  // The reduced system of all views but the first: each point is whatever suits all its views best.
+  const auto size = static_cast<Eigen::Index>(6 * (structure.cam_from_structure.size() - 1));
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
+  struct Part {
+    Eigen::Index at;
+    Eigen::Matrix<double, 6, 3> mixed;
+  };
+  std::vector<Part> parts;
+  for (const FreeStructure::Point& point : structure.points) {
+    Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
+    parts.clear();
+    for (const FreeStructure::Sight& sight : point.sights) {
+      const SE3& cam_from_structure = structure.cam_from_structure[sight.view];
+      const Eigen::Vector3d p = cam_from_structure * point.position;
+      if (!(p.z() > 1e-6)) continue;
+      const Matrix23d by_cam_point = derivative_by_point(camera, p) / sight.sigma_px;
+      const Matrix23d by_point = by_cam_point * cam_from_structure.rotation.toRotationMatrix();
+      known += by_point.transpose() * by_point;
+      if (sight.view == 0) continue;
+      const Matrix26d by_twist = derivative_by_twist(by_cam_point, p);
+      const auto at = static_cast<Eigen::Index>(6 * (sight.view - 1));
+      information.block<6, 6>(at, at) += by_twist.transpose() * by_twist;
+      parts.push_back({at, by_twist.transpose() * by_point});
+    }
+    known.diagonal().array() += 1e-12 * known.trace();
+    const Eigen::Matrix3d covariance = known.inverse();
+    for (const Part& a : parts)
+      for (const Part& b : parts)
+        information.block<6, 6>(a.at, b.at) -= a.mixed * covariance * b.mixed.transpose();
   }
-  const Eigen::Vector3d length = second_from_first.translation.normalized();
-  information.topLeftCorner<3, 3>() += information.topLeftCorner<3, 3>().trace() * length * length.transpose();
-  return invert(information);
+  const SE3 second_from_first = structure.cam_from_structure[1] * structure.cam_from_structure[0].inverse();
+  const Eigen::Vector3d along = second_from_first.translation.normalized();
+  information.topLeftCorner<3, 3>() += information.topLeftCorner<3, 3>().trace() * along * along.transpose();
+  information.diagonal().array() += 1e-9;
+  return Matrix6d(information.ldlt().solve(Eigen::MatrixXd::Identity(size, 6)).topRows<6>());
 }
 
 Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance) {

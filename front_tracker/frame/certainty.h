@@ -13,14 +13,21 @@ struct KnownPoint {
 };
 // Covariance of the twist in exp(twist) * cam_from_submap that what a frame sees leaves.
 Eigen::Matrix<double, 6, 6> twist_covariance(const Camera& camera, const SE3& cam_from_submap, const std::vector<KnownPoint>& seen);
-// The same of a second view of points that only it and a first view, whose pose is exact, tell of; the distance of the
-// two is the unit of length, and so exact.
-struct TwiceSeen {
-  Eigen::Vector3d position;
-  double sigma_first_px = 1, sigma_second_px = 1;
+// A structure by itself: views, and points that nothing but they tell of.
+struct FreeStructure {
+  struct Sight {
+    size_t view = 0;
+    double sigma_px = 1;
+  };
+  struct Point {
+    Eigen::Vector3d position;
+    std::vector<Sight> sights;
+  };
+  std::vector<SE3> cam_from_structure;  // of each view, at least two
+  std::vector<Point> points;
 };
-Eigen::Matrix<double, 6, 6> relative_twist_covariance(const Camera& camera, const SE3& second_from_first,
-                                                      const std::vector<TwiceSeen>& seen);
+// The same of its second view against the first, the distance of the two being the unit of length.
+Eigen::Matrix<double, 6, 6> second_twist_covariance(const Camera& camera, const FreeStructure& structure);
 // Of the distance between two places beside its length, from the covariance of the one, in their frame.
 double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance);
 // Of the camera's centre, in the submap.

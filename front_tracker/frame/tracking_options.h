@@ -11,6 +11,7 @@ struct TrackingOptions {
   double max_ratio = 0.9;        // best over second-best distance at the same octave
   // How far off the image may be by what is known of a pose (PoseCertainty::image_px), for the pose to need no support.
   double uncertain_px = 1.0;
+  double lost_px() const { return 3 * uncertain_px; }  // the same, for it to be a pose at all
   double max_scale_drift = 0.25;  // of the logarithm of scale in a second, standard deviation; more: lost
   int min_first_inliers = 15;               // of the matches with the last frame; fewer: brute force and resection
   int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
@@ -21,8 +22,7 @@ struct TrackingOptions {
   int local_keyframes = 25;  // whose landmarks are looked for
   double recently_lost_s = 1.0;           // only relocalization is tried; after it a new submap is begun
   int relocalization_min_inliers = 40;
-  double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view
-  int relocalization_sure_inliers = 60;   // with as many a third of that ratio does
+  double relocalization_min_ratio = 0.3;  // of the landmarks that should be in view; a third if the pose is certain
   int relocalization_candidates = 5;      // keyframes that are compared in full, per frame
   int back_keyframes = 200;               // of back submaps, kept to relocalize in: the oldest submaps go; 0: none
 };

@@ -178,12 +178,16 @@ bool InitialStructure::adjust() {
 
 double InitialStructure::direction_sigma_rad() const {
   const SE3& last = views_[1].cam_from_reference;
-  std::vector<TwiceSeen> seen;
-  for (size_t p = 0; p < points_.size(); ++p)
-    if (views_[0].agrees[p] && views_[1].agrees[p])
-      seen.push_back({points_[p], observation(0, p).sigma_px, observation(1, p).sigma_px});
-  const Eigen::Matrix3d covariance =
-      position_covariance(last, relative_twist_covariance(input_->camera, last, seen));
+  FreeStructure structure;
+  for (const View& view : views_) structure.cam_from_structure.push_back(view.cam_from_reference);
+  const size_t step = std::max<size_t>(1, points_.size() / kMostBundlePoints);
+  for (size_t p = 0; p < points_.size(); p += step) {
+    FreeStructure::Point point{points_[p], {}};
+    for (size_t v = 0; v < views_.size(); ++v)
+      if (views_[v].agrees[p]) point.sights.push_back({v, observation(v, p).sigma_px / std::sqrt(step)});
+    if (point.sights.size() >= 2) structure.points.push_back(std::move(point));
+  }
+  const Eigen::Matrix3d covariance = position_covariance(last, second_twist_covariance(input_->camera, structure));
   return std::sqrt(covariance.trace()) / last.center().norm();
 }
 

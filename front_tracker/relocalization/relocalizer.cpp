@@ -117,7 +117,7 @@ bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame
   // A few dozen agreeing by chance or at the rim of the image are no proof: of what should be in view much must be
   // there. Seen from elsewhere most of it is not recognized.
   found.certainty = certainty_of(submap, scales_, found);
-  const bool sure = inliers >= options_.relocalization_sure_inliers && found.certainty.image_px <= options_.uncertain_px;
+  const bool sure = found.certainty.image_px <= options_.lost_px();
   const double min_ratio = sure ? options_.relocalization_min_ratio / 3 : options_.relocalization_min_ratio;
   if (inliers < min_ratio * static_cast<double>(in_view)) return false;
   found.reference_keyframe = keyframe_id;

@@ -6,10 +6,11 @@
 namespace rumi::front_tracker {
 
 std::string describe(const Loss& loss, int64_t utime_us) {
-  std::string text = fmt::format("lost at {:.2f} s (utime {}) after {} images in submap {} ({}): {} {}, {:.1f} s",
+  std::string text = fmt::format("lost at {:.2f} s (utime {}) after {} images in submap {}: {} {}, {:.1f} s",
                                  1e-6 * static_cast<double>(loss.utime_us - loss.first_utime_us), loss.utime_us,
-                                 loss.frames_before, loss.submap_id, loss.why, loss.images, loss.images == 1 ? "image" : "images",
+                                 loss.frames_before, loss.submap_id, loss.images, loss.images == 1 ? "image" : "images",
                                  1e-6 * static_cast<double>(utime_us - loss.utime_us));
+  if (!loss.why.empty()) text += fmt::format(" ({})", loss.why);
   if (loss.posed_afterwards > 0) text += fmt::format(", {} of them with a pose by now", loss.posed_afterwards);
   if (loss.withdrawn > 0)
     text += fmt::format("; the poses of {} images before contradict where it was found: withdrawn", loss.withdrawn);

@@ -21,7 +21,6 @@ namespace rumi::front_tracker {
 namespace {
 
 constexpr int kFewest = 10;    // landmarks that make a pose
-constexpr double kLost = 3;    // times TrackingOptions::uncertain_px, from which nothing is to be done with a pose
 constexpr double kAgree = 0.8;  // share of what is matched with earlier frames, that agrees with a believable pose
 
 }  // namespace
@@ -182,26 +181,29 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
   if (is_here && newest.utime_us != last_.utime_us)
     views.push_back(
         match_epipolar(camera_, scales_, {newest.features, newest.landmark_ids, newest.cam_from_submap}, *frame));
-  const int inliers = refine_pose(camera_, map, scales_, frame, views);
-  frame->certainty = certainty_of(map, scales_, *frame, views);
+  Frame supported = *frame;
+  const int inliers = refine_pose(camera_, map, scales_, &supported, views);
   size_t agree = 0, all = 0;
   for (const EpipolarView& view : views) {
     all += view.matches.size();
-    agree += count_agreeing(camera_, frame->cam_from_submap, view);
+    agree += count_agreeing(camera_, supported.cam_from_submap, view);
   }
-  frame->is_believable = frame->certainty.image_px <= options_.tracking.uncertain_px &&
-                         static_cast<double>(agree) >= kAgree * static_cast<double>(all);
+  // What contradicts itself, in blurred images, is no support.
+  if (inliers < kFewest || static_cast<double>(agree) < kAgree * static_cast<double>(all)) return frame->matches();
+  supported.certainty = certainty_of(map, scales_, supported, views);
+  supported.is_believable = supported.certainty.image_px <= options_.tracking.uncertain_px;
+  *frame = std::move(supported);
   return inliers;
 }
 
 // Is the pose known well enough to go on with, by the landmarks that agree or with support? `inliers` of them are left.
 bool Tracker::is_certain(Frame* frame, int* inliers) {
-  const double uncertain_px = options_.tracking.uncertain_px;
+  const TrackingOptions& o = options_.tracking;
   frame->certainty = certainty_of(active().map, scales_, *frame);
-  frame->is_believable = frame->certainty.image_px <= uncertain_px;
+  frame->is_believable = frame->certainty.image_px <= o.uncertain_px;
   if (frame->is_believable) return true;
   *inliers = support_by_epipolar_matches(frame);
-  if (*inliers >= kFewest && frame->certainty.image_px <= kLost * uncertain_px) return true;
+  if (*inliers >= kFewest && frame->certainty.image_px <= o.lost_px()) return true;
   why_lost_ = fmt::format("{} landmarks leave the pose uncertain by {:.1f} px of the image", *inliers, frame->certainty.image_px);
   return false;
 }
@@ -210,13 +212,14 @@ bool Tracker::is_certain(Frame* frame, int* inliers) {
 bool Tracker::drifts(const Frame& frame) const {
   constexpr int64_t kOver_us = 1'000'000;
   if (recent_.empty()) return false;
-  const auto then = std::find_if(recent_.begin(), recent_.end(), [&](const Support& s) { return frame.utime_us - s.utime_us <= kOver_us; });
+  const auto then = std::find_if(recent_.begin(), recent_.end(), [&](const Known& s) { return frame.utime_us - s.utime_us <= kOver_us; });
   const double before = then == recent_.end() ? recent_.back().log_scale_variance : then->log_scale_variance;
   return frame.certainty.log_scale_variance - before > std::pow(options_.tracking.max_scale_drift, 2);
 }
 
 // Of a frame of the past, from where its neighbour in time was.
-bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame) {
+bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks,
+                                  double max_image_px, Frame* frame) {
   const ProjectionSearch search{.radius_px = options_.tracking.search_radius_px * camera_.width / 640.0,
                                 .max_distance = options_.tracking.max_distance};
   frame->clear_matches();
@@ -225,7 +228,7 @@ bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<cons
   const Submap& map = active().map;
   if (refine_pose(camera_, map, scales_, frame) < kFewest) return false;
   frame->certainty = certainty_of(map, scales_, *frame);
-  if (frame->certainty.image_px > options_.tracking.uncertain_px) return false;
+  if (frame->certainty.image_px > max_image_px) return false;
   frame->reference_keyframe = neighbour.reference_keyframe;
   frame->cam_from_keyframe =
       frame->cam_from_submap * map.keyframe(frame->reference_keyframe)->cam_from_submap.inverse();
@@ -237,7 +240,7 @@ void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool
   std::vector<const Landmark*> landmarks;
   for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
   const auto try_frame = [&](size_t from, size_t to) {
-    if (!pose_from_neighbour((*frames)[from], landmarks, &(*frames)[to])) return;
+    if (!pose_from_neighbour((*frames)[from], landmarks, options_.tracking.uncertain_px, &(*frames)[to])) return;
     (*posed)[to] = true;
     record_pose(&active(), (*frames)[to]);
   };
@@ -257,7 +260,7 @@ void Tracker::track_back(const Frame& found, std::deque<Frame> frames) {
       if (id != kNone) landmarks.push_back(active().map.landmark(id));
     Frame frame = std::move(frames.back());
     frames.pop_back();
-    if (!pose_from_neighbour(next, landmarks, &frame)) break;
+    if (!pose_from_neighbour(next, landmarks, options_.tracking.lost_px(), &frame)) break;
     record_pose(&active(), frame);
     note_pose_afterwards(frame);
     next = std::move(frame);

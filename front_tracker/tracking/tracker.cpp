@@ -216,9 +216,9 @@ bool Tracker::is_torn(const Frame& found) const {
 }
 
 // A slip begins with the weakest frame, or one just before it that is hardly stronger.
-std::deque<Tracker::Support>::const_iterator Tracker::slip_begins() const {
+std::deque<Tracker::Known>::const_iterator Tracker::slip_begins() const {
   auto first = std::min_element(recent_.begin(), recent_.end(),
-                                [](const Support& a, const Support& b) { return a.inliers < b.inliers; });
+                                [](const Known& a, const Known& b) { return a.inliers < b.inliers; });
   const int weak = 2 * first->inliers;
   while (first != recent_.begin() && std::prev(first)->inliers < weak) --first;
   return first;
@@ -344,6 +344,9 @@ bool Tracker::needs_keyframe(const Frame& frame) const {
   const double since_s = 1e-6 * static_cast<double>(frame.utime_us - last_keyframe_us_);
   if (since_s < o.min_interval_s) return false;
   if (frame.utime_us - found_us_ < kFoundAgain_us) return true;
+  // The first of images that blur or darken: its corners are what the next are matched with.
+  if (frame.corners == Corners::kFew && static_cast<int>(reference->features->size()) >= options_.orb.keypoints / 2)
+    return true;
   if (inliers < o.min_tracked_ratio * established || motion_since_last_frame(frame) > o.max_motion) return true;
   if (inliers < o.min_inliers && since_s >= 3 * o.min_interval_s) return true;
   return since_s >= o.max_interval_s;

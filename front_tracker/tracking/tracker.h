@@ -69,10 +69,10 @@ class Tracker {
  private:
   // A keyframe that the mapper has to be told of, once the map's mutex is free.
   using MappingTask = std::pair<FrontSubmap*, int>;
-  struct Support {
+  struct Known {
     int64_t utime_us = 0;
     int inliers = 0;
-    double log_scale_variance = 0;
+    double log_scale_variance = 0;  // see PoseCertainty
   };
 
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
@@ -97,12 +97,13 @@ class Tracker {
   void activate(size_t submap_index);  // it is the one that is tracked from now on
   void go_on_in(size_t submap_index, Frame* frame);
   bool is_torn(const Frame& found) const;
-  std::deque<Support>::const_iterator slip_begins() const;
+  std::deque<Known>::const_iterator slip_begins() const;
   void withdraw_torn_end(Frame* found);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
   void add_initial_map(InitialMap map, FrontSubmap* submap);
-  bool pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, Frame* frame);
+  bool pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, double max_image_px,
+                           Frame* frame);
   void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed);
   void track_back(const Frame& found, std::deque<Frame> frames);
   void lose(const Frame& frame);
@@ -133,7 +134,7 @@ class Tracker {
 
   TrackingState state_ = TrackingState::kNotInitialized;
   size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST
-  std::deque<Support> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
+  std::deque<Known> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
   Frame last_;                  // last tracked frame
   SE3 velocity_;                // this_cam_from_last_cam
   int64_t velocity_dt_us_ = 0;

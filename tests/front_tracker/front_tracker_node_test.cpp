@@ -249,7 +249,7 @@ TEST_F(Fixture, WithdrawnPosesAreToldBeforeTheFrameThatContradictsThem) {
   const cv::Mat black(walk.images[0].size(), CV_8U, cv::Scalar(0));
   for (size_t i = 0; i < lost; ++i) {
     cv::Mat grey = walk.images[i].clone();
-    if (i >= slipped && i < slipped + 3) grey.colRange(0, grey.cols / 2).setTo(0);
+    if (i >= slipped && i < slipped + 3) grey.colRange(0, 3 * grey.cols / 4).setTo(0);
     give(image(walk.utime_us[i], grey));
   }
   ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
