@@ -35,7 +35,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         "times as much it is lost",
         0.1, 100.0);
   t.add(s + "max_scale_drift", &r.max_scale_drift, "",
-        "of the scale in a second, relative (standard deviation), that tracking goes on with; beyond it: lost", 0.01, 10.0);
+        "of the scale in a second, relative (standard deviation), that tracking goes on with; beyond it: lost", 0.01,
+        10.0);
   t.add(
       s + "patch_inliers", &r.patch_inliers, "",
       "landmarks that do in fast motion and in images with few corners; with fewer, others in view that no keypoint is "
@@ -79,7 +80,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   MappingOptions& m = o.mapping;
   t.add(s + "neighbours", &m.neighbours, "keyframes", "to triangulate with and to fuse into", 1, 100);
   t.add(s + "max_log_baseline", &m.max_log_baseline, "",
-        "of the distance between two keyframes that landmarks are made with, relative (standard deviation)", 0.001, 100.0);
+        "of the distance between two keyframes that landmarks are made with, relative (standard deviation)", 0.001,
+        100.0);
   t.add(s + "max_log_distance", &m.max_log_distance, "",
         "of a new landmark's distance by its keypoints' noise, relative (standard deviation)", 0.01, 10.0);
   t.add(s + "bundle_keyframes", &m.bundle_keyframes, "keyframes", "free in local bundle adjustment", 2, 200);

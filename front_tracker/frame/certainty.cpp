@@ -99,8 +99,7 @@ Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& stru
     known.diagonal().array() += 1e-12 * known.trace();
     const Eigen::Matrix3d covariance = known.inverse();
     for (const Part& a : parts)
-      for (const Part& b : parts)
-        information.block<6, 6>(a.at, b.at) -= a.mixed * covariance * b.mixed.transpose();
+      for (const Part& b : parts) information.block<6, 6>(a.at, b.at) -= a.mixed * covariance * b.mixed.transpose();
   }
   const SE3 second_from_first = structure.cam_from_structure[1] * structure.cam_from_structure[0].inverse();
   const Eigen::Vector3d along = second_from_first.translation.normalized();
@@ -128,15 +127,17 @@ PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octa
   for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
     const Landmark* lm = frame.landmark_ids[i] == kNone ? nullptr : submap.landmark(frame.landmark_ids[i]);
     if (!lm) continue;
-    const Matrix6d added = sight_of(submap.camera, frame.cam_from_submap,
-                                    {lm->position, lm->information, octave_scales[frame.features->keypoints[i].octave]});
+    const Matrix6d added =
+        sight_of(submap.camera, frame.cam_from_submap,
+                 {lm->position, lm->information, octave_scales[frame.features->keypoints[i].octave]});
     information += added;
     // What tells of the position tells of the scale.
     const double weight = added.topLeftCorner<3, 3>().trace();
     weights += weight;
     scale_variance += weight * lm->log_scale_variance;
   }
-  for (const EpipolarView& view : views) information += epipolar_information(submap.camera, frame.cam_from_submap, view);
+  for (const EpipolarView& view : views)
+    information += epipolar_information(submap.camera, frame.cam_from_submap, view);
   PoseCertainty certainty;
   certainty.twist_covariance = invert(information);
   certainty.image_px = image_uncertainty_px(submap.camera, certainty.twist_covariance,
@@ -168,9 +169,8 @@ void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap
   for (const int id : kf.landmark_ids) {
     Landmark* lm = id == kNone ? nullptr : submap->map.landmark(id);
     if (!lm || lm->observations.front().keyframe_id == keyframe_id) continue;
-    lm->log_scale_variance =
-        std::min(lm->log_scale_variance,
-                 log_scale_variance_between(*submap, keyframe_id, lm->observations.front().keyframe_id));
+    lm->log_scale_variance = std::min(
+        lm->log_scale_variance, log_scale_variance_between(*submap, keyframe_id, lm->observations.front().keyframe_id));
   }
 }
 

@@ -12,7 +12,8 @@ struct KnownPoint {
   double sigma_px = 1;          // of the keypoint that is taken for it
 };
 // Covariance of the twist in exp(twist) * cam_from_submap that what a frame sees leaves.
-Eigen::Matrix<double, 6, 6> twist_covariance(const Camera& camera, const SE3& cam_from_submap, const std::vector<KnownPoint>& seen);
+Eigen::Matrix<double, 6, 6> twist_covariance(const Camera& camera, const SE3& cam_from_submap,
+                                             const std::vector<KnownPoint>& seen);
 // A structure by itself: views, and points that nothing but they tell of.
 struct FreeStructure {
   struct Sight {

@@ -34,7 +34,7 @@ struct Frame {
   KeypointGrid grid;                           // over the undistorted pixels
   std::vector<int> landmark_ids;               // per keypoint, kNone where nothing is matched
   SE3 cam_from_submap;                         // meaningful once tracked
-  PoseCertainty certainty;  // once tracked
+  PoseCertainty certainty;                     // once tracked
   bool is_believable = true;                   // else the pose is nothing to build on
   Corners corners = Corners::kEnough;
   int reference_keyframe = kNone;

@@ -27,7 +27,7 @@ struct FrontSubmap {
   Submap map;
   std::vector<double> octave_scales;
   std::map<int, KeyframeCertainty> certainty;  // of the keyframes
-  std::map<int, KeypointGrid> grids;  // of the keyframes, over undistorted pixels
+  std::map<int, KeypointGrid> grids;           // of the keyframes, over undistorted pixels
   // Of the latest keyframes, while they may still be aligned with each other.
   std::map<int, std::shared_ptr<const ImagePyramid>> images;
   std::vector<std::pair<int, int>> recent_landmarks;  // id, keyframe that made it: still on probation

@@ -53,7 +53,8 @@ class InitialStructure {
   bool adjust();
   // RMS over all that was matched in the views, each error cut off at what makes an outlier: to compare rivals by.
   double error_px() const;
-  // Standard deviation of the direction of the motion between the two, if a keypoint's noise were one pixel at octave 0.
+  // Standard deviation of the direction of the motion between the two, if a keypoint's noise were one pixel at octave
+  // 0.
   double direction_sigma_rad() const;
   // Rivals that bundle adjustment made one.
   bool same_as(const InitialStructure& other) const;

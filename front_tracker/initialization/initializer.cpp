@@ -15,9 +15,10 @@ namespace {
 constexpr size_t kMostReferences = 4;
 constexpr size_t kReferenceInterval = 10;  // frames from one reference to the next, at most
 constexpr double kRenewAt = 0.7;           // share of the newest reference that is found: below, another is due
-constexpr double kMinMotion_px = 2;  // median, beyond what a rotation explains: twice a keypoint's noise; less: nothing is tried
-constexpr double kMoreMotion = 1.1;   // than at the last try, for the next
-constexpr int kMostMisses = 3;             // frames in a row (blurred, say) that a reference survives
+constexpr double kMinMotion_px =
+    2;  // median, beyond what a rotation explains: twice a keypoint's noise; less: nothing is tried
+constexpr double kMoreMotion = 1.1;  // than at the last try, for the next
+constexpr int kMostMisses = 3;       // frames in a row (blurred, say) that a reference survives
 
 }  // namespace
 
@@ -80,8 +81,7 @@ void Initializer::follow() {
   if (!references_.empty() && !due(references_.back())) return;
   // The oldest has seen most motion; what makes room is the one after it.
   if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
-  references_.push_back(
-      {frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
+  references_.push_back({frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
 }
 
 // The reference from which the image moved most, if it is worth a try.
@@ -146,7 +146,8 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
 std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals) const {
   const double direction_rad = best.structure.direction_sigma_rad() * best.error_px;
   if (direction_rad > options_.max_direction_sigma_rad)
-    return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion", direction_rad * 180 / M_PI);
+    return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion",
+                       direction_rad * 180 / M_PI);
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
     // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
@@ -181,9 +182,11 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
   refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals);
   if (!refusal_.empty()) return std::nullopt;
-  log_debug("begins with {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px, direction of the motion known to {:.1f} deg",
-            motion_px, frames_.size() - reference->frame, frames_.size(), best->error_px,
-            best->structure.direction_sigma_rad() * best->error_px * 180 / M_PI);
+  log_debug(
+      "begins with {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px, direction of the motion known to "
+      "{:.1f} deg",
+      motion_px, frames_.size() - reference->frame, frames_.size(), best->error_px,
+      best->structure.direction_sigma_rad() * best->error_px * 180 / M_PI);
   return best->structure.finish();
 }
 

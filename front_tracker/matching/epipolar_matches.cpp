@@ -28,13 +28,14 @@ size_t count_agreeing(const Camera& camera, const SE3& cam_from_submap, const Ep
   const double f = 0.5 * (camera.fx + camera.fy);
   const SE3 cam_from_view = cam_from_submap * view.cam_from_submap.inverse();
   const Eigen::Matrix3d r = cam_from_view.rotation.toRotationMatrix();
-  return static_cast<size_t>(std::count_if(view.matches.begin(), view.matches.end(), [&](const EpipolarView::Match& match) {
-    const Eigen::Vector3d b = camera.ray(match.pixel), ra = r * camera.ray(match.pixel_there);
-    const Eigen::Vector3d normal = cam_from_view.translation.cross(ra);
-    const Eigen::Vector3d normal_there = r.transpose() * b.cross(cam_from_view.translation);
-    const double gradient = std::sqrt(normal.head<2>().squaredNorm() + normal_there.head<2>().squaredNorm());
-    return gradient > 1e-9 && std::abs(b.dot(normal)) * f <= 3 * match.sigma_px * gradient;
-  }));
+  return static_cast<size_t>(
+      std::count_if(view.matches.begin(), view.matches.end(), [&](const EpipolarView::Match& match) {
+        const Eigen::Vector3d b = camera.ray(match.pixel), ra = r * camera.ray(match.pixel_there);
+        const Eigen::Vector3d normal = cam_from_view.translation.cross(ra);
+        const Eigen::Vector3d normal_there = r.transpose() * b.cross(cam_from_view.translation);
+        const double gradient = std::sqrt(normal.head<2>().squaredNorm() + normal_there.head<2>().squaredNorm());
+        return gradient > 1e-9 && std::abs(b.dot(normal)) * f <= 3 * match.sigma_px * gradient;
+      }));
 }
 
 }  // namespace rumi::front_tracker

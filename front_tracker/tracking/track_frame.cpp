@@ -20,7 +20,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int kFewest = 10;    // landmarks that make a pose
+constexpr int kFewest = 10;     // landmarks that make a pose
 constexpr double kAgree = 0.8;  // share of what is matched with earlier frames, that agrees with a believable pose
 
 }  // namespace
@@ -204,7 +204,8 @@ bool Tracker::is_certain(Frame* frame, int* inliers) {
   if (frame->is_believable) return true;
   *inliers = support_by_epipolar_matches(frame);
   if (*inliers >= kFewest && frame->certainty.image_px <= o.lost_px()) return true;
-  why_lost_ = fmt::format("{} landmarks leave the pose uncertain by {:.1f} px of the image", *inliers, frame->certainty.image_px);
+  why_lost_ = fmt::format("{} landmarks leave the pose uncertain by {:.1f} px of the image", *inliers,
+                          frame->certainty.image_px);
   return false;
 }
 
@@ -212,7 +213,8 @@ bool Tracker::is_certain(Frame* frame, int* inliers) {
 bool Tracker::drifts(const Frame& frame) const {
   constexpr int64_t kOver_us = 1'000'000;
   if (recent_.empty()) return false;
-  const auto then = std::find_if(recent_.begin(), recent_.end(), [&](const Known& s) { return frame.utime_us - s.utime_us <= kOver_us; });
+  const auto then = std::find_if(recent_.begin(), recent_.end(),
+                                 [&](const Known& s) { return frame.utime_us - s.utime_us <= kOver_us; });
   const double before = then == recent_.end() ? recent_.back().log_scale_variance : then->log_scale_variance;
   return frame.certainty.log_scale_variance - before > std::pow(options_.tracking.max_scale_drift, 2);
 }

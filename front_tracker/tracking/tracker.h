@@ -133,10 +133,10 @@ class Tracker {
   std::string why_lost_;  // the last frame that was not tracked
 
   TrackingState state_ = TrackingState::kNotInitialized;
-  size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST
+  size_t active_ = 0;         // index into submaps_, while TRACKING or RECENTLY_LOST
   std::deque<Known> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
-  Frame last_;                  // last tracked frame
-  SE3 velocity_;                // this_cam_from_last_cam
+  Frame last_;                // last tracked frame
+  SE3 velocity_;              // this_cam_from_last_cam
   int64_t velocity_dt_us_ = 0;
   int64_t first_utime_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;

@@ -23,7 +23,8 @@ TEST(Loss, IsDescribedInOneLine) {
             .utime_us = 1'400'000'011'230'000,
             .submap_id = 1,
             .frames_before = 512,
-            .why = "", .images = 34,
+            .why = "",
+            .images = 34,
             .outcome = "found again in submap 1"};
   EXPECT_EQ(describe(loss, 1'400'000'013'130'000),
             "lost at 11.23 s (utime 1400000011230000) after 512 images in submap 1: 34 images, 1.9 s; "
@@ -80,7 +81,8 @@ TEST(Loss, ASingleImageIsNotWorthALine) {
 
 TEST(Loss, ThatIsNotOverIsSaidAtTheEnd) {
   const size_t cover = testing::rendered_walk().images.size() / 2;
-  EXPECT_THAT(said_when_covered(100, cover + 5), HasSubstr("5 images, 0.2 s (too few landmarks agree); not found again until the end"));
+  EXPECT_THAT(said_when_covered(100, cover + 5),
+              HasSubstr("5 images, 0.2 s (too few landmarks agree); not found again until the end"));
 }
 
 // Nothing carries the scale on.

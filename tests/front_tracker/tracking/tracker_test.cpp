@@ -219,8 +219,8 @@ const testing::RenderedWalk& turning_walk(unsigned seed) {
 }
 
 struct FastTurns {
-  double posed = 0;         // share of the images
-  double worst_share = 0;   // RMSE over the path, of the worst submap that lives a second and more
+  double posed = 0;        // share of the images
+  double worst_share = 0;  // RMSE over the path, of the worst submap that lives a second and more
 };
 
 // What chance decides in one turn evens out over several.
