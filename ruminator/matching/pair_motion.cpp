@@ -184,6 +184,7 @@ std::vector<Eigen::Vector2d> residuals(const Matches& m, const Turn& turn) {
 
 std::vector<double> turn_errors(const std::vector<Eigen::Vector2d>& residuals) {
   std::vector<double> squares;
+  squares.reserve(residuals.size());
   for (const Eigen::Vector2d& r : residuals) squares.push_back(0.5 * r.squaredNorm());
   return squares;
 }

@@ -100,7 +100,7 @@ TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
   ASSERT_EQ(localizing.exit_code, 0) << localizing.output;
   EXPECT_TRUE(read_file(map) == bytes);
   const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
-  EXPECT_EQ(figures["submaps"], 2);
+  EXPECT_GE(figures["submaps"], 2) << "that of the map, and of the run as many as losses made";
   EXPECT_GE(figures["tracked_frames"], 216) << "old and new";
   EXPECT_GE(figures["true_rate"], 0.9);
   EXPECT_LE(figures["ate_rmse_m"], 0.05);
