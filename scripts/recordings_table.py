@@ -6,7 +6,7 @@ import pathlib
 import statistics
 import sys
 
-from rendered_runs import write_csv
+from rendered_runs import write_csv, write_table
 
 COLUMNS = ["recording", "runs", "in the map", "when they came", "true", "ATE m", "ATE % of the path", "submaps",
            "first pose s", "CPU ms/frame", "of it front", "peak MB"]
@@ -73,10 +73,7 @@ def main():
         of_kind = [r for r in runs if r["recording"].startswith(kind + "_")]
         if of_kind:
             rows.append(table_row(f"all {kind}", of_kind))
-    write_csv(out / "table.csv", COLUMNS, rows)
-    print("| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    write_table(out / "table.csv", COLUMNS, rows)
 
 
 if __name__ == "__main__":

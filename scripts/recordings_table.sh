@@ -13,13 +13,10 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 rumi=$1/bin/rumi
 data=$2
+trajectories=$data/trajectories
 out=$3
 seeds=${4:-1}
-# Where each path begins, s.
-rendered="fr1_room:2 fr1_floor:4 fr1_teddy:4 fr2_desk:10 fr2_pioneer_slam:20 fr3_teddy:40 V102:20 V103:20 V203:20
-  icl_living_room_t0:4 icl_living_room_t1:4 icl_living_room_t2:4 icl_living_room_t3:4 icl_office_t0:4 icl_office_t1:4
-  icl_office_t2:4 icl_office_t3:4"
-passage=1.5 # seconds
+. "$here/rendered_paths.sh"
 mkdir -p "$out"
 
 names() {
@@ -27,8 +24,8 @@ names() {
     folder=${list%/rgb.txt}
     if [ -e "$folder/calibration.yaml" ]; then basename "$folder"; fi
   done
-  for path in $rendered; do
-    if [ -e "$data/trajectories/${path%%:*}.txt" ]; then echo "rendered_${path%%:*}" "passages_${path%%:*}"; fi
+  for path in $rendered_paths; do
+    if [ -e "$trajectories/${path%%:*}.txt" ]; then echo "rendered_${path%%:*}" "passages_${path%%:*}"; fi
   done
 }
 
@@ -43,15 +40,11 @@ find_recording() { # name
       ;;
   esac
   if [ -e "$folder/done" ]; then return 0; fi
-  path=${1#*_}
-  for p in $rendered; do if [ "${p%%:*}" = "$path" ]; then start=${p##*:}; fi; done
-  length="--duration 12"
-  if [ "${1%%_*}" = passages ]; then
-    length="--duration 20 --hard blur --at 5 --for $passage --hard dark --at 9 --for $passage
-      --hard textureless --at 13 --for $passage --hard rotation --at 17 --for $passage"
-  fi
-  # shellcheck disable=SC2086
-  "$rumi" synth -q --overwrite -o "$folder" --path "$data/trajectories/$path.txt" --start "$start" $length
+  path=${1#*_} kind=plain
+  if [ "${1%%_*}" = passages ]; then kind=hard; fi
+  for p in $rendered_paths; do
+    if [ "${p%%:*}" = "$path" ]; then render_path "$folder" "$p" $kind; fi
+  done
   touch "$folder/done"
 }
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Table of what scripts/rendered_paths_table.sh measured: python3 rendered_paths_table.py OUT"""
-import csv
 import json
 import pathlib
 import statistics
 import sys
+
+from rendered_runs import write_table
 
 # An error beyond this share of the true path: the submap has diverged.
 DIVERGED_PERCENT = 5.0
@@ -52,13 +53,7 @@ def main():
     for kind in sorted({r["kind"] for r in runs}, reverse=True):
         of_kind = [r for r in runs if r["kind"] == kind]
         rows += [table_row(r) for r in of_kind + [summary(kind, of_kind)]]
-    with open(out / "table.csv", "w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(COLUMNS)
-        writer.writerows(rows)
-    print("| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    write_table(out / "table.csv", COLUMNS, rows)
 
 
 if __name__ == "__main__":

@@ -14,28 +14,16 @@ here=$(cd "$(dirname "$0")" && pwd)
 rumi=$1/bin/rumi
 trajectories=$2
 out=$3
-sequences=${RUMI_TABLE_SEQUENCES:-fr1_room:2 fr1_floor:4 fr1_teddy:4 fr2_desk:10 fr2_pioneer_slam:20 fr3_teddy:40
-  V102:20 V103:20 V203:20 icl_living_room_t0:4 icl_living_room_t1:4 icl_living_room_t2:4 icl_living_room_t3:4
-  icl_office_t0:4 icl_office_t1:4 icl_office_t2:4 icl_office_t3:4}
+. "$here/rendered_paths.sh"
+sequences=${RUMI_TABLE_SEQUENCES:-$rendered_paths}
 kinds=${RUMI_TABLE_KINDS:-plain hard}
-passage=1.5 # seconds
 mkdir -p "$out"
-
-how() { # kind
-  case $1 in
-    plain) echo --duration 12 ;;
-    hard) echo "--duration 20 --hard blur --at 5 --for $passage --hard dark --at 9 --for $passage" \
-      "--hard textureless --at 13 --for $passage --hard rotation --at 17 --for $passage" ;;
-    *) echo "--duration 12 --hard $1 --at 5 --for $passage" ;;
-  esac
-}
 
 measure() { # sequence start kind
   folder=$out/$1_$3
   mkdir -p "$folder"
   if [ ! -e "$folder/rendered" ]; then
-    "$rumi" synth -q --overwrite -o "$folder/sequence" --path "$trajectories/$1.txt" --start "$2" \
-      $(how "$3")
+    render_path "$folder/sequence" "$1:$2" "$3"
     touch "$folder/rendered"
   fi
   "$rumi" replay -q "$folder/sequence" -o "$folder/front" --set ruminator.rebuild=false --set map_server.merge=false
@@ -53,4 +41,4 @@ if [ -z "${RUMI_TABLE_ONLY:-}" ]; then
     done
   done
 fi
-python3 "$here/rendered_paths_table.py" "$out"
+python3 -B "$here/rendered_paths_table.py" "$out"

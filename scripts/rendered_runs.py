@@ -29,6 +29,14 @@ def write_csv(path, header, rows):
         writer.writerows(rows)
 
 
+def write_table(path, columns, rows):
+    """As CSV, and in Markdown to the terminal."""
+    write_csv(path, columns, rows)
+    print("| " + " | ".join(columns) + " |\n|" + "---|" * len(columns))
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
+
+
 def write_tables(runs, columns, table_row, runs_file, table_file):
     """The runs as they are; a row for each sequence and kind, each kind and all as CSV, and in Markdown to the terminal.
 
@@ -41,7 +49,4 @@ def write_tables(runs, columns, table_row, runs_file, table_file):
     for kind in dict.fromkeys(r["kind"] for r in runs):
         rows.append(table_row("all", kind, [r for r in runs if r["kind"] == kind]))
     rows.append(table_row("all", "all", runs))
-    write_csv(table_file, columns, rows)
-    print("| " + " | ".join(columns) + " |\n|" + "---|" * len(columns))
-    for row in rows:
-        print("| " + " | ".join(row) + " |")
+    write_table(table_file, columns, rows)

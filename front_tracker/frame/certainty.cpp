@@ -8,26 +8,23 @@
 #include <limits>
 
 #include "slam/map/landmark_view.h"
+#include "slam/optimization/whitened_projection.h"
 
 namespace rumi::front_tracker {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
 
-// Of the projection, by the point in the camera's frame.
-Matrix23d derivative_by_point(const Camera& camera, const Eigen::Vector3d& p) {
-  Matrix23d d;
-  d << camera.fx, 0, -camera.fx * p.x() / p.z(), 0, camera.fy, -camera.fy * p.y() / p.z();
-  return d / p.z();
+// Of a projection, by the point in the camera's frame: in units of the keypoint's noise.
+Matrix23d derivative_by_point(const Camera& camera, double sigma_px, const Eigen::Vector3d& p) {
+  return WhitenedProjection(camera, Eigen::Vector2d::Zero(), sigma_px, Eigen::Matrix2d::Identity()).derivative(p);
 }
 
 // exp(twist) moves the point by translation + rotation x point.
 Matrix26d derivative_by_twist(const Matrix23d& by_point, const Eigen::Vector3d& p) {
   Matrix26d a;
-  a.leftCols<3>() = by_point;
-  for (int k = 0; k < 2; ++k) a.block<1, 3>(k, 3) = p.cross(Eigen::Vector3d(by_point.row(k))).transpose();
+  a << by_point, -by_point * skew(p);
   return a;
 }
 
@@ -37,24 +34,20 @@ double image_uncertainty_px(const Camera& camera, const Matrix6d& twist_covarian
   for (const double u : kPlaces)
     for (const double v : kPlaces) {
       const Eigen::Vector3d p = depth * camera.ray(Eigen::Vector2d(u * camera.width, v * camera.height));
-      const Matrix26d a = derivative_by_twist(derivative_by_point(camera, p), p);
+      const Matrix26d a = derivative_by_twist(derivative_by_point(camera, 1, p), p);
       variance += (a * twist_covariance * a.transpose()).trace() / 9;
     }
   return std::sqrt(variance);
 }
 
-}  // namespace
-
-namespace {
-
-// Of what a sight tells of the twist: inverse covariance.
-Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const KnownPoint& seen) {
-  const Eigen::Vector3d p = cam_from_submap * seen.position;
+// What a keypoint tells of the twist, being taken for a landmark whose own place is not known exactly.
+Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landmark& landmark, double sigma_px) {
+  const Eigen::Vector3d p = cam_from_submap * landmark.position;
   if (!(p.z() > 1e-6)) return Matrix6d::Zero();
-  const Matrix23d by_point = derivative_by_point(camera, p);
+  const Matrix23d by_point = derivative_by_point(camera, sigma_px, p);
   const Matrix23d turned = by_point * cam_from_submap.rotation.toRotationMatrix();
-  const Eigen::Matrix2d covariance = seen.sigma_px * seen.sigma_px * Eigen::Matrix2d::Identity() +
-                                     turned * seen.information.inverse() * turned.transpose();
+  const Eigen::Matrix2d covariance =
+      Eigen::Matrix2d::Identity() + turned * landmark.information.inverse() * turned.transpose();
   const Matrix26d by_twist = derivative_by_twist(by_point, p);
   return by_twist.transpose() * covariance.inverse() * by_twist;
 }
@@ -64,12 +57,6 @@ Matrix6d invert(const Matrix6d& information) {
 }
 
 }  // namespace
-
-Matrix6d twist_covariance(const Camera& camera, const SE3& cam_from_submap, const std::vector<KnownPoint>& seen) {
-  Matrix6d information = Matrix6d::Zero();
-  for (const KnownPoint& point : seen) information += sight_of(camera, cam_from_submap, point);
-  return invert(information);
-}
 
 Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure) {
   // The reduced system of all views but the first: each point is whatever suits all its views best.
@@ -87,7 +74,7 @@ Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& stru
       const SE3& cam_from_structure = structure.cam_from_structure[sight.view];
       const Eigen::Vector3d p = cam_from_structure * point.position;
       if (!(p.z() > 1e-6)) continue;
-      const Matrix23d by_cam_point = derivative_by_point(camera, p) / sight.sigma_px;
+      const Matrix23d by_cam_point = derivative_by_point(camera, sight.sigma_px, p);
       const Matrix23d by_point = by_cam_point * cam_from_structure.rotation.toRotationMatrix();
       known += by_point.transpose() * by_point;
       if (sight.view == 0) continue;
@@ -127,9 +114,8 @@ PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octa
   for (size_t i = 0; i < frame.landmark_ids.size(); ++i) {
     const Landmark* lm = frame.landmark_ids[i] == kNone ? nullptr : submap.landmark(frame.landmark_ids[i]);
     if (!lm) continue;
-    const Matrix6d added =
-        sight_of(submap.camera, frame.cam_from_submap,
-                 {lm->position, lm->information, octave_scales[frame.features->keypoints[i].octave]});
+    const double sigma_px = octave_scales[frame.features->keypoints[i].octave];
+    const Matrix6d added = sight_of(submap.camera, frame.cam_from_submap, *lm, sigma_px);
     information += added;
     // What tells of the position tells of the scale.
     const double weight = added.topLeftCorner<3, 3>().trace();

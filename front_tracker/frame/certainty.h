@@ -6,14 +6,6 @@
 
 namespace rumi::front_tracker {
 
-struct KnownPoint {
-  Eigen::Vector3d position;
-  Eigen::Matrix3d information;  // inverse covariance of the position
-  double sigma_px = 1;          // of the keypoint that is taken for it
-};
-// Covariance of the twist in exp(twist) * cam_from_submap that what a frame sees leaves.
-Eigen::Matrix<double, 6, 6> twist_covariance(const Camera& camera, const SE3& cam_from_submap,
-                                             const std::vector<KnownPoint>& seen);
 // A structure by itself: views, and points that nothing but they tell of.
 struct FreeStructure {
   struct Sight {
@@ -27,12 +19,13 @@ struct FreeStructure {
   std::vector<SE3> cam_from_structure;  // of each view, at least two
   std::vector<Point> points;
 };
-// The same of its second view against the first, the distance of the two being the unit of length.
-Eigen::Matrix<double, 6, 6> second_twist_covariance(const Camera& camera, const FreeStructure& structure);
+// Covariance of the twist in exp(twist) * cam_from_structure of the second view against the first, the distance of the
+// two being the unit of length.
+Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure);
 // Of the distance between two places beside its length, from the covariance of the one, in their frame.
 double log_length_variance(const Eigen::Vector3d& baseline, const Eigen::Matrix3d& position_covariance);
 // Of the camera's centre, in the submap.
-Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Eigen::Matrix<double, 6, 6>& twist_covariance);
+Eigen::Matrix3d position_covariance(const SE3& cam_from_submap, const Matrix6d& twist_covariance);
 
 // Of a frame with a pose and matches; `views` tell of the pose, too.
 PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octave_scales, const Frame& frame,

@@ -19,7 +19,7 @@ enum class Corners { kEnough, kFew, kNone };
 struct PoseCertainty {
   // Of the camera's place and direction, given the landmarks: covariance of the twist (translation, rotation) in
   // exp(twist) * cam_from_submap. A landmark counts as far as its own place is known.
-  Eigen::Matrix<double, 6, 6> twist_covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  Matrix6d twist_covariance = Matrix6d::Zero();
   // How far off that leaves what the image shows at the landmarks' median depth: RMS over the image, px.
   double image_px = 0;
   // Of the logarithm of the scale that the landmarks in view carry, against the submap's beginning: variance.

@@ -60,6 +60,7 @@ Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
 void FrontSubmap::remove_keyframe(int id, int heir) {
   map.remove_keyframe(id, heir);
   grids.erase(id);
+  certainty.erase(id);
   images.erase(id);
   moved_.erase(id);
 }

@@ -15,10 +15,9 @@ namespace {
 constexpr size_t kMostReferences = 4;
 constexpr size_t kReferenceInterval = 10;  // frames from one reference to the next, at most
 constexpr double kRenewAt = 0.7;           // share of the newest reference that is found: below, another is due
-constexpr double kMinMotion_px =
-    2;  // median, beyond what a rotation explains: twice a keypoint's noise; less: nothing is tried
-constexpr double kMoreMotion = 1.1;  // than at the last try, for the next
-constexpr int kMostMisses = 3;       // frames in a row (blurred, say) that a reference survives
+constexpr double kMinMotion_px = 2;        // median, beyond a rotation: twice a keypoint's noise; less: no try
+constexpr double kMoreMotion = 1.1;        // than at the last try, for the next
+constexpr int kMostMisses = 3;             // frames in a row (blurred, say) that a reference survives
 
 }  // namespace
 
@@ -143,14 +142,13 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
 }
 
 // What speaks against beginning with it; empty: nothing.
-std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals) const {
-  const double direction_rad = best.structure.direction_sigma_rad() * best.error_px;
+std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const {
   if (direction_rad > options_.max_direction_sigma_rad)
     return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion",
                        direction_rad * 180 / M_PI);
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
-    // One that nothing can begin with, for want of parallax, is the true one all the same if it fits better.
+    // One that does not hold is the true one all the same if it fits better.
     const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
     if (best.error_px > ratio * rival.error_px)
       return fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px,
@@ -180,13 +178,17 @@ std::optional<InitialMap> Initializer::begin_with(Reference* reference) {
   const std::vector<Rival> rivals = find_rivals(input, pair, keypoints);
   if (rivals.empty()) return std::nullopt;
   const auto best = std::find_if(rivals.begin(), rivals.end(), [](const Rival& rival) { return rival.holds; });
-  refusal_ = best == rivals.end() ? rivals.front().structure.refusal() : objection(*best, rivals);
+  if (best == rivals.end()) {
+    refusal_ = rivals.front().structure.refusal();
+    return std::nullopt;
+  }
+  const double direction_rad = best->structure.direction_sigma_rad() * best->error_px;
+  refusal_ = objection(*best, rivals, direction_rad);
   if (!refusal_.empty()) return std::nullopt;
   log_debug(
       "begins with {:.1f} px beyond a rotation, {} of {} frames, error {:.2f} px, direction of the motion known to "
       "{:.1f} deg",
-      motion_px, frames_.size() - reference->frame, frames_.size(), best->error_px,
-      best->structure.direction_sigma_rad() * best->error_px * 180 / M_PI);
+      motion_px, frames_.size() - reference->frame, frames_.size(), best->error_px, direction_rad * 180 / M_PI);
   return best->structure.finish();
 }
 

@@ -52,7 +52,7 @@ class Initializer {
   std::optional<InitialMap> begin_with(Reference* reference);
   std::vector<Rival> find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
                                  const std::vector<int>& keypoints);
-  std::string objection(const Rival& best, const std::vector<Rival>& rivals) const;
+  std::string objection(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const;
 
   Camera camera_;
   InitializerOptions options_;

@@ -2,9 +2,9 @@
 #include "front_tracker/matching/epipolar_matches.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "front_tracker/matching/reference_tracks.h"
+#include "slam/geometry/epipolar.h"
 
 namespace rumi::front_tracker {
 
@@ -25,16 +25,13 @@ EpipolarView match_epipolar(const Camera& camera, const std::vector<double>& sca
 }
 
 size_t count_agreeing(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view) {
+  constexpr double kSigmas = 3;
   const double f = 0.5 * (camera.fx + camera.fy);
-  const SE3 cam_from_view = cam_from_submap * view.cam_from_submap.inverse();
-  const Eigen::Matrix3d r = cam_from_view.rotation.toRotationMatrix();
+  const Eigen::Matrix3d essential = essential_matrix(cam_from_submap * view.cam_from_submap.inverse());
   return static_cast<size_t>(
       std::count_if(view.matches.begin(), view.matches.end(), [&](const EpipolarView::Match& match) {
-        const Eigen::Vector3d b = camera.ray(match.pixel), ra = r * camera.ray(match.pixel_there);
-        const Eigen::Vector3d normal = cam_from_view.translation.cross(ra);
-        const Eigen::Vector3d normal_there = r.transpose() * b.cross(cam_from_view.translation);
-        const double gradient = std::sqrt(normal.head<2>().squaredNorm() + normal_there.head<2>().squaredNorm());
-        return gradient > 1e-9 && std::abs(b.dot(normal)) * f <= 3 * match.sigma_px * gradient;
+        return f * sampson_distance(essential, camera.ray(match.pixel_there), camera.ray(match.pixel)) <=
+               kSigmas * match.sigma_px;
       }));
 }
 

@@ -214,7 +214,7 @@ bool Tracker::drifts(const Frame& frame) const {
   constexpr int64_t kOver_us = 1'000'000;
   if (recent_.empty()) return false;
   const auto then = std::find_if(recent_.begin(), recent_.end(),
-                                 [&](const Known& s) { return frame.utime_us - s.utime_us <= kOver_us; });
+                                 [&](const Support& s) { return frame.utime_us - s.utime_us <= kOver_us; });
   const double before = then == recent_.end() ? recent_.back().log_scale_variance : then->log_scale_variance;
   return frame.certainty.log_scale_variance - before > std::pow(options_.tracking.max_scale_drift, 2);
 }

@@ -216,9 +216,9 @@ bool Tracker::is_torn(const Frame& found) const {
 }
 
 // A slip begins with the weakest frame, or one just before it that is hardly stronger.
-std::deque<Tracker::Known>::const_iterator Tracker::slip_begins() const {
+std::deque<Tracker::Support>::const_iterator Tracker::slip_begins() const {
   auto first = std::min_element(recent_.begin(), recent_.end(),
-                                [](const Known& a, const Known& b) { return a.inliers < b.inliers; });
+                                [](const Support& a, const Support& b) { return a.inliers < b.inliers; });
   const int weak = 2 * first->inliers;
   while (first != recent_.begin() && std::prev(first)->inliers < weak) --first;
   return first;

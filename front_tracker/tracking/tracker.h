@@ -69,7 +69,7 @@ class Tracker {
  private:
   // A keyframe that the mapper has to be told of, once the map's mutex is free.
   using MappingTask = std::pair<FrontSubmap*, int>;
-  struct Known {
+  struct Support {
     int64_t utime_us = 0;
     int inliers = 0;
     double log_scale_variance = 0;  // see PoseCertainty
@@ -97,7 +97,7 @@ class Tracker {
   void activate(size_t submap_index);  // it is the one that is tracked from now on
   void go_on_in(size_t submap_index, Frame* frame);
   bool is_torn(const Frame& found) const;
-  std::deque<Known>::const_iterator slip_begins() const;
+  std::deque<Support>::const_iterator slip_begins() const;
   void withdraw_torn_end(Frame* found);
   FrontSubmap& open_submap(Submap known);
   bool begin_submap(Frame* frame);
@@ -133,10 +133,10 @@ class Tracker {
   std::string why_lost_;  // the last frame that was not tracked
 
   TrackingState state_ = TrackingState::kNotInitialized;
-  size_t active_ = 0;         // index into submaps_, while TRACKING or RECENTLY_LOST
-  std::deque<Known> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
-  Frame last_;                // last tracked frame
-  SE3 velocity_;              // this_cam_from_last_cam
+  size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST
+  std::deque<Support> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
+  Frame last_;                  // last tracked frame
+  SE3 velocity_;                // this_cam_from_last_cam
   int64_t velocity_dt_us_ = 0;
   int64_t first_utime_us_ = 0;
   int64_t last_utime_us_ = INT64_MIN;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "ruminator/matching/opencv_usac.h"
+#include "slam/geometry/epipolar.h"
 #include "slam/geometry/relative_pose.h"
 #include "slam/geometry/rotation_fit.h"
 #include "slam/numeric/median.h"
@@ -80,11 +81,8 @@ Matches select(const Camera& camera, const std::vector<Eigen::Vector2f>& first,
 std::vector<double> epipolar_errors(const Matches& m, const Eigen::Matrix3d& essential) {
   std::vector<double> squares;
   for (size_t i = 0; i < m.first.size(); ++i) {
-    const Eigen::Vector3d a = m.first[i].homogeneous(), b = m.second[i].homogeneous();
-    const Eigen::Vector3d line_b = essential * a, line_a = essential.transpose() * b;
-    const double length2 = line_b.head<2>().squaredNorm() + line_a.head<2>().squaredNorm();
-    const double error = b.dot(line_b) * m.focal_px;
-    squares.push_back(length2 > 1e-18 ? error * error / length2 : 1e12);
+    const double px = m.focal_px * sampson_distance(essential, m.first[i].homogeneous(), m.second[i].homogeneous());
+    squares.push_back(std::min(px * px, 1e12));
   }
   return squares;
 }
@@ -95,13 +93,9 @@ double robust_sum(const std::vector<double>& squares) {
   return sum;
 }
 
-Eigen::Matrix3d essential_of(const SE3& second_from_first) {
-  return skew(second_from_first.translation) * second_from_first.rotation.toRotationMatrix();
-}
-
 // Refines the pose on the matches that it explains and keeps the best seen.
 void offer(const Matches& m, SE3 pose, std::vector<double>* best) {
-  std::vector<double> errors = epipolar_errors(m, essential_of(pose));
+  std::vector<double> errors = epipolar_errors(m, essential_matrix(pose));
   std::vector<Eigen::Vector2d> first, second;
   for (size_t i = 0; i < errors.size(); ++i) {
     if (errors[i] > std::pow(3 * kRoughErrorPx, 2)) continue;
@@ -110,7 +104,7 @@ void offer(const Matches& m, SE3 pose, std::vector<double>* best) {
   }
   if (first.size() < 8) return;
   refine_relative_pose(first, second, 1 / m.focal_px, &pose);
-  errors = epipolar_errors(m, essential_of(pose));
+  errors = epipolar_errors(m, essential_matrix(pose));
   if (best->empty() || robust_sum(errors) < robust_sum(*best)) *best = std::move(errors);
 }
 

@@ -9,6 +9,7 @@
 namespace rumi {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 // x_target = rotation * x_source + translation.

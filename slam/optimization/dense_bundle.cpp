@@ -13,7 +13,6 @@
 namespace rumi {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Of the diagonal that is damped: what nothing is known about stays where it is.

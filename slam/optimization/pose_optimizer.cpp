@@ -9,8 +9,6 @@
 namespace rumi {
 namespace {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-
 // An observation, ready for many poses.
 struct Sighting {
   Eigen::Vector3d point;

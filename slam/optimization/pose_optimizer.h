@@ -58,7 +58,6 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial_cam_from_subma
 
 // What such a view tells of the pose: inverse covariance of the twist (translation, rotation) in
 // exp(twist) * cam_from_submap, every match counting as above.
-Eigen::Matrix<double, 6, 6> epipolar_information(const Camera& camera, const SE3& cam_from_submap,
-                                                 const EpipolarView& view);
+Matrix6d epipolar_information(const Camera& camera, const SE3& cam_from_submap, const EpipolarView& view);
 
 }  // namespace rumi

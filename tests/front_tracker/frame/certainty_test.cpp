@@ -20,34 +20,54 @@ void expect_honest(double sum_of_squares, double told_variance, const char* what
   EXPECT_LT(ratio, 1.2) << what;
 }
 
+// Landmarks that are known across the rays of a camera at the origin, and little along them; and a frame that sees
+// them.
+struct SeenLandmarks {
+  Submap submap;
+  Frame frame;
+};
+
+SeenLandmarks see(const std::vector<Eigen::Vector3d>& points, const SE3& cam_from_submap) {
+  SeenLandmarks seen;
+  seen.submap.camera = test_camera();
+  Features features;
+  for (const Eigen::Vector3d& p : points) {
+    const int id = static_cast<int>(features.size());
+    Landmark& lm = seen.submap.landmarks[id];
+    lm.position = p;
+    lm.information = sight_information(p, 1e-3) + p * p.transpose() / std::pow(0.03 * p.squaredNorm(), 2);
+    features.keypoints.push_back({test_camera().project_undistorted(cam_from_submap * p).cast<float>(), 0, 0});
+    features.descriptors.push_back({});
+  }
+  seen.frame = make_frame(1, std::move(features), test_camera());
+  seen.frame.cam_from_submap = cam_from_submap;
+  for (size_t k = 0; k < points.size(); ++k) seen.frame.landmark_ids[k] = static_cast<int>(k);
+  return seen;
+}
+
 TEST(Certainty, APoseIsOffByAsMuchAsItsCovarianceSays) {
   const Camera camera = test_camera();
   SyntheticScene scene(3);
-  const std::vector<Eigen::Vector3d> points = scene.cloud(80);
   const SE3 truth = SyntheticScene::pose(0.3, -0.1, 0.2, 0.05);
-  // Each landmark is known across the ray of a camera at the origin, and little along it.
-  std::vector<KnownPoint> known;
-  for (const Eigen::Vector3d& p : points)
-    known.push_back(
-        {p, sight_information(p, 1e-3) + p * p.transpose() / std::pow(0.03 * p.squaredNorm(), 2), kNoise_px});
-  const Eigen::Matrix<double, 6, 6> covariance = twist_covariance(camera, truth, known);
+  const SeenLandmarks known = see(scene.cloud(80), truth);
+  const Matrix6d covariance = certainty_of(known.submap, {kNoise_px}, known.frame).twist_covariance;
   double position2 = 0, rotation2 = 0;
   std::normal_distribution<double> normal(0, 1);
   for (int trial = 0; trial < kTrials; ++trial) {
     std::vector<PointObservation> seen;
-    for (const KnownPoint& point : known) {
-      const Eigen::Matrix3d root = Eigen::Matrix3d(point.information.inverse()).llt().matrixL();
+    for (const auto& [id, lm] : known.submap.landmarks) {
+      const Eigen::Matrix3d root = Eigen::Matrix3d(lm.information.inverse()).llt().matrixL();
       const Eigen::Vector3d off(normal(scene.rng()), normal(scene.rng()), normal(scene.rng()));
-      const Eigen::Vector2d pixel = camera.project_undistorted(truth * point.position) + scene.noise(kNoise_px);
+      const Eigen::Vector2d pixel = camera.project_undistorted(truth * lm.position) + scene.noise(kNoise_px);
       // Weighed by what is known of it, as the covariance supposes.
-      const Eigen::Vector3d p = truth * point.position;
+      const Eigen::Vector3d p = truth * lm.position;
       Eigen::Matrix<double, 2, 3> d;
       d << camera.fx / p.z(), 0, -camera.fx * p.x() / (p.z() * p.z()), 0, camera.fy / p.z(),
           -camera.fy * p.y() / (p.z() * p.z());
       d = d * truth.rotation.toRotationMatrix();
-      const Eigen::Matrix2d noise = Eigen::Matrix2d::Identity() + d * point.information.inverse() * d.transpose();
+      const Eigen::Matrix2d noise = Eigen::Matrix2d::Identity() + d * lm.information.inverse() * d.transpose();
       const Eigen::Matrix2d whitening = Eigen::Matrix2d(noise.llt().matrixL()).inverse();
-      seen.push_back({point.position + root * off, pixel, 1.0, whitening});
+      seen.push_back({lm.position + root * off, pixel, 1.0, whitening});
     }
     PoseOptimizerOptions options;
     options.inlier_chi2 = 100;
@@ -111,7 +131,7 @@ TEST(Certainty, TheScaleIsCarriedByLandmarks) {
   FeatureScene scene(2);
   const auto submap = scene.submap({SE3(), SyntheticScene::pose(0.3, 0, 0), SyntheticScene::pose(0.301, 0, 0)});
   PoseCertainty certainty;
-  certainty.twist_covariance = 1e-4 * Eigen::Matrix<double, 6, 6>::Identity();
+  certainty.twist_covariance = 1e-4 * Matrix6d::Identity();
   certainty.log_scale_variance = 0.01;
   note_certainty(1, certainty, submap.get());
   note_certainty(2, certainty, submap.get());

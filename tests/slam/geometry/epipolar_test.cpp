@@ -48,5 +48,23 @@ TEST(Epipolar, WithoutATranslationThereAreNoLines) {
   EXPECT_TRUE(fundamental_matrix(test_camera(), SyntheticScene::pose(0, 0, 0, 0.3, 0.1)).isZero(0));
 }
 
+TEST(Epipolar, SampsonsDistanceIsThatOfAPixelMovedOffTheLine) {
+  SyntheticScene scene(2);
+  const SE3 b_from_a = SyntheticScene::pose(0.4, -0.1, 0.2, 0.1, -0.05);
+  const Eigen::Matrix3d e = essential_matrix(b_from_a);
+  for (const Eigen::Vector3d& point_a : scene.cloud(50)) {
+    const Eigen::Vector3d a = point_a / point_a.z(), point_b = b_from_a * point_a, b = point_b / point_b.z();
+    EXPECT_LT(sampson_distance(e, a, b), 1e-12);
+    const Eigen::Vector3d line = e * a;
+    const Eigen::Vector2d off = 1e-4 * line.head<2>().normalized();
+    const double distance = sampson_distance(e, a, b + Eigen::Vector3d(off.x(), off.y(), 0));
+    // Both views may be wrong: to first order the least correction of both together.
+    const double share =
+        line.head<2>().norm() / std::hypot(line.head<2>().norm(), (e.transpose() * b).head<2>().norm());
+    EXPECT_NEAR(distance, 1e-4 * share, 1e-6);
+  }
+  EXPECT_TRUE(std::isinf(sampson_distance(Eigen::Matrix3d::Zero(), {0, 0, 1}, {0.1, 0, 1})));
+}
+
 }  // namespace
 }  // namespace rumi
