@@ -13,7 +13,6 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
 #include "bus/wire/working_image.h"
-#include "ruminator/build/window_look.h"
 #include "ruminator/window/window_message.h"
 
 namespace rumi::ruminator {
@@ -140,19 +139,10 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   return check_window_job(*job);
 }
 
-// Where front_tracker could begin nothing because the camera does not move, there is no window to be stored, sent
-// about and tried: why, or an empty string.
-std::string RuminatorNode::find_no_motion(const WindowJob& job) const {
-  if (!job.window.approach.empty() || !job.window.departure.empty()) return "";
-  const Camera camera = working_camera(job.camera, options_.build.max_image_side);
-  return look_at_motion(job, camera, options_.build, false).hopeless;
-}
-
 void RuminatorNode::hand_on(RuminationWindow window) {
   WindowJob job;
   if (const std::string problem = make_job(std::move(window), &job); !problem.empty())
     return queue_.refuse(job.window, problem);
-  if (const std::string why = find_no_motion(job); !why.empty()) return queue_.refuse(job.window, why);
   if (hooks_.on_job) hooks_.on_job(job);
   if (options_.rebuild) return queue_.add(std::move(job));
   log_info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));

@@ -54,7 +54,6 @@ class RuminatorNode : public Node {
   void settle(int64_t utime_us);
   void make_room(const image_t& image);
   void end_window();
-  std::string find_no_motion(const WindowJob& job) const;
   void hand_on(RuminationWindow window);
   std::string make_job(RuminationWindow window, WindowJob* job) const;
   void announce(const RuminationWindow& window, int8_t state);

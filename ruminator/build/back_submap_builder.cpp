@@ -111,7 +111,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
   if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
   if (!cancel && result->failure.empty())
-    result->failure = find_no_depth(camera, images.features, pairs, all_of(images.features.size()));
+    result->failure = find_no_depth(camera, images.features, pairs, all_of(images.features.size()), cancel);
   if (cancel || !result->failure.empty()) {
     result->cancelled = cancel;
     return;
@@ -131,7 +131,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   // What is published has a proof of its depth.
   std::set<int> in_model;
   for (const auto& [image, pose] : model.best.model.cam_from_world) in_model.insert(image);
-  result->failure = find_no_depth(camera, images.features, pairs, in_model);
+  result->failure = find_no_depth(camera, images.features, pairs, in_model, cancel);
   if (!result->failure.empty()) return;
 
   Submap submap;

@@ -20,16 +20,18 @@ constexpr size_t kFirstLooks = 8, kMostLooks = 16;
 
 class Looker {
  public:
-  Looker(const WindowJob& job, const Camera& camera, const BuildOptions& options, WindowLook* look)
-      : job_(job), camera_(camera), o_(options), look_(*look), same_view_(job.images.size()) {}
+  Looker(const WindowJob& job, const Camera& camera, const BuildOptions& options, const std::atomic<bool>& cancel,
+         WindowLook* look)
+      : job_(job), camera_(camera), o_(options), cancel_(cancel), look_(*look), same_view_(job.images.size()) {}
 
-  // False: a pair of images shows depth.
+  // False: a pair of images shows depth, or the look is called off.
   bool look_at(size_t image) {
     std::string ignored;
     const cv::Mat grey = decode_working_image(job_.images[image], job_.camera, camera_, &ignored);
     if (grey.empty()) return true;
     const SiftFeatures features = extract_sift(grey, camera_, o_.sift);
     for (const auto& [other, seen] : look_.features) {
+      if (cancel_) return false;
       const PairMotion motion =
           judge_motion(camera_, seen.undistorted, features.undistorted, match_sift(seen, features, o_.matching));
       if (motion.kind == MotionKind::kDepth) {
@@ -79,6 +81,7 @@ class Looker {
   const WindowJob& job_;
   const Camera& camera_;
   const BuildOptions& o_;
+  const std::atomic<bool>& cancel_;
   WindowLook& look_;
   UnionFind same_view_;  // images that turns of the camera bring together
   bool turns_ = false;
@@ -94,11 +97,11 @@ class Looker {
 WindowLook look_at_motion(const WindowJob& job, const Camera& camera, const BuildOptions& options,
                           const std::atomic<bool>& cancel) {
   WindowLook look;
-  Looker looker(job, camera, options, &look);
+  Looker looker(job, camera, options, cancel, &look);
   const size_t images = job.images.size(), looks = std::min(images, kFirstLooks);
   for (size_t k = 0; k < looks; ++k)
-    if (cancel || !looker.look_at(k * (images - 1) / std::max<size_t>(looks - 1, 1))) return look;
-  while (look.features.size() < kMostLooks && !cancel) {
+    if (!looker.look_at(k * (images - 1) / std::max<size_t>(looks - 1, 1))) return look;
+  while (look.features.size() < kMostLooks) {
     const std::optional<size_t> next = looker.next();
     if (!next) break;
     if (!looker.look_at(*next)) return look;

@@ -54,10 +54,12 @@ std::vector<size_t> telling_pairs(const Camera& camera, const std::vector<SiftFe
 }  // namespace
 
 std::string find_no_depth(const Camera& camera, const std::vector<SiftFeatures>& images,
-                          const std::vector<ImagePair>& pairs, const std::set<int>& which) {
+                          const std::vector<ImagePair>& pairs, const std::set<int>& which,
+                          const std::atomic<bool>& cancel) {
   std::set<int> with_depth;
   for (const size_t p : telling_pairs(camera, images, pairs, which)) {
     const auto& [first, second, matches] = pairs[p];
+    if (cancel) return "";
     if (with_depth.contains(first) && with_depth.contains(second)) continue;
     const PairMotion motion = judge_motion(camera, images[first].undistorted, images[second].undistorted, matches);
     if (motion.kind != MotionKind::kDepth) continue;

@@ -3,6 +3,7 @@
 // returns the reason why there is nothing, a sentence for a person, or an empty string.
 #pragma once
 
+#include <atomic>
 #include <set>
 #include <string>
 #include <vector>
@@ -22,9 +23,11 @@ std::string find_hopeless(const WindowJob& job, const Camera& camera, const std:
                           const BuildOptions& options);
 
 // Do the images show depth, those numbered in `which`? Of each the pairs are looked at that are farthest apart, and the
-// one with the most parallax; three images must take part in those that show it. Matches are the verified ones.
+// one with the most parallax; three images must take part in those that show it. Matches are the verified ones. Nothing
+// is said if it is called off.
 std::string find_no_depth(const Camera& camera, const std::vector<SiftFeatures>& images,
-                          const std::vector<ImagePair>& pairs, const std::set<int>& which);
+                          const std::vector<ImagePair>& pairs, const std::set<int>& which,
+                          const std::atomic<bool>& cancel);
 
 // Do so many frames of the parts in one model serve a purpose: poses for the gap, or a bridge over it?
 bool is_useful(int approach, int gap, int departure);

@@ -37,9 +37,8 @@ class RuminatorNodeTest : public ::testing::Test {
   }
   image_t make_image(int64_t utime_us, bool is_jpeg = true) const {
     cv::Mat grey(120, 160, CV_8U);
-    cv::RNG rng(stands_still_ ? 1 : utime_us);
+    cv::RNG rng(utime_us);
     rng.fill(grey, cv::RNG::UNIFORM, 0, 255);
-    if (stands_still_) cv::GaussianBlur(grey, grey, {}, 2);
     image_t image = is_jpeg ? make_jpeg_image(utime_us, grey) : make_grey_image(utime_us, grey);
     set_metadata(&image, kCalibrationKey, camera_to_yaml(testing::small_camera()));
     return image;
@@ -84,32 +83,7 @@ class RuminatorNodeTest : public ::testing::Test {
   std::vector<WindowJob> jobs_;
   int64_t now_ = 1'000'000;
   bool jpeg_ = true;
-  bool stands_still_ = false;  // the same picture always
 };
-
-// front_tracker could begin nothing, and there was nothing to begin with.
-TEST_F(RuminatorNodeTest, WhereNothingMovesNoWindowIsCut) {
-  stands_still_ = true;
-  options_.rebuild = true;
-  start();
-  frames(60, kNoSubmap);
-  node_->finish();
-  bus_.dispatch();
-  EXPECT_TRUE(jobs_.empty());
-  ASSERT_FALSE(announced_.empty());
-  EXPECT_EQ(announced_.back().state, window_t::FAILED);
-  EXPECT_THAT(announced_.back().reason, HasSubstr("stands still"));
-  EXPECT_TRUE(node_->finished());
-}
-
-TEST_F(RuminatorNodeTest, WhatWasTrackedBesideAStandstillMakesAWindow) {
-  stands_still_ = true;
-  start();
-  frames(40, kNoSubmap);
-  frames(60, 1);
-  node_->finish();
-  EXPECT_EQ(jobs_.size(), 1);
-}
 
 TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   start();

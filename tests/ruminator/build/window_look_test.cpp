@@ -93,6 +93,15 @@ TEST(WindowLook, ACameraThatMovesIsTold) {
   EXPECT_LE(look.features.size(), 4U) << "the first pairs that match show it";
 }
 
+// A process that is told to stop does not look at everything first.
+TEST(WindowLook, EndsWhenItIsCalledOff) {
+  const std::atomic<bool> cancel = true;
+  const WindowJob job = turning(100, 0);
+  const WindowLook look = look_at_motion(job, job.camera, {}, cancel);
+  EXPECT_EQ(look.hopeless, "");
+  EXPECT_LE(look.features.size(), 1U);
+}
+
 TEST(WindowLook, NothingIsSaidOfOneImageOrNone) {
   EXPECT_EQ(look_at(turning(1, 0)).hopeless, "");
   EXPECT_EQ(look_at(turning(0, 0)).hopeless, "");

@@ -15,6 +15,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
+const std::atomic<bool> kNoCancel = false;
+
 cv::Mat picture(double blur_px, double brightness) {
   cv::Mat grey(240, 320, CV_8U);
   cv::RNG(3).fill(grey, cv::RNG::UNIFORM, 0, 255);
@@ -79,11 +81,12 @@ Film film(int images, double step) {
 
 TEST(WindowProspects, WhatIsPublishedHasAProofOfItsDepth) {
   const Film turning = film(6, 0), moving = film(6, 0.1);
-  EXPECT_THAT(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3, 4, 5}),
+  EXPECT_THAT(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel),
               HasSubstr("0 show depth"));
-  EXPECT_EQ(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 1, 2, 3, 4, 5}), "");
-  EXPECT_NE(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 5}), "") << "two images are no model";
-  EXPECT_NE(find_no_depth(moving.camera, moving.images, {}, {0, 1, 2}), "");
+  EXPECT_EQ(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel), "");
+  EXPECT_NE(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 5}, kNoCancel), "") << "two images are no model";
+  EXPECT_NE(find_no_depth(moving.camera, moving.images, {}, {0, 1, 2}, kNoCancel), "");
+  EXPECT_EQ(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3}, true), "") << "called off";
 }
 
 TEST(WindowProspects, UsefulIsWhatPlacesTheGapOrBridgesIt) {
