@@ -23,9 +23,9 @@ constexpr double kEnd_m = 0.8;
 constexpr double kPassage_s = 2.6;  // out of focus and dark, in the middle of the walk
 constexpr double kTurn_s = 1.6;     // of it, in which the camera turns
 constexpr double kHurry_m = 1.4;    // so much farther the camera comes in it than at its usual pace
-// Too little for the front to go on, and enough for SIFT: 3.5 pixels out of focus at 640 pixels of width, and a bit
+// Too little for the front to go on, and enough for SIFT: 4 pixels out of focus at 640 pixels of width, and a bit
 // more than half of the light.
-constexpr double kBlur = 0.7, kDarkness = 0.4;
+constexpr double kBlur = 0.8, kDarkness = 0.4;
 // Else it looks straight away from the middle of the room. Before the turn it looks a bit ahead and after it more, for
 // nobody turns by 180 degrees to walk on.
 constexpr double kAhead_rad = 13 * M_PI / 180, kAheadAfter_rad = 55 * M_PI / 180;

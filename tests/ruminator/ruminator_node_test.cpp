@@ -35,7 +35,7 @@ class RuminatorNodeTest : public ::testing::Test {
     node_ = std::make_unique<RuminatorNode>(bus_, options_, hooks);
     bus_.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { announced_.push_back(w); });
   }
-  image_t make_image(int64_t utime_us, bool is_jpeg = true) const {
+  static image_t make_image(int64_t utime_us, bool is_jpeg = true) {
     cv::Mat grey(120, 160, CV_8U);
     cv::RNG rng(utime_us);
     rng.fill(grey, cv::RNG::UNIFORM, 0, 255);
