@@ -11,9 +11,7 @@ namespace rumi::ruminator {
 
 struct RuminatorOptions : RebuildQueueOptions {
   WindowOptions window;
-  int jpeg_quality = 95;      // of kept images that came uncompressed
-  double match_wait_s = 0.5;  // how long the state of a frame waits for its image
-  std::string camera_file;    // overrides the calibration that comes with the images
+  std::string camera_file;  // overrides the calibration that comes with the images
 };
 
 inline void describe(OptionTable& table, RuminatorOptions& o) {
@@ -22,27 +20,15 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
   table.group("window");
   table.add("ruminator.stride", &w.stride, "frames", "from one sample to the next while tracked, at most (inter)", 1,
             1000);
-  table.add("ruminator.max_turn_deg", &w.max_turn_deg, "deg", "the same as a turn of the camera", 0.1, 180);
   table.add("ruminator.window_length", &w.window_length, "frames", "samples kept from before a loss (len)", 1, 1000);
   table.add("ruminator.shared_keyframes", &w.shared_keyframes, "keyframes",
             "of front_tracker wanted among the samples before and after", 0, 1000);
   table.add("ruminator.departure_min_keyframes", &w.departure_min_keyframes, "keyframes",
             "of the new submap (Th_S3); lost again with fewer, its frames are gap", 1, 1000);
-  table.add("ruminator.departure_max_samples", &w.departure_max_samples, "frames",
-            "samples after resuming that complete the window anyway", 1, 10000);
-  table.add("ruminator.gap_max_frames", &w.gap_max_frames, "frames", "samples of the gap; beyond it they are thinned",
-            2, 100000);
-  table.add("ruminator.gap_dense_frames", &w.gap_dense_frames, "frames", "samples of the gap kept whatever the motion",
-            0, 100000);
-  table.add("ruminator.gap_motion_px", &w.gap_motion_px, "px", "motion between samples that thinning aims at", 0.1,
-            1000);
-  table.add("ruminator.gap_min_motion_px", &w.gap_min_motion_px, "px",
-            "since the last sample of a gap that is no longer small; frames that moved less are left out", 0, 1000);
-  table.add("ruminator.min_sharpness", &w.min_sharpness, "",
-            "of the neighbours' median; frames below it are thinned out first", 0, 1);
+  table.add("ruminator.gap_max_frames", &w.gap_max_frames, "frames",
+            "samples of the gap, the first ones whatever the motion; beyond it they are thinned", 2, 100000);
   table.group("queue");
   table.add("ruminator.ring_mb", &o.ring_mb, "MB", "images kept in memory", 1, 100000);
-  table.add("ruminator.jpeg_quality", &o.jpeg_quality, "", "of kept images that came uncompressed", 1, 100);
   table.add("ruminator.max_queued_windows", &o.max_queued_windows, "", "complete windows that wait for rebuilding", 1,
             1000);
   table.add("ruminator.camera_file", &o.camera_file, "calibration; empty: the one that comes with the images");
@@ -55,7 +41,6 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             1000);
   table.add("ruminator.retry_s", &o.retry_s, "s", "to the next try of rebuilding, or of sending to map_server", 0.1,
             86400);
-  table.add("ruminator.match_wait_s", &o.match_wait_s, "s", "how long the state of a frame waits for its image", 0, 60);
   table.for_users({"ruminator.max_image_side", "ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild",
                    "ruminator.spool", "ruminator.ring_mb", "ruminator.failed_mb"});
 }

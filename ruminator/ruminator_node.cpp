@@ -19,9 +19,11 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr int64_t kAnnouncePeriodUs = 1'000'000;
-constexpr size_t kMaxPending = 256;  // states that wait for their images
-constexpr int kMaxUnsettled = 128;   // images that wait for their states: front_tracker may be down
+constexpr int64_t kMatchWaitUs = 500'000;  // that the state of a frame waits for its image
+constexpr size_t kMaxPending = 256;        // states that wait so
+constexpr int kMaxUnsettled = 128;         // images that wait for their states: front_tracker may be down
 constexpr int64_t kBytesPerMb = 1'000'000;
+constexpr int kJpegQuality = 95;  // of kept images that came uncompressed
 
 }  // namespace
 
@@ -30,7 +32,7 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
       options_(options),
       hooks_(std::move(hooks)),
       sampler_(options.window),
-      ring_(options.ring_mb * kBytesPerMb, options.jpeg_quality),
+      ring_(options.ring_mb * kBytesPerMb, kJpegQuality),
       queue_(bus, options, hooks_.builder, hooks_.on_built) {
   cv::setNumThreads(1);  // the images are small; more would take front_tracker's core
   if (!options.camera_file.empty()) {
@@ -64,10 +66,9 @@ void RuminatorNode::on_track(const track_t& track) {
 // A frame's image and its state may come in either order, and either may be lost. States are followed in their order;
 // one whose image is missing waits a while, unless it was there before: a pose given afterwards.
 void RuminatorNode::process_pending(int64_t now_us, bool all) {
-  const auto wait_us = static_cast<int64_t>(options_.match_wait_s * 1e6);
   while (!pending_.empty()) {
     const PendingTrack& next = pending_.front();
-    const bool has_waited = is_due(now_us, next.arrived_us, wait_us);
+    const bool has_waited = is_due(now_us, next.arrived_us, kMatchWaitUs);
     const bool must_wait = !all && !has_waited && pending_.size() <= kMaxPending;
     if (must_wait && !ring_.find(next.track.utime) && !sampler_.is_late(event(next.track))) return;
     const track_t track = next.track;

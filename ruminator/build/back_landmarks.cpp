@@ -15,6 +15,10 @@
 namespace rumi::ruminator {
 namespace {
 
+constexpr size_t kNeighbours = 10;  // images that each is matched with: those that share the most points with it
+constexpr int kMaxDistance = 50;    // of the descriptors of a match, Hamming
+constexpr double kMaxLinePx = 2;    // of a match from the epipolar line
+
 double median_depth(const SparseModel& model) {
   std::vector<double> depths;
   for (const SparseModel::Point& point : model.points)
@@ -25,7 +29,7 @@ double median_depth(const SparseModel& model) {
 }
 
 // Pairs of images that share points, each image with those that it shares the most with.
-std::set<std::pair<int, int>> neighbouring_images(const SparseModel& model, int neighbours) {
+std::set<std::pair<int, int>> neighbouring_images(const SparseModel& model) {
   std::map<int, std::map<int, int>> shared;
   for (const SparseModel::Point& point : model.points)
     for (const auto& a : point.track)
@@ -36,8 +40,7 @@ std::set<std::pair<int, int>> neighbouring_images(const SparseModel& model, int 
     std::vector<std::pair<int, int>> best;  // (-shared, other)
     for (const auto& [other, count] : others) best.emplace_back(-count, other);
     std::sort(best.begin(), best.end());
-    for (size_t i = 0; i < best.size() && i < static_cast<size_t>(neighbours); ++i)
-      pairs.insert(std::minmax(image, best[i].second));
+    for (size_t i = 0; i < best.size() && i < kNeighbours; ++i) pairs.insert(std::minmax(image, best[i].second));
   }
   return pairs;
 }
@@ -49,15 +52,15 @@ struct Nearest {
 
 // For each keypoint of `a` the most similar one of `b` near its epipolar line.
 std::vector<Nearest> nearest_on_lines(const Features& a, const Features& b, const Eigen::Matrix3f& f,
-                                      const std::vector<double>& scales, const BackLandmarkOptions& options) {
+                                      const std::vector<double>& scales) {
   std::vector<float> width;  // of the line's neighbourhood, by keypoint of b
-  for (const Keypoint& k : b.keypoints) width.push_back(static_cast<float>(options.max_line_px * scales[k.octave]));
+  for (const Keypoint& k : b.keypoints) width.push_back(static_cast<float>(kMaxLinePx * scales[k.octave]));
   std::vector<Nearest> nearest(a.size());
   for (size_t i = 0; i < a.size(); ++i) {
     Eigen::Vector3f line = f * Eigen::Vector3f(a.undistorted[i].x(), a.undistorted[i].y(), 1);
     line /= line.head<2>().norm();
     Nearest& best = nearest[i];
-    best.distance = options.max_distance + 1;
+    best.distance = kMaxDistance + 1;
     for (size_t j = 0; j < b.size(); ++j) {
       const Eigen::Vector2f& p = b.undistorted[j];
       if (std::abs(line.x() * p.x() + line.y() * p.y() + line.z()) > width[j]) continue;
@@ -69,11 +72,11 @@ std::vector<Nearest> nearest_on_lines(const Features& a, const Features& b, cons
 }
 
 ImagePair match_along_lines(const Camera& camera, const Keyframe& a, const Keyframe& b,
-                            const std::vector<double>& scales, const BackLandmarkOptions& options) {
+                            const std::vector<double>& scales) {
   const SE3 b_from_a = b.cam_from_submap * a.cam_from_submap.inverse();
   const Eigen::Matrix3f f = fundamental_matrix(camera, b_from_a).cast<float>();
-  const auto forth = nearest_on_lines(*a.features, *b.features, f, scales, options);
-  const auto back = nearest_on_lines(*b.features, *a.features, f.transpose(), scales, options);
+  const auto forth = nearest_on_lines(*a.features, *b.features, f, scales);
+  const auto back = nearest_on_lines(*b.features, *a.features, f.transpose(), scales);
   ImagePair pair{a.id, b.id, {}};
   for (size_t i = 0; i < forth.size(); ++i)
     if (forth[i].index != kNone && back[forth[i].index].index == static_cast<int>(i))
@@ -110,10 +113,11 @@ void add_landmarks(const std::vector<SparseModel::Point>& points, const std::vec
 }  // namespace
 
 void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, const std::vector<int64_t>& utimes_us,
-                      const SparseModel& model, const BackLandmarkOptions& options, Submap* submap) {
+                      const SparseModel& model, Submap* submap) {
   const double unit = median_depth(model);
-  OrbExtractor extractor(options.orb);
-  const std::vector<double> scales = octave_scales(options.orb);
+  const OrbOptions orb;
+  OrbExtractor extractor(orb);
+  const std::vector<double> scales = octave_scales(orb);
   std::map<int, int> keyframe_of;  // image -> keyframe
   std::vector<WindowImage> keypoints;
   SparseModel posed;
@@ -133,13 +137,10 @@ void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, 
     submap->keyframes.emplace(keyframe.id, std::move(keyframe));
   }
   std::vector<ImagePair> pairs;
-  for (const auto& [a, b] : neighbouring_images(model, options.neighbours))
-    pairs.push_back(match_along_lines(camera, *submap->keyframe(keyframe_of.at(a)),
-                                      *submap->keyframe(keyframe_of.at(b)), scales, options));
-  ModelRefinementOptions triangulation;
-  triangulation.max_error_px = options.max_error_px;
-  triangulation.min_parallax_deg = options.min_parallax_deg;
-  triangulate_tracks(camera, keypoints, join_tracks(keypoints, pairs), triangulation, &posed);
+  for (const auto& [a, b] : neighbouring_images(model))
+    pairs.push_back(
+        match_along_lines(camera, *submap->keyframe(keyframe_of.at(a)), *submap->keyframe(keyframe_of.at(b)), scales));
+  triangulate_tracks(camera, keypoints, join_tracks(keypoints, pairs), ModelRefinementOptions(), &posed);
   adjust_points(camera, keypoints, &posed);
   add_landmarks(posed.points, scales, submap);
 }

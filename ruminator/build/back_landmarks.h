@@ -12,19 +12,10 @@
 
 namespace rumi::ruminator {
 
-struct BackLandmarkOptions {
-  OrbOptions orb;
-  int neighbours = 10;        // images that each is matched with: those that share the most points with it
-  int max_distance = 50;      // of descriptors, Hamming
-  double max_line_px = 2.0;   // from the epipolar line
-  double max_error_px = 3.0;  // of an observation
-  double min_parallax_deg = 1.5;
-};
-
 // One keyframe per image of the model, ids 0, 1, ... in order of time, each also a frame; landmarks with at least
-// `2` observations. The unit of length is the median depth of the model's points. images and utimes by the
+// two observations. The unit of length is the median depth of the model's points. images and utimes by the
 // model's image index, in order of time.
 void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, const std::vector<int64_t>& utimes_us,
-                      const SparseModel& model, const BackLandmarkOptions& options, Submap* submap);
+                      const SparseModel& model, Submap* submap);
 
 }  // namespace rumi::ruminator

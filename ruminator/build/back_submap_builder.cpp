@@ -59,7 +59,7 @@ WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOpti
     cv::Mat grey = decode_working_image(job.images[i], job.camera, camera, &ignored);
     if (grey.empty()) continue;  // broken, or of another camera
     const auto known = seen.find(i);
-    images.features.push_back(known != seen.end() ? known->second : extract_sift(grey, camera, options.sift));
+    images.features.push_back(known != seen.end() ? known->second : extract_sift(grey, camera, options.sift_keypoints));
     images.colmap.push_back({fmt::format("{}", job.images[i].utime), images.features.back().undistorted});
     images.utimes_us.push_back(job.images[i].utime);
     images.grey.push_back(std::move(grey));
@@ -107,7 +107,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   if (!result->failure.empty()) return;
   const WindowImages images = extract(job, camera, options, look.features, progress, cancel);
   const std::vector<ImagePair> pairs = match_window(
-      camera, images.features, options.matching, options.pairs,
+      camera, images.features, options.pairs,
       [&progress](double fraction) { progress(BuildStage::kMatching, fraction); }, cancel);
   if (!cancel) result->failure = find_hopeless(job, camera, images.utimes_us, images.features, pairs, options);
   if (!cancel && result->failure.empty())
@@ -140,7 +140,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   submap.camera = camera;
   submap.closed = true;
   submap.revision = 1;
-  fill_back_submap(camera, images.grey, images.utimes_us, model.best.model, options.landmarks, &submap);
+  fill_back_submap(camera, images.grey, images.utimes_us, model.best.model, &submap);
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
   result->agreement = model.best.agreement;

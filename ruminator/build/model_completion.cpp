@@ -9,6 +9,12 @@
 namespace rumi::ruminator {
 namespace {
 
+constexpr int kRepairs = 3;  // of slips of the scale in one model, at most
+// Of what is torn off: parallax of the points that tie it to the rest, and images placed anew from one adjustment to
+// the next.
+constexpr double kRegrowParallaxDeg = 0.5;
+constexpr int kRegrowImages = 3;
+
 // What of the model is on that side of the cut.
 SparseModel side_of(const SparseModel& model, const ScaleCut& cut, bool after) {
   SparseModel side = model;
@@ -43,7 +49,7 @@ std::vector<SparseModel> ModelCompletion::joined(const std::vector<SparseModel>&
   std::vector<SparseModel> joined;
   for (size_t a = 0; a < models.size(); ++a) {
     for (size_t b = a + 1; b < models.size(); ++b) {
-      const auto a_from_b = align_models(in_.camera, in_.images, tracks_, o_.joining, models[a], models[b]);
+      const auto a_from_b = align_models(in_.camera, in_.images, tracks_, models[a], models[b]);
       if (!a_from_b) continue;
       SparseModel both = join_models(*a_from_b, models[a], models[b]);
       const size_t images = both.cam_from_world.size();
@@ -69,12 +75,12 @@ ModelQuality ModelCompletion::adjust(SparseModel* model) const {
 }
 
 void ModelCompletion::repair_slips(ModelQuality* quality, SparseModel* model) const {
-  std::optional<ScaleCut> slip = find_slip(scale_cuts(*model), o_.scale);
-  for (int i = 0; slip && i < o_.scale.repairs; ++i) {
+  std::optional<ScaleCut> slip = find_slip(scale_cuts(*model), o_.scale_max_change);
+  for (int i = 0; slip && i < kRepairs; ++i) {
     SparseModel repaired = *model;
     repair_scale(*slip, &repaired);
     const ModelQuality after = settle(&repaired);
-    const std::optional<ScaleCut> left = find_slip(scale_cuts(repaired), o_.scale);
+    const std::optional<ScaleCut> left = find_slip(scale_cuts(repaired), o_.scale_max_change);
     // Right if everything else fits as well as before, and the slip is gone.
     const bool fits = after.observations > 0.98 * quality->observations && after.rmse_px < 1.05 * quality->rmse_px;
     if (!fits || (left && std::abs(left->log_ratio) > 0.5 * std::abs(slip->log_ratio))) return;
@@ -91,7 +97,7 @@ bool ModelCompletion::regrow_torn(SparseModel* model) const {
   if (off.empty()) return false;
   remove_images(off, model);
   ModelRefinementOptions growth = o_.refinement;
-  growth.min_parallax_deg = o_.tear.regrow_parallax_deg;
+  growth.min_parallax_deg = kRegrowParallaxDeg;
   const auto renew = [&] {
     triangulate_tracks(in_.camera, in_.images, tracks_, growth, model);
     adjust_model(in_.camera, in_.images, growth, model);
@@ -100,7 +106,7 @@ bool ModelCompletion::regrow_torn(SparseModel* model) const {
   // An image that is lost again to the adjustment could come back for ever.
   for (size_t most = 0; model->cam_from_world.size() > most;) {
     most = model->cam_from_world.size();
-    if (resect_missing_images(in_.camera, in_.images, in_.pairs, growth, model, o_.tear.regrow_images) > 0) renew();
+    if (resect_missing_images(in_.camera, in_.images, in_.pairs, growth, model, kRegrowImages) > 0) renew();
   }
   settle(model);
   return true;
@@ -170,10 +176,9 @@ std::optional<ScaleCut> ModelCompletion::front_break(const std::vector<ScaleCut>
   poses.cam_from_world = model.cam_from_world;
   std::optional<ScaleCut> weakest;
   for (const ScaleCut& cut : cuts) {
-    if (is_certain(cut, o_.scale)) continue;
-    const auto tie = front_tie(in_.front, in_.utimes_us, o_.min_front_frames, o_.joining, side_of(poses, cut, false),
-                               side_of(poses, cut, true));
-    if (!tie || std::abs(std::log(tie->scale)) < std::log1p(o_.scale.max_change)) continue;
+    if (is_certain(cut)) continue;
+    const auto tie = front_tie(in_.front, in_.utimes_us, side_of(poses, cut, false), side_of(poses, cut, true));
+    if (!tie || std::abs(std::log(tie->scale)) < std::log1p(o_.scale_max_change)) continue;
     if (!weakest || std::pair(cut.points, cut.tracks) < std::pair(weakest->points, weakest->tracks)) weakest = cut;
   }
   return weakest;
@@ -183,13 +188,11 @@ std::optional<ScaleCut> ModelCompletion::front_break(const std::vector<ScaleCut>
 // say less of the scale than that.
 bool ModelCompletion::tie_to_front(const ScaleCut& cut, WindowModel* candidate) const {
   SparseModel before = side_of(candidate->model, cut, false), after = side_of(candidate->model, cut, true);
-  const auto tie_of = [&] {
-    return front_tie(in_.front, in_.utimes_us, o_.min_front_frames, o_.joining, before, after);
-  };
+  const auto tie_of = [&] { return front_tie(in_.front, in_.utimes_us, before, after); };
   const auto known = tie_of();
   if (!known) return false;
   // A side of an earlier cut is a side of this one too.
-  if (candidate->is_tied_to_front && std::abs(std::log(known->scale)) < std::log1p(o_.scale.max_change)) return true;
+  if (candidate->is_tied_to_front && std::abs(std::log(known->scale)) < std::log1p(o_.scale_max_change)) return true;
   adjust(&before);
   adjust(&after);
   const auto before_from_after = tie_of();
@@ -206,11 +209,11 @@ bool ModelCompletion::tie_to_front(const ScaleCut& cut, WindowModel* candidate) 
 }
 
 std::vector<ScaleCut> ModelCompletion::scale_cuts(const SparseModel& model) const {
-  return check_scale(in_.camera, in_.images, tracks_, o_.scale, model);
+  return check_scale(in_.camera, in_.images, tracks_, model);
 }
 
 std::set<int> ModelCompletion::torn(const SparseModel& model) const {
-  return torn_off(pair_agreements(in_.pairs, model), o_.tear, model);
+  return torn_off(pair_agreements(in_.pairs, model), o_.tear_max_severed, model);
 }
 
 }  // namespace rumi::ruminator

@@ -29,11 +29,11 @@ class Looker {
     std::string ignored;
     const cv::Mat grey = decode_working_image(job_.images[image], job_.camera, camera_, &ignored);
     if (grey.empty()) return true;
-    const SiftFeatures features = extract_sift(grey, camera_, o_.sift);
+    const SiftFeatures features = extract_sift(grey, camera_, o_.sift_keypoints);
     for (const auto& [other, seen] : look_.features) {
       if (cancel_) return false;
       const PairMotion motion =
-          judge_motion(camera_, seen.undistorted, features.undistorted, match_sift(seen, features, o_.matching));
+          judge_motion(camera_, seen.undistorted, features.undistorted, match_sift(seen, features));
       if (motion.kind == MotionKind::kDepth) {
         look_.features.emplace(image, features);
         return false;

@@ -16,6 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kCompleteRatio = 0.95;  // of the images that hang together: a model with so many needs no rival
+constexpr double kWallPerCpuTime = 30;   // of a mapper; then it hangs: other programs may have the cores
+
 class Attempts {
  public:
   Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
@@ -26,7 +29,7 @@ class Attempts {
         cancel_(cancel),
         mapper_(options.colmap),
         completion_(input, options) {
-    rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs, o_.global.min_pair_matches);
+    rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs);
     for (const WindowImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
     const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
     connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
@@ -34,7 +37,7 @@ class Attempts {
 
   // The global model, and what COLMAP makes of it.
   void global() {
-    auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global);
+    auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global_track_images);
     ++result.attempts;
     if (!model || cancel_) return;
     // Rough as it is, it comes to its senses in steps.
@@ -68,7 +71,7 @@ class Attempts {
 
   bool is_complete() const {
     return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
-      return c.doubt.empty() && images_of(c) >= o_.complete_ratio * connected_;
+      return c.doubt.empty() && images_of(c) >= kCompleteRatio * connected_;
     });
   }
 
@@ -79,7 +82,7 @@ class Attempts {
       if (c.doubt.empty()) most = std::max(most, images_of(c));
     const WindowModel* best = nullptr;
     for (const WindowModel& c : candidates_) {
-      const bool has_most = images_of(c) >= o_.complete_ratio * most;
+      const bool has_most = images_of(c) >= kCompleteRatio * most;
       if (c.doubt.empty() && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
     }
     if (best)
@@ -101,7 +104,7 @@ class Attempts {
   MapperSettings common_settings() const {
     MapperSettings settings;
     settings.min_model_size = std::max(3, connected_ / 4);
-    settings.min_num_matches = o_.matching.min_inliers;
+    settings.min_num_matches = kMinInliers;
     settings.abs_pose_min_num_inliers = o_.refinement.resection_min_inliers;
     return settings;
   }
@@ -114,7 +117,7 @@ class Attempts {
     command.log_file = folder_ + "/colmap.log";
     command.keypoint_counts = keypoint_counts_;
     command.cpu_limit_s = o_.mapper_cpu_limit_s;
-    command.time_limit_s = o_.mapper_time_limit_s;
+    command.time_limit_s = kWallPerCpuTime * o_.mapper_cpu_limit_s;
     command.nice = o_.nice;
     MapperOutcome outcome = mapper_.run(command, settings, cancel_);
     result.child_cpu_s += outcome.cpu_s;
@@ -186,7 +189,7 @@ void judge_model(const WindowModelInput& input, const std::vector<RelativeRotati
                  const BuildOptions& options, WindowModel* candidate) {
   std::map<int64_t, SE3> poses;
   for (const auto& [image, pose] : candidate->model.cam_from_world) poses[input.utimes_us[image]] = pose;
-  candidate->agreement = compare_with_front(input.front, poses, options.min_front_frames);
+  candidate->agreement = compare_with_front(input.front, poses);
   candidate->pair_rotation_deg = median_rotation_error_deg(rotations, candidate->model);
   candidate->doubt.clear();
   if (poses.size() < 3) {
@@ -206,7 +209,7 @@ std::string contradiction(const SparseModel& global, const SparseModel& rival, c
   for (const auto& [image, pose] : global.cam_from_world) samples.push_back({utimes_us[image], false, kGlobal, pose});
   std::map<int64_t, SE3> poses;
   for (const auto& [image, pose] : rival.cam_from_world) poses[utimes_us[image]] = pose;
-  const std::vector<FrontAgreement> shape = compare_with_front(samples, poses, options.min_front_frames);
+  const std::vector<FrontAgreement> shape = compare_with_front(samples, poses);
   if (shape.empty() || shape[0].position_ratio <= options.max_rival_position_ratio) return {};
   return fmt::format("its positions differ from those of the global model by {:.2f} of their spread",
                      shape[0].position_ratio);
@@ -240,12 +243,11 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
 }
 
 // front_tracker knows part of the window, and the model has nothing of that.
-bool is_adrift(const WindowModelInput& input, const BuildOptions& options, const WindowModelResult& result) {
+bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
   if (!result.failure.empty() || result.best.broken_off == 0 || !result.best.agreement.empty()) return false;
-  std::map<int32_t, int> known;
+  std::map<int32_t, size_t> known;
   for (const Sample& sample : input.front) ++known[sample.submap_id];
-  return std::any_of(known.begin(), known.end(),
-                     [&options](const auto& submap) { return submap.second >= options.min_front_frames; });
+  return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });
 }
 
 }  // namespace
@@ -254,11 +256,11 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
                                      const std::string& work_folder, const std::function<void(double)>& progress,
                                      const std::atomic<bool>& cancel) {
   WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
-  if (!is_adrift(input, options, first)) return first;
+  if (!is_adrift(input, first)) return first;
   // Between sharp images and blurred ones noise severs more than among either. It is told from a tear by less, but a
   // model of the blurred ones alone is of no use at all.
   BuildOptions lenient = options;
-  lenient.tear.max_severed = std::max(options.tear.max_severed, options.tear.max_severed_adrift);
+  lenient.tear_max_severed = std::max(options.tear_max_severed, kMaxSeveredAdrift);
   const std::string folder = work_folder + "/lenient";
   std::error_code ignored;  // write_colmap_database tells
   fs::create_directories(folder, ignored);

@@ -23,6 +23,9 @@ std::map<int64_t, Part> parts(const RuminationWindow& window) {
   return part_of;
 }
 
+// A look at so many images of a long gap: with fewer keypoints in each of them it is blind.
+constexpr size_t kLooks = 6;
+constexpr size_t kMinKeypoints = 50;
 constexpr size_t kFarthestPairs = 3;  // of each image, that are asked for depth
 constexpr size_t kWithDepth = 3;      // images that a model needs, and that must show it
 
@@ -76,19 +79,18 @@ std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
     if (const auto it = part_of.find(image.utime); it != part_of.end() && it->second == Part::kGap)
       gap.push_back(&image);
   // A short gap costs little, and what is around it may overlap.
-  const size_t looks = static_cast<size_t>(options.look_images);
-  if (looks == 0 || gap.size() < 2 * looks) return "";
+  if (gap.size() < 2 * kLooks) return "";
   const Camera camera = working_camera(job.camera, options.max_image_side);
   size_t most = 0;
-  for (size_t i = 0; i < looks; ++i) {
+  for (size_t i = 0; i < kLooks; ++i) {
     std::string ignored;
-    const image_t& image = *gap[i * (gap.size() - 1) / std::max<size_t>(looks - 1, 1)];
+    const image_t& image = *gap[i * (gap.size() - 1) / (kLooks - 1)];
     const cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
     if (grey.empty()) continue;
-    most = std::max(most, extract_sift(grey, camera, options.sift).size());
-    if (static_cast<int>(most) >= options.look_min_keypoints) return "";
+    most = std::max(most, extract_sift(grey, camera, options.sift_keypoints).size());
+    if (most >= kMinKeypoints) return "";
   }
-  return fmt::format("nothing to be seen in the gap: of {} images looked at none has more than {} keypoints", looks,
+  return fmt::format("nothing to be seen in the gap: of {} images looked at none has more than {} keypoints", kLooks,
                      most);
 }
 
@@ -96,7 +98,7 @@ std::string find_hopeless(const WindowJob& job, const Camera& camera, const std:
                           const std::vector<SiftFeatures>& images, const std::vector<ImagePair>& pairs,
                           const BuildOptions& options) {
   const int count = static_cast<int>(images.size());
-  const std::vector<int> group = connected_images(count, pairs, options.matching.min_inliers);
+  const std::vector<int> group = connected_images(count, pairs, kMinInliers);
   if (std::count(group.begin(), group.end(), 0) < 3)
     return fmt::format("of {} images no three have enough in common", count);
   const bool has_moved = std::any_of(pairs.begin(), pairs.end(), [&](const ImagePair& pair) {

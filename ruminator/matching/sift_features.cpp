@@ -9,6 +9,11 @@
 namespace rumi::ruminator {
 namespace {
 
+constexpr double kContrast = 0.01;  // of a keypoint: a quarter of OpenCV's, the images of a gap are blurred or dark
+// Of an image with fewer keypoints than kFewKeypoints, in a second try: it is very dark, or blind.
+constexpr double kLowContrast = 0.004;
+constexpr size_t kFewKeypoints = 60;
+
 // Square roots of the L1-normalized histogram: their Euclidean distance is the Hellinger distance of the histograms.
 SiftDescriptor root_sift(const float* histogram) {
   float sum = 0;
@@ -22,12 +27,12 @@ SiftDescriptor root_sift(const float* histogram) {
 
 }  // namespace
 
-SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, const SiftOptions& options) {
+SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints) {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat histograms;
-  for (const double contrast : {options.contrast_threshold, options.low_contrast_threshold}) {
-    cv::SIFT::create(options.keypoints, 3, contrast)->detectAndCompute(grey, cv::noArray(), keypoints, histograms);
-    if (static_cast<int>(keypoints.size()) >= options.few_keypoints) break;
+  for (const double contrast : {kContrast, kLowContrast}) {
+    cv::SIFT::create(max_keypoints, 3, contrast)->detectAndCompute(grey, cv::noArray(), keypoints, histograms);
+    if (keypoints.size() >= kFewKeypoints) break;
   }
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);

@@ -22,15 +22,9 @@ struct SiftFeatures {
   size_t size() const { return undistorted.size(); }
 };
 
-struct SiftOptions {
-  int keypoints = 1000;              // per image, the strongest
-  double contrast_threshold = 0.01;  // a quarter of OpenCV's: the images of a gap are blurred or dark
-  // Of an image with fewer keypoints than `few_keypoints`, in a second try: it is very dark, or blind.
-  double low_contrast_threshold = 0.004;
-  int few_keypoints = 60;
-};
+constexpr int kSiftKeypoints = 1000;
 
-// From an 8-bit grey image. Keypoints whose pixel the lens model cannot undistort are left out.
-SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, const SiftOptions& options);
+// The strongest keypoints of an 8-bit grey image. Those whose pixel the lens model cannot undistort are left out.
+SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints = kSiftKeypoints);
 
 }  // namespace rumi::ruminator

@@ -12,6 +12,11 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr double kUnit = 512.0 * 512.0;  // squared length of a descriptor
+constexpr double kMaxDistance = 0.7;     // of a match's descriptors, of unit length
+constexpr double kMaxRatio = 0.8;        // of that distance to the second best
+constexpr int kMinMatches = 20;          // of a pair, for it to be verified
+constexpr int kIterations = 1000;        // RANSAC, at most
+constexpr double kMaxErrorPx = 1.5;      // from both epipolar lines, sqrt(d1² + d2²)
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define RUMI_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
@@ -53,10 +58,10 @@ struct Nearest {
       second_dot = product;
     }
   }
-  bool is_distinct(const SiftMatchOptions& o) const {
+  bool is_distinct() const {
     const double best_square = squared_distance(best_dot), second_square = squared_distance(second_dot);
-    return best >= 0 && best_square <= o.max_distance * o.max_distance &&
-           best_square <= o.max_ratio * o.max_ratio * second_square;
+    return best >= 0 && best_square <= kMaxDistance * kMaxDistance &&
+           best_square <= kMaxRatio * kMaxRatio * second_square;
   }
   static double squared_distance(int product) {
     return product == std::numeric_limits<int>::min() ? 2 : std::max(0.0, 2 - 2 * product / kUnit);
@@ -65,8 +70,7 @@ struct Nearest {
 
 }  // namespace
 
-IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, const SiftMatchOptions& options,
-                      int limit) {
+IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, int limit) {
   const auto count = [limit](const SiftFeatures& f) {
     return limit > 0 ? std::min<size_t>(f.size(), limit) : f.size();
   };
@@ -82,14 +86,14 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, con
   }
   IndexPairs matches;
   for (size_t i = 0; i < a.size(); ++i)
-    if (of_a[i].is_distinct(options) && of_b[of_a[i].best].best == static_cast<int>(i))
+    if (of_a[i].is_distinct() && of_b[of_a[i].best].best == static_cast<int>(i))
       matches.emplace_back(static_cast<int>(i), of_a[i].best);
   return matches;
 }
 
 IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const SiftFeatures& second,
-                          const IndexPairs& matches, const SiftMatchOptions& options) {
-  if (static_cast<int>(matches.size()) < options.min_matches) return {};
+                          const IndexPairs& matches) {
+  if (static_cast<int>(matches.size()) < kMinMatches) return {};
   std::vector<cv::Point2d> a, b;
   for (const auto& [i, j] : matches) {
     a.emplace_back(first.undistorted[i].x(), first.undistorted[i].y());
@@ -98,7 +102,7 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
   std::vector<uint8_t> is_inlier;
   try {
     const cv::UsacParams usac =
-        usac_params({.max_distance = options.max_error_px, .confidence = 0.9999, .iterations = options.iterations});
+        usac_params({.max_distance = kMaxErrorPx, .confidence = 0.9999, .iterations = kIterations});
     const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
     cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), is_inlier, usac);
   } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point
@@ -107,7 +111,7 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
   IndexPairs inliers;
   for (size_t i = 0; i < is_inlier.size() && i < matches.size(); ++i)
     if (is_inlier[i]) inliers.push_back(matches[i]);
-  return static_cast<int>(inliers.size()) < options.min_inliers ? IndexPairs() : inliers;
+  return static_cast<int>(inliers.size()) < kMinInliers ? IndexPairs() : inliers;
 }
 
 }  // namespace rumi::ruminator

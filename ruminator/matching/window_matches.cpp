@@ -15,16 +15,20 @@ namespace {
 
 using PairSet = std::set<std::pair<int, int>>;
 
+// A pair that is not near in time is looked at more closely only if its keypoints of the largest scale have so many
+// matches (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
+constexpr int kPreviewKeypoints = 150;
+constexpr int kPreviewMatches = 6;
+
 // Pairs far apart in time that show the same things, as a preview of each tells: for each image the best.
-PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const SiftMatchOptions& options,
-                         const PairSelection& selection, const std::atomic<bool>& cancel) {
+PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const PairSelection& selection,
+                         const std::atomic<bool>& cancel) {
   const int count = static_cast<int>(images.size());
   std::vector<std::vector<std::pair<int, int>>> candidates(images.size());  // (-matches, other image)
   for (int i = 0; i < count && !cancel; ++i) {
     for (int j = i + selection.near + 1; j < count; ++j) {
-      const auto matches =
-          static_cast<int>(match_sift(images[i], images[j], options, options.preview_keypoints).size());
-      if (matches < options.preview_matches) continue;
+      const auto matches = static_cast<int>(match_sift(images[i], images[j], kPreviewKeypoints).size());
+      if (matches < kPreviewMatches) continue;
       candidates[i].emplace_back(-matches, j);
       candidates[j].emplace_back(-matches, i);
     }
@@ -41,9 +45,9 @@ PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const SiftMatc
 }  // namespace
 
 std::vector<ImagePair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
-                                    const SiftMatchOptions& options, const PairSelection& selection,
-                                    const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
-  PairSet selected = select_far_pairs(images, options, selection, cancel);
+                                    const PairSelection& selection, const std::function<void(double)>& progress,
+                                    const std::atomic<bool>& cancel) {
+  PairSet selected = select_far_pairs(images, selection, cancel);
   const int count = static_cast<int>(images.size());
   for (int i = 0; i < count; ++i)
     for (int j = i + 1; j < count && j <= i + selection.near; ++j) selected.emplace(i, j);
@@ -52,8 +56,8 @@ std::vector<ImagePair> match_window(const Camera& camera, const std::vector<Sift
   size_t done = 0;
   for (const auto& [i, j] : selected) {
     if (cancel) break;
-    const IndexPairs matches = match_sift(images[i], images[j], options);
-    IndexPairs verified = verify_matches(camera, images[i], images[j], matches, options);
+    const IndexPairs matches = match_sift(images[i], images[j]);
+    IndexPairs verified = verify_matches(camera, images[i], images[j], matches);
     if (!verified.empty()) pairs.push_back({i, j, std::move(verified)});
     progress(static_cast<double>(++done) / static_cast<double>(selected.size()));
   }

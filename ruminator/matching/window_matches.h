@@ -19,7 +19,7 @@ struct PairSelection {
 
 // The verified pairs, in order. Stops early, with what it has, when `cancel` is set.
 std::vector<ImagePair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
-                                    const SiftMatchOptions& options, const PairSelection& selection,
+                                    const PairSelection& selection,
                                     const std::function<void(double fraction)>& progress,
                                     const std::atomic<bool>& cancel);
 

@@ -50,7 +50,7 @@ double position_difference(const std::vector<PosePair>& pairs) {
 }  // namespace
 
 std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
-                                               const std::map<int64_t, SE3>& cam_from_model, int min_frames) {
+                                               const std::map<int64_t, SE3>& cam_from_model) {
   std::map<int32_t, std::vector<PosePair>> by_submap;
   for (const Sample& sample : samples) {
     const auto pose = cam_from_model.find(sample.utime_us);
@@ -59,7 +59,7 @@ std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& sample
   }
   std::vector<FrontAgreement> agreements;
   for (const auto& [id, pairs] : by_submap)
-    if (static_cast<int>(pairs.size()) >= std::max(min_frames, 3))
+    if (pairs.size() >= kMinFrontFrames)
       agreements.push_back(
           {id, static_cast<int>(pairs.size()), rotation_difference_deg(pairs), position_difference(pairs)});
   return agreements;

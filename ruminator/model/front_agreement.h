@@ -11,6 +11,8 @@
 
 namespace rumi::ruminator {
 
+constexpr size_t kMinFrontFrames = 5;  // that a comparison needs
+
 struct FrontAgreement {
   int32_t submap_id = kNoSubmap;
   int frames = 0;           // that both have a pose of
@@ -19,9 +21,9 @@ struct FrontAgreement {
       0;  // RMS distance after Sim(3) alignment over the spread (RMS from the mean) of the positions
 };
 
-// One entry for each front submap that at least `min_frames` of the samples have a pose in, in order of id.
+// One entry for each front submap that at least kMinFrontFrames of the samples have a pose in, in order of id.
 // cam_from_model: by utime.
 std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
-                                               const std::map<int64_t, SE3>& cam_from_model, int min_frames);
+                                               const std::map<int64_t, SE3>& cam_from_model);
 
 }  // namespace rumi::ruminator

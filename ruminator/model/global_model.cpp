@@ -19,6 +19,11 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
+constexpr size_t kMinPairMatches = 20;      // of a pair of images, for a relative rotation
+constexpr double kMaxRotationErrorDeg = 5;  // between a pair and the averaged rotations; beyond it it is not used
+constexpr int kTracksPerImage = 200;        // at least, where there are so many
+constexpr int kIterations = 100;            // of placing cameras and points, at most
+
 std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::vector<WindowImage>& images,
                                              const ImagePair& pair) {
   std::vector<cv::Point2d> a, b;
@@ -105,14 +110,14 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
 }
 
 // The longest tracks, as many as give every image enough of them: the rest would cost time and add little.
-std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, const GlobalModelOptions& options) {
+std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, int min_track_images) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
   std::vector<int> count(images, 0);
   std::vector<Track> selected;
   for (Track& track : tracks) {
-    if (static_cast<int>(track.size()) < options.min_track_images) break;
-    const bool is_wanted = std::any_of(track.begin(), track.end(),
-                                       [&](const auto& o) { return count[o.first] < options.tracks_per_image; });
+    if (static_cast<int>(track.size()) < min_track_images) break;
+    const bool is_wanted =
+        std::any_of(track.begin(), track.end(), [&](const auto& o) { return count[o.first] < kTracksPerImage; });
     if (!is_wanted) continue;
     for (const auto& [image, keypoint] : track) ++count[image];
     selected.push_back(std::move(track));
@@ -131,10 +136,10 @@ struct DirectionError {
   }
 };
 
-void position(const Camera& camera, const std::vector<WindowImage>& images, const GlobalModelOptions& options,
+void position(const Camera& camera, const std::vector<WindowImage>& images,
               const std::vector<std::optional<Quaterniond>>& rotations, const std::vector<Track>& tracks,
               SparseModel* model) {
-  std::mt19937 random(options.seed);
+  std::mt19937 random(0);
   const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0 * 2 - 1; };
   const auto anywhere = [&uniform] {
     const double x = uniform(), y = uniform();
@@ -172,7 +177,7 @@ void position(const Camera& camera, const std::vector<WindowImage>& images, cons
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // CHOLMOD brings threads of its own
   solver.linear_solver_ordering = ordering;
-  solver.max_num_iterations = options.iterations;
+  solver.max_num_iterations = kIterations;
   solver.function_tolerance = 1e-5;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
@@ -185,10 +190,10 @@ void position(const Camera& camera, const std::vector<WindowImage>& images, cons
 }  // namespace
 
 std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<WindowImage>& images,
-                                                 const std::vector<ImagePair>& pairs, int min_matches) {
+                                                 const std::vector<ImagePair>& pairs) {
   std::vector<RelativeRotation> rotations;
   for (const ImagePair& pair : pairs) {
-    if (static_cast<int>(pair.matches.size()) < min_matches) continue;
+    if (pair.matches.size() < kMinPairMatches) continue;
     if (const auto rotation = relative_rotation(camera, images, pair))
       rotations.push_back({pair.first, pair.second, *rotation, &pair});
   }
@@ -196,20 +201,19 @@ std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std
 }
 
 std::optional<SparseModel> build_global_model(const Camera& camera, const std::vector<WindowImage>& images,
-                                              const std::vector<RelativeRotation>& rotations,
-                                              const GlobalModelOptions& options) {
+                                              const std::vector<RelativeRotation>& rotations, int min_track_images) {
   const auto averaged = average_rotations(images.size(), in_largest_part(images.size(), rotations));
-  const double max_error = options.max_rotation_error_deg * M_PI / 180;
+  const double max_error = kMaxRotationErrorDeg * M_PI / 180;
   std::vector<ImagePair> consistent;
   for (const RelativeRotation& p : rotations)
     if (averaged[p.first] && averaged[p.second] &&
         p.second_from_first.angularDistance(*averaged[p.second] * averaged[p.first]->conjugate()) <= max_error)
       consistent.push_back(*p.pair);
-  const std::vector<Track> tracks = select_tracks(join_tracks(images, consistent), images.size(), options);
+  const std::vector<Track> tracks = select_tracks(join_tracks(images, consistent), images.size(), min_track_images);
   SparseModel model;
   model.fx = camera.fx;
   model.fy = camera.fy;
-  position(camera, images, options, averaged, tracks, &model);
+  position(camera, images, averaged, tracks, &model);
   if (model.cam_from_world.size() < 3) return std::nullopt;
   return model;
 }

@@ -14,14 +14,7 @@
 
 namespace rumi::ruminator {
 
-struct GlobalModelOptions {
-  int min_pair_matches = 20;          // for a relative rotation
-  double max_rotation_error_deg = 5;  // between a pair and the averaged rotations
-  int min_track_images = 3;
-  int tracks_per_image = 200;  // at least, where there are so many
-  int iterations = 100;
-  unsigned seed = 0;
-};
+constexpr int kMinTrackImages = 3;  // that see a point of the global model
 
 struct RelativeRotation {
   int first = 0, second = 0;  // images
@@ -31,13 +24,13 @@ struct RelativeRotation {
 
 // Of every pair with enough matches and a rotation that its essential matrix tells.
 std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<WindowImage>& images,
-                                                 const std::vector<ImagePair>& pairs, int min_matches);
+                                                 const std::vector<ImagePair>& pairs);
 
 // Rough poses and points (to be adjusted by adjust_model) of the largest connected part; nothing if fewer than three
 // images hang together. Deterministic.
 std::optional<SparseModel> build_global_model(const Camera& camera, const std::vector<WindowImage>& images,
                                               const std::vector<RelativeRotation>& rotations,
-                                              const GlobalModelOptions& options);
+                                              int min_track_images = kMinTrackImages);
 
 // The median difference, in degrees, between the rotations of those pairs whose images both have a pose and the same
 // rotations in the model; 180 if there is no such pair. The median over matches, not pairs: the rotation between two

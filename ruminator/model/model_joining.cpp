@@ -11,6 +11,14 @@
 namespace rumi::ruminator {
 namespace {
 
+constexpr int kMinPoints = 15;     // that both models place alike
+constexpr double kMinShare = 0.5;  // of all points that both place
+constexpr double kMaxErrorPx = 6;  // mean, of a point of one model in the images of the other, both ways
+constexpr int kSamples = 500;      // of three points, in search of the transform
+// Of front_tracker's poses that tie two sides: see FrontAgreement.
+constexpr double kFrontMaxPositionRatio = 0.1;
+constexpr double kFrontMaxRotationDeg = 5;
+
 using PointOf = std::map<std::pair<int, int>, const SparseModel::Point*>;  // by (image, keypoint)
 
 PointOf points_by_keypoint(const SparseModel& model) {
@@ -83,13 +91,12 @@ std::optional<Sim3> submap_from_model(const std::vector<FrontPose>& poses) {
 
 // Of every front submap that the model agrees with.
 std::map<int32_t, Sim3> submaps_from_model(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
-                                           int min_frames, const JoiningOptions& options, const SparseModel& model) {
+                                           const SparseModel& model) {
   std::map<int64_t, SE3> cam_from_model;
   for (const auto& [image, pose] : model.cam_from_world) cam_from_model[utimes_us[image]] = pose;
   std::map<int32_t, Sim3> submaps;
-  for (const FrontAgreement& a : compare_with_front(front, cam_from_model, min_frames)) {
-    if (a.rotation_deg > options.front_max_rotation_deg || a.position_ratio > options.front_max_position_ratio)
-      continue;
+  for (const FrontAgreement& a : compare_with_front(front, cam_from_model)) {
+    if (a.rotation_deg > kFrontMaxRotationDeg || a.position_ratio > kFrontMaxPositionRatio) continue;
     std::vector<FrontPose> poses;
     for (const Sample& sample : front)
       if (const auto pose = cam_from_model.find(sample.utime_us);
@@ -103,27 +110,26 @@ std::map<int32_t, Sim3> submaps_from_model(const std::vector<Sample>& front, con
 }  // namespace
 
 std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
-                                 const std::vector<Track>& tracks, const JoiningOptions& options, const SparseModel& a,
-                                 const SparseModel& b) {
+                                 const std::vector<Track>& tracks, const SparseModel& a, const SparseModel& b) {
   const PointOf points_a = points_by_keypoint(a), points_b = points_by_keypoint(b);
   std::vector<Common> common;
   for (const Track& track : tracks) {
     const Common c{point_of_track(points_a, track), point_of_track(points_b, track)};
     if (c.a && c.b) common.push_back(c);
   }
-  if (static_cast<int>(common.size()) < std::max(options.min_points, 3)) return std::nullopt;
+  if (static_cast<int>(common.size()) < kMinPoints) return std::nullopt;
   const auto agreeing = [&](const Sim3& a_from_b) {
     const Sim3 b_from_a = a_from_b.inverse();
     std::vector<Common> inliers;
     for (const Common& c : common)
-      if (mean_error_px(camera, images, a, *c.a, a_from_b * c.b->position) <= options.max_error_px &&
-          mean_error_px(camera, images, b, *c.b, b_from_a * c.a->position) <= options.max_error_px)
+      if (mean_error_px(camera, images, a, *c.a, a_from_b * c.b->position) <= kMaxErrorPx &&
+          mean_error_px(camera, images, b, *c.b, b_from_a * c.a->position) <= kMaxErrorPx)
         inliers.push_back(c);
     return inliers;
   };
   std::mt19937 random(0);
   std::vector<Common> best;
-  for (int i = 0; i < options.samples; ++i) {
+  for (int i = 0; i < kSamples; ++i) {
     std::vector<Common> sample;
     sample.reserve(3);
     for (int k = 0; k < 3; ++k) sample.push_back(common[random() % common.size()]);
@@ -133,8 +139,8 @@ std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowI
   }
   for (int round = 0; round < 3 && best.size() >= 3; ++round)
     if (const auto better = fit(best)) best = agreeing(*better);
-  if (static_cast<int>(best.size()) < options.min_points ||
-      static_cast<double>(best.size()) < options.min_share * static_cast<double>(common.size()))
+  if (static_cast<int>(best.size()) < kMinPoints ||
+      static_cast<double>(best.size()) < kMinShare * static_cast<double>(common.size()))
     return std::nullopt;
   return fit(best);
 }
@@ -147,10 +153,10 @@ SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const Sparse
   return joined;
 }
 
-std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us, int min_frames,
-                              const JoiningOptions& options, const SparseModel& before, const SparseModel& after) {
-  const auto from_before = submaps_from_model(front, utimes_us, min_frames, options, before);
-  const auto from_after = submaps_from_model(front, utimes_us, min_frames, options, after);
+std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
+                              const SparseModel& before, const SparseModel& after) {
+  const auto from_before = submaps_from_model(front, utimes_us, before);
+  const auto from_after = submaps_from_model(front, utimes_us, after);
   for (const auto& [submap_id, submap_from_before] : from_before)
     if (const auto other = from_after.find(submap_id); other != from_after.end())
       return submap_from_before.inverse() * other->second;

@@ -13,26 +13,16 @@
 
 namespace rumi::ruminator {
 
-struct JoiningOptions {
-  int min_points = 15;                    // that both models place alike
-  double min_share = 0.5;                 // of all points that both place
-  double max_error_px = 6.0;              // mean, of a point of one model in the images of the other, both ways
-  int samples = 500;                      // of three points, in search of the transform
-  double front_max_position_ratio = 0.1;  // of front_tracker's poses that tie two sides: FrontAgreement
-  double front_max_rotation_deg = 5.0;    // the same
-};
-
 // a_from_b, from the tracks that both models have points of; nothing where too few agree. Deterministic.
 std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
-                                 const std::vector<Track>& tracks, const JoiningOptions& options, const SparseModel& a,
-                                 const SparseModel& b);
+                                 const std::vector<Track>& tracks, const SparseModel& a, const SparseModel& b);
 
 // The images of both: those that both have a pose of as in `a`. Without points: they are to be triangulated anew.
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b);
 
 // before_from_after: two models put to each other as the frames of one front submap in both of them tell. Nothing where
-// there are fewer than min_frames in a model, or where a model disagrees with the submap. utimes: of the images.
-std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us, int min_frames,
-                              const JoiningOptions& options, const SparseModel& before, const SparseModel& after);
+// there are fewer than kMinFrontFrames in a model, or where a model disagrees with the submap. utimes: of the images.
+std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
+                              const SparseModel& before, const SparseModel& after);
 
 }  // namespace rumi::ruminator

@@ -13,6 +13,8 @@
 namespace rumi::ruminator {
 namespace {
 
+constexpr int kIterations = 20;  // of a bundle adjustment
+
 using PointIndex = std::vector<std::vector<int>>;  // [image][keypoint]: point, or kNone
 
 PointIndex index_points(const std::vector<WindowImage>& images, const SparseModel& model) {
@@ -55,7 +57,7 @@ WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t le
   return widest;
 }
 
-void solve(const Camera& camera, const std::vector<WindowImage>& images, int iterations, SparseModel* model) {
+void solve(const Camera& camera, const std::vector<WindowImage>& images, SparseModel* model) {
   BundleProblem problem;
   std::map<int, int> view_of;
   for (const auto& [image, pose] : model->cam_from_world) {
@@ -69,7 +71,7 @@ void solve(const Camera& camera, const std::vector<WindowImage>& images, int ite
       problem.observations.push_back({view_of.at(image), index, images[image].keypoints[keypoint].cast<double>(), 1.0});
   }
   BundleOptions options;
-  options.iterations = iterations;
+  options.iterations = kIterations;
   if (!solve_bundle(camera, options, &problem).usable) return;
   for (const auto& [image, view] : view_of) model->cam_from_world[image] = problem.views[view].cam_from_submap;
   for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
@@ -183,7 +185,7 @@ ModelQuality model_quality(const Camera& camera, const std::vector<WindowImage>&
 ModelQuality adjust_model(const Camera& camera, const std::vector<WindowImage>& images,
                           const ModelRefinementOptions& options, SparseModel* model) {
   for (int round = 0; round < 2; ++round) {
-    solve(camera, images, options.bundle_iterations, model);
+    solve(camera, images, model);
     prune_model(camera, images, options, model);
   }
   return model_quality(camera, images, *model);

@@ -19,7 +19,6 @@ struct ModelRefinementOptions {
   double max_error_px = 3.0;      // of an observation
   double min_parallax_deg = 1.5;  // between the outer rays of a point
   int resection_min_inliers = 15;
-  int bundle_iterations = 20;
 };
 
 struct ModelQuality {

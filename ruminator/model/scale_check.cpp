@@ -10,6 +10,18 @@ namespace rumi::ruminator {
 
 namespace {
 
+constexpr double kMinParallaxDeg = 0.5;  // of a point, on either side of a cut
+// Points across a cut that tell how the scales of its sides relate, and the standard error of the logarithm that they
+// tell; or fewer, if all of them agree closely: points that are wrong do not.
+constexpr int kMinPoints = 5;
+constexpr double kMaxLogError = 0.2;
+constexpr int kFewPoints = 3;
+constexpr double kFewMaxLogSpread = 0.1;
+// So many, and so closely: they say more of the scale than front_tracker's poses.
+constexpr int kCertainPoints = 30;
+constexpr double kCertainLogError = 0.05;
+constexpr int kMinDepthPoints = 20;  // that a side must see by itself, for it to have a scale
+
 // Median and its standard error (from the median absolute deviation) of the logarithms.
 void summarize(std::vector<double>* logs, ScaleCut* cut) {
   cut->points = static_cast<int>(logs->size());
@@ -21,19 +33,19 @@ void summarize(std::vector<double>* logs, ScaleCut* cut) {
 }
 
 // Do the points across the cut tell how the scales of its sides relate?
-bool is_carried(const ScaleCut& cut, const ScaleCheckOptions& o) {
-  return (cut.points >= o.min_carrying_points && cut.log_error <= o.max_carried_log_error) ||
-         (cut.points >= o.few_carrying_points && cut.log_spread <= o.few_max_log_spread);
+bool is_carried(const ScaleCut& cut) {
+  return (cut.points >= kMinPoints && cut.log_error <= kMaxLogError) ||
+         (cut.points >= kFewPoints && cut.log_spread <= kFewMaxLogSpread);
 }
 
 // Points of which the images of one side of the cut have enough parallax; no more than asked for are counted.
-int points_with_depth(const SparseModel& model, int last_before, bool before, const ScaleCheckOptions& options) {
+int points_with_depth(const SparseModel& model, int last_before, bool before) {
   int count = 0;
   for (const SparseModel::Point& point : model.points) {
     SparseModel::Point part{point.position, {}};
     for (const auto& o : point.track)
       if ((o.first <= last_before) == before) part.track.push_back(o);
-    if ((count += has_parallax(model, part, options.min_parallax_deg)) >= options.min_depth_points) return count;
+    if ((count += has_parallax(model, part, kMinParallaxDeg)) >= kMinDepthPoints) return count;
   }
   return count;
 }
@@ -41,11 +53,9 @@ int points_with_depth(const SparseModel& model, int last_before, bool before, co
 }  // namespace
 
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
-                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
-                                  const SparseModel& model) {
+                                  const std::vector<Track>& tracks, const SparseModel& model) {
   ModelRefinementOptions triangulation;
-  triangulation.min_parallax_deg = options.min_parallax_deg;
-  triangulation.max_error_px = options.max_error_px;
+  triangulation.min_parallax_deg = kMinParallaxDeg;
   const auto see = [&](const Track& part) -> std::optional<Eigen::Vector3d> {
     if (part.size() < 2) return std::nullopt;
     const auto point = triangulate_track(camera, images, part, triangulation, model);
@@ -73,23 +83,20 @@ std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<Window
     cuts.push_back({.image = pose->first, .tracks = crossing});
     ScaleCut& cut = cuts.back();
     summarize(&logs, &cut);
-    cut.is_break = !is_carried(cut, options) &&
-                   points_with_depth(model, cut.image, true, options) >= options.min_depth_points &&
-                   points_with_depth(model, cut.image, false, options) >= options.min_depth_points;
+    cut.is_break = !is_carried(cut) && points_with_depth(model, cut.image, true) >= kMinDepthPoints &&
+                   points_with_depth(model, cut.image, false) >= kMinDepthPoints;
   }
   return cuts;
 }
 
-bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options) {
-  return cut.points >= options.certain_points && cut.log_error <= options.certain_log_error;
-}
+bool is_certain(const ScaleCut& cut) { return cut.points >= kCertainPoints && cut.log_error <= kCertainLogError; }
 
-std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options) {
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, double max_change) {
   std::optional<ScaleCut> worst;
   for (const ScaleCut& cut : cuts) {
-    const bool is_told = cut.points >= options.min_points && cut.log_error < options.max_log_error &&
-                         std::abs(cut.log_ratio) > 3 * cut.log_error;
-    if (!is_told || std::abs(cut.log_ratio) < std::log1p(options.max_change)) continue;
+    const bool is_told =
+        cut.points >= kMinPoints && cut.log_error < kMaxLogError && std::abs(cut.log_ratio) > 3 * cut.log_error;
+    if (!is_told || std::abs(cut.log_ratio) < std::log1p(max_change)) continue;
     if (!worst || std::abs(cut.log_ratio) > std::abs(worst->log_ratio)) worst = cut;
   }
   return worst;

@@ -15,21 +15,7 @@
 
 namespace rumi::ruminator {
 
-struct ScaleCheckOptions {
-  double min_parallax_deg = 0.5;       // of a point, on either side of a cut
-  double max_error_px = 3.0;           // of its observations
-  int min_points = 5;                  // that tell of a slip
-  double max_change = 0.25;            // of the scale, relative, that is no slip
-  double max_log_error = 0.2;          // of what they tell
-  int min_carrying_points = 5;         // across a cut, for the scale to be carried over it,
-  double max_carried_log_error = 0.2;  // and how well; or,
-  int few_carrying_points = 3;         // if all of them agree
-  double few_max_log_spread = 0.1;     // as closely: points that are wrong do not
-  int certain_points = 30;             // that many, and
-  double certain_log_error = 0.05;     // so closely: they say more of the scale than front_tracker's poses
-  int min_depth_points = 20;           // that a side must see by itself, for it to have a scale
-  int repairs = 3;                     // of one model, at most
-};
+constexpr double kMaxScaleChange = 0.25;  // of the scale along a model, relative, that is no slip
 
 struct ScaleCut {
   int image = 0;   // the last one before the cut
@@ -45,14 +31,13 @@ struct ScaleCut {
 
 // A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
-                                  const std::vector<Track>& tracks, const ScaleCheckOptions& options,
-                                  const SparseModel& model);
+                                  const std::vector<Track>& tracks, const SparseModel& model);
 
 // Do the points across the cut leave nothing to ask front_tracker?
-bool is_certain(const ScaleCut& cut, const ScaleCheckOptions& options);
+bool is_certain(const ScaleCut& cut);
 
 // The cut where the scale certainly changes the most, if it does.
-std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, const ScaleCheckOptions& options);
+std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, double max_change = kMaxScaleChange);
 
 // The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);

@@ -10,16 +10,19 @@
 namespace rumi::ruminator {
 namespace {
 
-bool is_contradicted(const PairAgreement& agreement, const TearOptions& options) {
-  return agreement.severed > options.max_severed * (agreement.severed + agreement.shared);
+constexpr int kMinMatches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hold
+constexpr double kMaxSeveredRatio = 2.5;  // times the part in the whole model, which it may be too: noise severs too
+
+bool is_contradicted(const PairAgreement& agreement, double max_severed) {
+  return agreement.severed > max_severed * (agreement.severed + agreement.shared);
 }
 
-bool is_torn(const PairAgreement& agreement, const TearOptions& options) {
-  return agreement.severed >= options.min_matches && is_contradicted(agreement, options);
+bool is_torn(const PairAgreement& agreement, double max_severed) {
+  return agreement.severed >= kMinMatches && is_contradicted(agreement, max_severed);
 }
 
-bool is_sound(const PairAgreement& agreement, const TearOptions& options) {
-  return agreement.shared >= options.min_matches && !is_contradicted(agreement, options);
+bool is_sound(const PairAgreement& agreement, double max_severed) {
+  return agreement.shared >= kMinMatches && !is_contradicted(agreement, max_severed);
 }
 
 // Of all matches that the model has points of.
@@ -45,8 +48,7 @@ PairAgreement between(int part_a, int part_b, const std::vector<int>& part,
 }
 
 // Of every image up to the last one of the model: the lowest image of its part.
-std::vector<int> sound_parts(std::vector<PairAgreement> agreements, const TearOptions& options,
-                             const SparseModel& model) {
+std::vector<int> sound_parts(std::vector<PairAgreement> agreements, double max_severed, const SparseModel& model) {
   std::stable_sort(agreements.begin(), agreements.end(),
                    [](const PairAgreement& a, const PairAgreement& b) { return a.shared > b.shared; });
   std::vector<int> part(model.cam_from_world.rbegin()->first + 1);
@@ -55,7 +57,8 @@ std::vector<int> sound_parts(std::vector<PairAgreement> agreements, const TearOp
     more = false;
     for (const PairAgreement& agreement : agreements) {
       const auto [a, b] = std::minmax({part[agreement.first], part[agreement.second]});
-      if (a == b || !is_sound(agreement, options) || is_torn(between(a, b, part, agreements), options)) continue;
+      if (a == b || !is_sound(agreement, max_severed) || is_torn(between(a, b, part, agreements), max_severed))
+        continue;
       std::replace(part.begin(), part.end(), b, a);
       more = true;
     }
@@ -87,12 +90,10 @@ std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, 
   return agreements;
 }
 
-std::set<int> torn_off(const std::vector<PairAgreement>& agreements, const TearOptions& options,
-                       const SparseModel& model) {
+std::set<int> torn_off(const std::vector<PairAgreement>& agreements, double max_severed, const SparseModel& model) {
   if (model.cam_from_world.empty()) return {};
-  TearOptions limits = options;
-  limits.max_severed = std::max(options.max_severed, options.max_severed_ratio * severed_part(agreements));
-  const std::vector<int> part = sound_parts(agreements, limits, model);
+  max_severed = std::max(max_severed, kMaxSeveredRatio * severed_part(agreements));
+  const std::vector<int> part = sound_parts(agreements, max_severed, model);
   std::map<int, int> size;
   for (const auto& [image, pose] : model.cam_from_world) ++size[part[image]];
   const int largest = std::max_element(size.begin(), size.end(), [](const auto& a, const auto& b) {
@@ -101,7 +102,7 @@ std::set<int> torn_off(const std::vector<PairAgreement>& agreements, const TearO
   std::set<int> torn_parts;
   for (const PairAgreement& agreement : agreements) {
     const int a = part[agreement.first], b = part[agreement.second];
-    if (a != b && is_torn(between(a, b, part, agreements), limits)) torn_parts.insert({a, b});
+    if (a != b && is_torn(between(a, b, part, agreements), max_severed)) torn_parts.insert({a, b});
   }
   torn_parts.erase(largest);
   std::set<int> images;

@@ -12,14 +12,10 @@
 
 namespace rumi::ruminator {
 
-struct TearOptions {
-  int min_matches = 15;  // of two images that the model contradicts, to be torn apart; or agrees with, to hang together
-  double max_severed = 0.15;         // of the matches that it has points of: more is torn,
-  double max_severed_adrift = 0.25;  // the same where else nothing is left that joins the window to the front
-  double max_severed_ratio = 2.5;    // if it is more than that times the part in the whole model: noise severs too
-  double regrow_parallax_deg = 0.5;  // of the points that what is torn off is tied to the rest with
-  int regrow_images = 3;             // from one adjustment to the next
-};
+// Part of two images' matches that a model may contradict; more is torn. The second where else nothing is left that
+// joins the window to the front.
+constexpr double kMaxSevered = 0.15;
+constexpr double kMaxSeveredAdrift = 0.25;
 
 // A pair of images that both have a pose.
 struct PairAgreement {
@@ -35,7 +31,6 @@ std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, 
 // agreements, the strongest first, unless what they have in common is torn as a whole: so a few matches around a loop
 // do not hold what is torn at its neighbours, and a tear that few matches of any one pair cross shows in all of them
 // together. Empty for a sound model.
-std::set<int> torn_off(const std::vector<PairAgreement>& agreements, const TearOptions& options,
-                       const SparseModel& model);
+std::set<int> torn_off(const std::vector<PairAgreement>& agreements, double max_severed, const SparseModel& model);
 
 }  // namespace rumi::ruminator

@@ -22,6 +22,7 @@ constexpr int64_t kAdoptPeriodUs = 10'000'000;  // looks for jobs whose ruminato
 constexpr int64_t kTellPeriodUs = 5'000'000;    // what is left to do, while somebody waits for it
 constexpr int64_t kStopDeliveryUs = 2'000'000;  // so long a submap under way may still arrive
 constexpr int64_t kBytesPerMb = 1'000'000;
+constexpr double kMaxFrontRotationDeg = 5;  // median difference to a front submap; beyond it that submap is warned of
 
 int8_t state_of(BuildStage stage) {
   switch (stage) {
@@ -331,7 +332,7 @@ void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, 
   if (!r.warning.empty()) log_warning("window {}: {}", w.id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
     // The back submap has passed its own tests: it is the front's that is likely to be wrong.
-    if (a.rotation_deg > options_.build.max_front_rotation_deg)
+    if (a.rotation_deg > kMaxFrontRotationDeg)
       log_warning("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", w.id, a.submap_id,
                   a.rotation_deg, a.frames);
   }

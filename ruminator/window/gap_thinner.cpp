@@ -8,14 +8,17 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr size_t kNeighbours = 3;  // on each side, that a frame's sharpness is compared with
-constexpr size_t kMinFrames = 2;   // the first and the last
+constexpr size_t kNeighbours = 3;      // on each side, that a frame's sharpness is compared with
+constexpr size_t kMinFrames = 2;       // the first and the last
+constexpr double kMinMotionPx = 1.5;   // since the last sample of a full gap; frames that moved less add nothing
+constexpr double kMaxStep = 3;         // set points that dropping a blurred frame may leave between its neighbours
+constexpr double kMinSharpness = 0.5;  // of the neighbours' median; frames below it are blurred
 
 }  // namespace
 
 void GapThinner::add(const GapFrame& frame) {
-  const bool is_small = frames_.empty() || static_cast<int>(frames_.size()) < options_.gap_dense_frames;
-  if (!is_small && frame.path_px - frames_.back().path_px < options_.gap_min_motion_px) return;
+  const bool is_small = frames_.empty() || static_cast<int>(frames_.size()) < max_frames_;
+  if (!is_small && frame.path_px - frames_.back().path_px < kMinMotionPx) return;
   frames_.push_back(frame);
   thin_to(static_cast<size_t>(cap_));
 }
@@ -46,7 +49,7 @@ bool GapThinner::halve() {
 
 void GapThinner::clear() {
   frames_.clear();
-  cap_ = options_.gap_max_frames;
+  cap_ = max_frames_;
 }
 
 std::vector<Sample> GapThinner::samples() const {
@@ -66,7 +69,7 @@ size_t GapThinner::most_dispensable() const {
   std::pair<bool, double> best_cost;
   for (size_t i = 1; i + 1 < frames_.size(); ++i) {
     const double step_px = frames_[i + 1].path_px - frames_[i - 1].path_px;
-    const bool can_go = step_px <= options_.gap_max_step * options_.gap_motion_px && is_blurred(i);
+    const bool can_go = step_px <= kMaxStep * kGapMotionPx && is_blurred(i);
     const std::pair cost(!can_go, step_px);
     if (best != 0 && cost >= best_cost) continue;
     best = i;
@@ -85,7 +88,7 @@ bool GapThinner::is_blurred(size_t index) const {
   // Of an even number the lower: at an edge between two scenes both halves are as they should be.
   const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>((neighbours.size() - 1) / 2);
   std::nth_element(neighbours.begin(), middle, neighbours.end());
-  return frames_[index].sharpness < options_.min_sharpness * *middle;
+  return frames_[index].sharpness < kMinSharpness * *middle;
 }
 
 }  // namespace rumi::ruminator

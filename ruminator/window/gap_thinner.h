@@ -2,11 +2,10 @@
 // The gap's frames, at most so many: by how far the picture moved and how sharp it is, not by their number alone. At
 // 5 Hz every frame is precious, at 30 Hz most of a slow motion is redundant.
 //
-// - Of a small gap (gap_dense_frames) all are kept: what is left out here stays without a pose. From then on a frame
-// that
-//   hardly moved since the last one kept (gap_min_motion_px) is left out at once.
+// - Up to the cap all are kept: what is left out here stays without a pose. From then on a frame that hardly moved
+//   since the last one kept is left out at once.
 // - Beyond the cap one frame goes for each that comes. First those that are blurred beside their neighbours, as long as
-//   these stay near enough to be matched (gap_max_step set points of gap_motion_px); then the one whose neighbours are
+//   these stay near enough to be matched (three set points, kGapMotionPx); then the one whose neighbours are
 //   nearest to each other. So what remains is even in motion, not in time.
 // - The first and the last stay: they tie the gap to what was tracked.
 #pragma once
@@ -28,7 +27,7 @@ struct GapFrame {
 
 class GapThinner {
  public:
-  explicit GapThinner(const WindowOptions& options) : options_(options), cap_(options.gap_max_frames) {}
+  explicit GapThinner(int max_frames) : max_frames_(max_frames), cap_(max_frames) {}
 
   // The next frame, in order of time.
   void add(const GapFrame& frame);
@@ -48,7 +47,7 @@ class GapThinner {
   size_t most_dispensable() const;
   bool is_blurred(size_t index) const;
 
-  WindowOptions options_;
+  int max_frames_;
   int cap_;
   std::vector<GapFrame> frames_;
 };

@@ -14,8 +14,7 @@ namespace rumi::ruminator {
 
 class StrideSampler {
  public:
-  StrideSampler(int stride, double max_turn_deg)
-      : stride_(stride), max_turn_rad_(max_turn_deg * std::numbers::pi / 180.0) {}
+  explicit StrideSampler(int stride) : stride_(stride) {}
 
   // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
   // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
@@ -63,7 +62,8 @@ class StrideSampler {
 
  private:
   bool has_turned(const Sample& from, const Sample& to) const {
-    return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > max_turn_rad_;
+    constexpr double kMaxTurnRad = 5 * std::numbers::pi / 180.0;  // at a low frame rate a stride may be too much
+    return (to.cam_from_submap * from.cam_from_submap.inverse()).angle_rad() > kMaxTurnRad;
   }
   bool can_replace_last(const Sample& frame) const {
     if (samples_.size() < 2 || samples_.back().is_keyframe || since_last_ > stride_ / 2) return false;
@@ -71,7 +71,6 @@ class StrideSampler {
   }
 
   int stride_;
-  double max_turn_rad_;
   int since_last_ = 0;  // frames
   std::deque<Sample> samples_;
 };

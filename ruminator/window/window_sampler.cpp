@@ -14,6 +14,8 @@ namespace {
 constexpr size_t kMaxUntracked = 1000;
 // Samples before a loss that front_tracker may yet withdraw: it goes back some seconds.
 constexpr int kMayBeWithdrawn = 40;
+// Samples after resuming that complete the window anyway, for a camera that stands still.
+constexpr int kMaxDeparture = 40;
 
 std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
 
@@ -21,11 +23,11 @@ std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples
 
 WindowSampler::WindowSampler(const WindowOptions& options)
     : options_(options),
-      approach_(options.stride, options.max_turn_deg),
-      before_(options.stride, options.max_turn_deg),
-      gap_(options),
-      departure_(options.stride, options.max_turn_deg),
-      since_resume_(options) {}
+      approach_(options.stride),
+      before_(options.stride),
+      gap_(options.gap_max_frames),
+      departure_(options.stride),
+      since_resume_(options.gap_max_frames) {}
 
 std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) {
   if (!has_begun_ || frame.session != session_) {
@@ -58,7 +60,7 @@ void WindowSampler::start_session(int64_t session) {
 }
 
 GapFrame WindowSampler::measured(const FrameEvent& frame) {
-  if (frame.has_image) path_px_ += frame.image.motion_px.value_or(options_.gap_motion_px);
+  if (frame.has_image) path_px_ += frame.image.motion_px.value_or(kGapMotionPx);
   return {.sample = {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap},
           .path_px = path_px_,
           .sharpness = frame.image.sharpness};
@@ -165,7 +167,7 @@ std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
   list_approach();
   // Nobody has looked how its picture moved, nor how sharp it is: nothing speaks against it.
   return GapFrame{.sample = {},
-                  .path_px = -options_.gap_motion_px * static_cast<double>(newer),
+                  .path_px = -kGapMotionPx * static_cast<double>(newer),
                   .sharpness = std::numeric_limits<double>::infinity()};
 }
 
@@ -178,8 +180,7 @@ bool WindowSampler::is_complete() const {
   const int samples = static_cast<int>(departure_.samples().size());
   const int keyframes = departure_.keyframes();
   return keyframes >= std::max(options_.departure_min_keyframes, options_.shared_keyframes) ||
-         samples >= options_.departure_max_samples ||
-         (open_->submap_after == open_->submap_before && samples >= options_.window_length);
+         samples >= kMaxDeparture || (open_->submap_after == open_->submap_before && samples >= options_.window_length);
 }
 
 std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& frame) {

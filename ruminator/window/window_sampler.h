@@ -22,7 +22,7 @@
 // - A submap that had been left and is tracked again (relocalization) may need no new keyframes: it is lost too soon
 //   with fewer than window_length samples. If it is the one before the loss, nothing needs to be connected, and so many
 //   samples complete the window.
-// - A camera that stands still makes no keyframes: departure_max_samples complete the window.
+// - A camera that stands still makes no keyframes: kMaxDeparture samples complete the window.
 // - What is open when the input ends, or front_tracker starts again, ends as it is, with a reason.
 #pragma once
 

@@ -219,7 +219,7 @@ TEST_F(RuminatorNodeTest, BytesAreBounded) {
 }
 
 TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
-  options_.window.gap_dense_frames = 0;
+  options_.window.gap_max_frames = 20;
   start();
   frames(50, 1);
   const cv::Mat still = [] {
@@ -238,7 +238,9 @@ TEST_F(RuminatorNodeTest, AStillGapIsThinned) {
   frames(60, 2);
   ASSERT_EQ(jobs_.size(), 1);
   EXPECT_EQ(jobs_[0].window.gap_frames, 100);
-  EXPECT_LE(jobs_[0].window.gap.size(), 3);
+  EXPECT_EQ(jobs_[0].window.gap.size(), 20);
+  EXPECT_EQ(jobs_[0].window.gap.back().utime_us, jobs_[0].window.lost_utime_us + 19 * kPeriodUs)
+      << "others did not move";
   expect_images_of(jobs_[0]);
 }
 

@@ -40,13 +40,13 @@ Fixture make_fixture() {
   return f;
 }
 
-Submap fill(const Fixture& f, const BackLandmarkOptions& options = {}) {
+Submap fill(const Fixture& f) {
   Submap submap;
   submap.key = {5, -1};
   submap.kind = SubmapKind::kBack;
   submap.camera = f.camera;
   submap.revision = 1;
-  fill_back_submap(f.camera, f.images, f.utimes_us, f.model, options, &submap);
+  fill_back_submap(f.camera, f.images, f.utimes_us, f.model, &submap);
   return submap;
 }
 

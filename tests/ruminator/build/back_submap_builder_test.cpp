@@ -27,7 +27,7 @@ const auto kNoProgress = [](const BuildProgress&) {};
 
 BuildOptions quick_options() {
   BuildOptions options;
-  options.sift.keypoints = 300;  // small pictures; and sanitizers make matching slow
+  options.sift_keypoints = 300;  // small pictures; and sanitizers make matching slow
   return options;
 }
 

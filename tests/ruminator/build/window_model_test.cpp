@@ -139,7 +139,7 @@ TEST(WindowModel, IsColmapsWhereThereIsNoGlobalOne) {
   const TestWindow w = window_with_outliers();
   const TemporaryFolder folder;
   BuildOptions options;
-  options.global.min_track_images = 1000;
+  options.global_track_images = 1000;
   const WindowModelResult result = build(w, options, folder);
   if (is_missing(result)) GTEST_SKIP() << "SKIPPED: " << result.warning;
   ASSERT_EQ(result.failure, "");
@@ -188,7 +188,6 @@ TEST(WindowModel, RefusedForItsErrorSaysSo) {
 TEST(WindowModel, CanBeCancelledAtAnyPoint) {
   const TestWindow w = window_with_outliers();
   BuildOptions options;
-  options.complete_ratio = 1;
   options.max_rmse_px = 0.1;  // no attempt is enough
   for (int calls = 0; calls < 4; ++calls) {
     const TemporaryFolder folder;
@@ -219,8 +218,8 @@ class Judge : public ::testing::Test {
     candidate.model = model;
     candidate.quality.rmse_px = rmse_px;
     candidate.doubt = "an old doubt";
-    judge_model({w_.camera, w_.images, utimes, w_.pairs, front}, relative_rotations(w_.camera, w_.images, w_.pairs, 20),
-                {}, &candidate);
+    judge_model({w_.camera, w_.images, utimes, w_.pairs, front}, relative_rotations(w_.camera, w_.images, w_.pairs), {},
+                &candidate);
     return candidate;
   }
 

@@ -14,7 +14,7 @@ namespace {
 cv::Mat picture() { return testing::see_plane(testing::textured_picture(1), testing::picture_camera(), SE3()); }
 
 TEST(SiftFeatures, AreOrderedFromTheLargestScaleWithUnitDescriptors) {
-  const SiftFeatures features = extract_sift(picture(), testing::picture_camera(), {});
+  const SiftFeatures features = extract_sift(picture(), testing::picture_camera());
   ASSERT_GT(features.size(), 200U);
   ASSERT_LE(features.size(), 1100U);  // OpenCV keeps those as strong as the last
   ASSERT_EQ(features.scale_px.size(), features.size());
@@ -30,26 +30,24 @@ TEST(SiftFeatures, AreOrderedFromTheLargestScaleWithUnitDescriptors) {
 }
 
 TEST(SiftFeatures, AreTheSameEveryTime) {
-  const SiftFeatures once = extract_sift(picture(), testing::picture_camera(), {}),
-                     again = extract_sift(picture(), testing::picture_camera(), {});
+  const SiftFeatures once = extract_sift(picture(), testing::picture_camera()),
+                     again = extract_sift(picture(), testing::picture_camera());
   EXPECT_EQ(once.undistorted, again.undistorted);
   EXPECT_EQ(once.descriptors, again.descriptors);
 }
 
 TEST(SiftFeatures, KeepTheStrongest) {
-  SiftOptions few;
-  few.keypoints = 50;
-  const SiftFeatures features = extract_sift(picture(), testing::picture_camera(), few);
+  const SiftFeatures features = extract_sift(picture(), testing::picture_camera(), 50);
   EXPECT_GE(features.size(), 45U);
   EXPECT_LE(features.size(), 60U);
 }
 
 TEST(SiftFeatures, LieWhereALensWithoutDistortionWouldSeeThem) {
   Camera camera = testing::picture_camera();
-  const SiftFeatures straight = extract_sift(picture(), camera, {});
+  const SiftFeatures straight = extract_sift(picture(), camera);
   camera.k1 = -0.2;
   camera.p1 = 0.002;
-  const SiftFeatures bent = extract_sift(picture(), camera, {});
+  const SiftFeatures bent = extract_sift(picture(), camera);
   ASSERT_EQ(bent.size(), straight.size());
   for (size_t i = 0; i < bent.size(); ++i) {
     const Eigen::Vector2d expected = camera.undistort(straight.undistorted[i].cast<double>());
@@ -60,15 +58,15 @@ TEST(SiftFeatures, LieWhereALensWithoutDistortionWouldSeeThem) {
 TEST(SiftFeatures, AreNoneWhereNothingIsToBeSeen) {
   const Camera camera = testing::picture_camera();
   for (const int grey : {0, 128, 255})
-    EXPECT_EQ(extract_sift(cv::Mat(240, 320, CV_8U, cv::Scalar(grey)), camera, {}).size(), 0U) << grey;
-  EXPECT_EQ(extract_sift(cv::Mat(1, 1, CV_8U, cv::Scalar(7)), camera, {}).size(), 0U);
+    EXPECT_EQ(extract_sift(cv::Mat(240, 320, CV_8U, cv::Scalar(grey)), camera).size(), 0U) << grey;
+  EXPECT_EQ(extract_sift(cv::Mat(1, 1, CV_8U, cv::Scalar(7)), camera).size(), 0U);
 }
 
 TEST(SiftFeatures, FindSomethingInABlurredAndDarkPicture) {
   cv::Mat dark;
   cv::GaussianBlur(picture(), dark, {}, 2.5);
   dark = dark * 0.2;
-  EXPECT_GT(extract_sift(dark, testing::picture_camera(), {}).size(), 50U);
+  EXPECT_GT(extract_sift(dark, testing::picture_camera()).size(), 50U);
 }
 
 }  // namespace

@@ -18,12 +18,10 @@ const std::atomic<bool> kNever = false;
 std::vector<SiftFeatures> pictures() {
   std::vector<SiftFeatures> features;
   const Camera camera = testing::picture_camera();
-  SiftOptions few;
-  few.keypoints = 300;
   for (int i = 0; i < 6; ++i) {
     const cv::Mat wall = testing::textured_picture(i == 3 || i == 4 ? 2 : 1);
     features.push_back(
-        extract_sift(testing::see_plane(wall, camera, SyntheticScene::pose(0.06 * i, 0.02 * i, 0)), camera, few));
+        extract_sift(testing::see_plane(wall, camera, SyntheticScene::pose(0.06 * i, 0.02 * i, 0)), camera, 300));
   }
   return features;
 }
@@ -38,7 +36,7 @@ TEST(MatchWindow, FindsThePairsInOrder) {
   std::vector<double> fractions;
   const auto progress = [&](double fraction) { fractions.push_back(fraction); };
   for (const int near : {1, 10}) {
-    const auto pairs = match_window(testing::picture_camera(), pictures(), {}, {near}, progress, kNever);
+    const auto pairs = match_window(testing::picture_camera(), pictures(), {near}, progress, kNever);
     EXPECT_THAT(ends(pairs), ElementsAre(std::pair(0, 1), std::pair(0, 2), std::pair(0, 5), std::pair(1, 2),
                                          std::pair(1, 5), std::pair(2, 5), std::pair(3, 4)))
         << near;
@@ -50,10 +48,11 @@ TEST(MatchWindow, FindsThePairsInOrder) {
 }
 
 TEST(MatchWindow, SkipsFarPairsWithoutAPreview) {
-  SiftMatchOptions options;
-  options.preview_matches = 1000;
-  const auto pairs = match_window(
-      testing::picture_camera(), pictures(), options, {1}, [](double) {}, kNever);
+  int looked_at = 0;
+  const auto count = [&looked_at](double) { ++looked_at; };
+  match_window(testing::picture_camera(), pictures(), {.near = 1}, count, kNever);
+  EXPECT_EQ(looked_at, 9) << "five pairs of neighbours, and four of the other ten";
+  const auto pairs = match_window(testing::picture_camera(), pictures(), {.near = 1, .far = 0}, count, kNever);
   EXPECT_THAT(ends(pairs), ElementsAre(std::pair(0, 1), std::pair(1, 2), std::pair(3, 4)));
 }
 
@@ -64,19 +63,19 @@ TEST(MatchWindow, StopsWhenItIsToldTo) {
     ++calls;
     cancel = true;
   };
-  EXPECT_TRUE(match_window(testing::picture_camera(), pictures(), {}, {}, progress, cancel).empty());
+  EXPECT_TRUE(match_window(testing::picture_camera(), pictures(), {}, progress, cancel).empty());
   cancel = false;
   calls = 0;
-  EXPECT_THAT(ends(match_window(testing::picture_camera(), pictures(), {}, {}, progress, cancel)),
+  EXPECT_THAT(ends(match_window(testing::picture_camera(), pictures(), {}, progress, cancel)),
               ElementsAre(std::pair(0, 1)));
   EXPECT_EQ(calls, 1);
 }
 
 TEST(MatchWindow, OfNothingIsNothing) {
   const auto none = [](double) {};
-  EXPECT_TRUE(match_window(testing::picture_camera(), {}, {}, {}, none, kNever).empty());
-  EXPECT_TRUE(match_window(testing::picture_camera(), {{}}, {}, {}, none, kNever).empty());
-  EXPECT_TRUE(match_window(testing::picture_camera(), {{}, {}, {}}, {}, {}, none, kNever).empty());
+  EXPECT_TRUE(match_window(testing::picture_camera(), {}, {}, none, kNever).empty());
+  EXPECT_TRUE(match_window(testing::picture_camera(), {{}}, {}, none, kNever).empty());
+  EXPECT_TRUE(match_window(testing::picture_camera(), {{}, {}, {}}, {}, none, kNever).empty());
 }
 
 struct PairOfImages {

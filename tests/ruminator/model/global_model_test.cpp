@@ -12,14 +12,12 @@ namespace {
 
 using testing::TestWindow;
 
-constexpr GlobalModelOptions kOptions;
-
 std::vector<RelativeRotation> rotations_of(const TestWindow& w) {
-  return relative_rotations(w.camera, w.images, w.pairs, kOptions.min_pair_matches);
+  return relative_rotations(w.camera, w.images, w.pairs);
 }
 
 std::optional<SparseModel> rough_model(const TestWindow& w) {
-  return build_global_model(w.camera, w.images, rotations_of(w), kOptions);
+  return build_global_model(w.camera, w.images, rotations_of(w));
 }
 
 // What is left of the matches after verification.
@@ -27,7 +25,7 @@ void verify(TestWindow* w) {
   std::vector<SiftFeatures> features(w->images.size());
   for (size_t i = 0; i < features.size(); ++i) features[i].undistorted = w->images[i].keypoints;
   for (ImagePair& pair : w->pairs)
-    pair.matches = verify_matches(w->camera, features[pair.first], features[pair.second], pair.matches, {});
+    pair.matches = verify_matches(w->camera, features[pair.first], features[pair.second], pair.matches);
   std::erase_if(w->pairs, [](const ImagePair& pair) { return pair.matches.empty(); });
 }
 
@@ -87,7 +85,7 @@ TEST(GlobalModel, IsTheSameEveryTime) {
 }
 
 TEST(GlobalModel, NeedsThreeImagesThatHangTogether) {
-  EXPECT_FALSE(build_global_model(test_camera(), {}, {}, kOptions));
+  EXPECT_FALSE(build_global_model(test_camera(), {}, {}));
   EXPECT_FALSE(rough_model(testing::sideways_window(1)));
   EXPECT_FALSE(rough_model(testing::sideways_window(2)));
   TestWindow unmatched = testing::sideways_window(4);
@@ -119,7 +117,7 @@ TEST(RelativeRotations, NeedEnoughMatches) {
   TestWindow w = testing::sideways_window(3);
   w.pairs[0].matches.resize(19);
   w.pairs[1].matches.clear();
-  const auto rotations = relative_rotations(w.camera, w.images, w.pairs, 20);
+  const auto rotations = relative_rotations(w.camera, w.images, w.pairs);
   ASSERT_EQ(rotations.size(), 1U);
   EXPECT_EQ(rotations[0].first, 1);
   EXPECT_EQ(rotations[0].second, 2);

@@ -11,7 +11,6 @@ namespace {
 
 using testing::TestWindow;
 
-constexpr JoiningOptions kOptions;
 const Sim3 kElsewhere(2.5, so3_exp({0.3, -0.5, 0.2}), {1, 2, 3});
 
 // The images first..last of the truth, with points that they see, moved and scaled.
@@ -24,7 +23,7 @@ SparseModel part(const TestWindow& w, int first, int last, const Sim3& part_from
 }
 
 std::optional<Sim3> align(const TestWindow& w, const SparseModel& a, const SparseModel& b) {
-  return align_models(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, a, b);
+  return align_models(w.camera, w.images, join_tracks(w.images, w.pairs), a, b);
 }
 
 TEST(AlignModels, FindsWhatBothSee) {
@@ -82,7 +81,7 @@ class FrontTie : public ::testing::Test {
     return samples;
   }
   std::optional<Sim3> tie(const std::vector<Sample>& front) const {
-    return front_tie(front, utimes_, 5, kOptions, part(w_, 0, 7), part(w_, 8, 15, kElsewhere));
+    return front_tie(front, utimes_, part(w_, 0, 7), part(w_, 8, 15, kElsewhere));
   }
 
   TestWindow w_ = testing::sideways_window(16);

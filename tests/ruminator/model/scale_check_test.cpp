@@ -10,8 +10,6 @@ namespace {
 
 using testing::TestWindow;
 
-constexpr ScaleCheckOptions kOptions;
-
 // Everything after the image is `factor` times as large, seen from it.
 void slip(int image, double factor, SparseModel* model) {
   repair_scale({.image = image, .log_ratio = -std::log(factor)}, model);
@@ -19,9 +17,9 @@ void slip(int image, double factor, SparseModel* model) {
 
 TEST(ScaleCheck, FindsNothingInARightModel) {
   const TestWindow w = testing::sideways_window(12);
-  const auto cuts = check_scale(w.camera, w.images, join_tracks(w.images, w.pairs), kOptions, testing::true_model(w));
+  const auto cuts = check_scale(w.camera, w.images, join_tracks(w.images, w.pairs), testing::true_model(w));
   ASSERT_EQ(cuts.size(), 11U);
-  EXPECT_FALSE(find_slip(cuts, kOptions));
+  EXPECT_FALSE(find_slip(cuts));
   EXPECT_FALSE(find_break(cuts));
   EXPECT_GT(cuts[5].points, 50);
   EXPECT_NEAR(cuts[5].log_ratio, 0, 0.05);
@@ -33,12 +31,12 @@ TEST(ScaleCheck, FindsASlipAndRepairsIt) {
   for (const double factor : {3.0, 0.4}) {
     SparseModel model = testing::true_model(w);
     slip(5, factor, &model);
-    const auto found = find_slip(check_scale(w.camera, w.images, tracks, kOptions, model), kOptions);
+    const auto found = find_slip(check_scale(w.camera, w.images, tracks, model));
     ASSERT_TRUE(found);
     EXPECT_EQ(found->image, 5);
     EXPECT_NEAR(found->log_ratio, std::log(factor), 0.1);
     repair_scale(*found, &model);
-    EXPECT_FALSE(find_slip(check_scale(w.camera, w.images, tracks, kOptions, model), kOptions));
+    EXPECT_FALSE(find_slip(check_scale(w.camera, w.images, tracks, model)));
     EXPECT_LT(testing::worst_center_error(w, model), 0.1);
   }
 }
@@ -50,7 +48,7 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   model.points.clear();
   const std::vector<Track> tracks = join_tracks(w.images, w.pairs);
   triangulate_tracks(w.camera, w.images, tracks, {}, &model);
-  const auto found = find_break(check_scale(w.camera, w.images, tracks, kOptions, model));
+  const auto found = find_break(check_scale(w.camera, w.images, tracks, model));
   ASSERT_TRUE(found);
   EXPECT_EQ(found->image, 7);
   EXPECT_EQ(found->points, 0);
@@ -58,7 +56,7 @@ TEST(ScaleCheck, ABreakIsWhereNoPointTells) {
   EXPECT_EQ(model.cam_from_world.size(), 8U);
   for (const SparseModel::Point& point : model.points)
     for (const auto& [image, keypoint] : point.track) EXPECT_LE(image, 7);
-  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
+  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, model)));
 }
 
 // `keep` tracks cross the cut after image 7, all others end at it. Beyond the cut the points of those that cross are
@@ -86,7 +84,7 @@ std::vector<ScaleCut> cuts_with_few_points(int keep, double scatter) {
     for (const Track& part : {before, after})
       if (part.size() >= 2) tracks.push_back(part);
   }
-  return check_scale(w.camera, w.images, tracks, kOptions, model);
+  return check_scale(w.camera, w.images, tracks, model);
 }
 
 TEST(ScaleCheck, AFewPointsWillDoWhereTheyAgree) {
@@ -106,12 +104,12 @@ TEST(ScaleCheck, ACameraThatStandsStillHasNoScaleToLose) {
   std::vector<Track> tracks = join_tracks(w.images, w.pairs);
   for (Track& track : tracks) std::erase_if(track, [](const auto& o) { return o.first < 6; });
   std::erase_if(tracks, [](const Track& track) { return track.size() < 2; });
-  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, kOptions, model)));
+  EXPECT_FALSE(find_break(check_scale(w.camera, w.images, tracks, model)));
 }
 
 TEST(ScaleCheck, OfNothingIsNothing) {
   const TestWindow w = testing::sideways_window(3);
-  EXPECT_TRUE(check_scale(w.camera, w.images, {}, kOptions, {}).empty());
+  EXPECT_TRUE(check_scale(w.camera, w.images, {}, {}).empty());
 }
 
 }  // namespace

@@ -10,8 +10,6 @@ namespace {
 
 using testing::TestWindow;
 
-constexpr TearOptions kOptions;
-
 // A model as it comes out where the images from `first` on were put elsewhere: every point is seen from one side only,
 // that with more of its observations.
 SparseModel torn_at(const TestWindow& w, int first) {
@@ -32,9 +30,9 @@ TEST(TornModel, TheTruthIsSoundWithOutliersToo) {
   TestWindow w = testing::sideways_window(12);
   const SparseModel truth = testing::true_model(w);
   for (const PairAgreement& agreement : pair_agreements(w.pairs, truth)) EXPECT_EQ(agreement.severed, 0);
-  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kOptions, truth).empty());
+  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kMaxSevered, truth).empty());
   testing::spoil(&w, 0.05, 0.05);
-  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kOptions, truth).empty());
+  EXPECT_TRUE(torn_off(pair_agreements(w.pairs, truth), kMaxSevered, truth).empty());
 }
 
 TEST(TornModel, TheSmallerPartIsTornOff) {
@@ -42,7 +40,7 @@ TEST(TornModel, TheSmallerPartIsTornOff) {
   testing::spoil(&w, 0.02, 0.05);
   for (const int first : {4, 9}) {
     const SparseModel model = torn_at(w, first);
-    const std::set<int> off = torn_off(pair_agreements(w.pairs, model), kOptions, model);
+    const std::set<int> off = torn_off(pair_agreements(w.pairs, model), kMaxSevered, model);
     std::set<int> smaller;
     for (int image = 0; image < 14; ++image)
       if ((image >= first) == (first > 7)) smaller.insert(image);
@@ -56,7 +54,7 @@ TEST(TornModel, AnImageThatSeesOtherThingsIsNotTornOff) {
   std::vector<PairAgreement> agreements;
   for (const PairAgreement& agreement : pair_agreements(w.pairs, model))
     if (agreement.second != 5) agreements.push_back(agreement);
-  EXPECT_TRUE(torn_off(agreements, kOptions, model).empty());
+  EXPECT_TRUE(torn_off(agreements, kMaxSevered, model).empty());
 }
 
 // Images 0 to 4 and 5 to 7 hang together, strongly.
@@ -73,35 +71,35 @@ SparseModel of_images(int count) {
 TEST(TornModel, AFewMatchesElsewhereDoNotHoldWhatIsTorn) {
   std::vector<PairAgreement> agreements = two_groups();
   agreements.push_back({4, 5, 8, 47});
-  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  EXPECT_EQ(torn_off(agreements, kMaxSevered, of_images(8)), (std::set<int>{5, 6, 7}));
   agreements.push_back({0, 7, 18, 1});
-  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  EXPECT_EQ(torn_off(agreements, kMaxSevered, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, ManyPairsTogetherTellATearThatFewMatchesOfAnyOneCross) {
   std::vector<PairAgreement> agreements = two_groups();
   agreements.insert(agreements.end(), {{4, 5, 16, 2}, {3, 5, 14, 6}, {4, 6, 13, 5}, {3, 6, 15, 5}});
-  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  EXPECT_EQ(torn_off(agreements, kMaxSevered, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, OneSpoiledPairAmongManyIsNoTear) {
   std::vector<PairAgreement> agreements = two_groups();
   agreements.insert(agreements.end(), {{4, 5, 60, 15}, {3, 5, 50, 2}, {4, 6, 70, 3}, {3, 6, 40, 4}});
-  EXPECT_TRUE(torn_off(agreements, kOptions, of_images(8)).empty());
+  EXPECT_TRUE(torn_off(agreements, kMaxSevered, of_images(8)).empty());
 }
 
 TEST(TornModel, WhereNoiseSeversEverywhereATearSeversMore) {
   std::vector<PairAgreement> agreements = two_groups();
   for (PairAgreement& agreement : agreements) agreement.severed = 12;
   agreements.push_back({4, 5, 60, 20});
-  EXPECT_TRUE(torn_off(agreements, kOptions, of_images(8)).empty());
+  EXPECT_TRUE(torn_off(agreements, kMaxSevered, of_images(8)).empty());
   agreements.back().severed = 120;
-  EXPECT_EQ(torn_off(agreements, kOptions, of_images(8)), (std::set<int>{5, 6, 7}));
+  EXPECT_EQ(torn_off(agreements, kMaxSevered, of_images(8)), (std::set<int>{5, 6, 7}));
 }
 
 TEST(TornModel, OfNothingIsNothing) {
   EXPECT_TRUE(pair_agreements({}, {}).empty());
-  EXPECT_TRUE(torn_off({}, kOptions, {}).empty());
+  EXPECT_TRUE(torn_off({}, kMaxSevered, {}).empty());
 }
 
 }  // namespace

@@ -237,7 +237,7 @@ TEST(WindowSampler, WithdrawnLongAgoTwiceOrOfNobodyChangesNothing) {
 }
 
 TEST(WindowSampler, APoseForAFrameThatWasThinnedOutCountsToo) {
-  WindowFeed feed({.gap_dense_frames = 0});
+  WindowFeed feed({.gap_max_frames = 1});
   feed.span(100, 1, 10);
   feed.motion_px = 0;
   feed.span(10, kNoSubmap);  // one sample
