@@ -77,7 +77,6 @@ std::string check(const CameraOptions& o) {
     return fmt::format("rate is {}: must be 0 (as recorded) to {} Hz", o.rate_hz, kMaxRateHz);
   if (!within(o.speed, kMinSpeed, kMaxSpeed))
     return fmt::format("speed is {}: must be {} to {}", o.speed, kMinSpeed, kMaxSpeed);
-  if (!within(o.jpeg_quality, 1, 100)) return fmt::format("jpeg_quality is {}: must be 1 to 100", o.jpeg_quality);
   if (std::find(kEncodings.begin(), kEncodings.end(), o.encoding) == kEncodings.end())
     return fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "));
   return check_camera_options(o);
@@ -99,7 +98,6 @@ void describe(OptionTable& table, CameraOptions& o) {
   table.add("camera_driver.live_stamps", &o.live_stamps, "live: the time of an image is when it is published");
   table.add("camera_driver.encoding", &o.encoding, "on the wire; auto: JPEG files as they are, all else grey",
             {"auto", "grey", "rgb", "jpeg"});
-  table.add("camera_driver.jpeg_quality", &o.jpeg_quality, "%", "of encoding jpeg", 1, 100);
   table.add("camera_driver.log_channel", &o.log_channel, "channel of the images in an lcm log");
   table.add("camera_driver.width", &o.width, "px", "camera: 0: of the calibration, without one 640 x 480", 0, kMaxSide);
   table.add("camera_driver.height", &o.height, "px", "camera: 0: of the calibration, without one 640 x 480", 0,

@@ -21,6 +21,8 @@ namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
+constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
+constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
 // True when a period has gone by, also when the clock was set back (a log played again).
@@ -191,9 +193,8 @@ void MapServerNode::tick(int64_t now_us) {
   receiver_.tick(now_us);
   sender_.tick(now_us);
   merge(now_us);
-  const auto commit_period_us = static_cast<int64_t>(options_.frame_commit_s * 1e6);
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
-  if (must_save && is_due(now_us, last_save_us_, commit_period_us)) save();
+  if (must_save && is_due(now_us, last_save_us_, kFrameCommitUs)) save();
   if (is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
   if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
   const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
@@ -245,7 +246,7 @@ void MapServerNode::on_request(const map_request_t& request) {
   // Who hears nothing asks again; the answer is on its way already.
   if (answering_.contains({request.requester, request.request_id})) return;
   if (request.what == map_request_t::STATUS) return publish_map_status();
-  if (large_answers_ >= options_.max_answers) return refuse(request, "busy with other requests; ask again later");
+  if (large_answers_ >= kMaxAnswers) return refuse(request, "busy with other requests; ask again later");
   switch (request.what) {
     case map_request_t::SUBMAP:
       return answer_submap(request);
@@ -278,7 +279,7 @@ void MapServerNode::wait_for_merge(const map_request_t& request) {
     return w.requester == request.requester && w.request_id == request.request_id;
   };
   if (std::any_of(waiting_.begin(), waiting_.end(), same)) return;
-  if (static_cast<int>(waiting_.size()) >= options_.max_answers)
+  if (static_cast<int>(waiting_.size()) >= kMaxAnswers)
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
   waiting_.push_back(request);

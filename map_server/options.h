@@ -12,8 +12,6 @@ struct MapServerOptions {
   MergeOptions merge;
   std::string database = "map.db";  // file, or ":memory:"
   bool localize_only = false;       // in the map of the database, which stays as it is
-  double frame_commit_s = 1.0;      // frame states (unacknowledged) are written this often at the latest
-  int max_answers = 4;              // large answers under way at the same time; more are refused
   double snapshot_s = 0;            // 0: never
   std::string snapshot_file = "map-snapshot.db";
 };
@@ -26,10 +24,6 @@ inline void describe(OptionTable& table, MapServerOptions& o) {
             "SQLite file of the map, created when missing and continued when not; :memory: keeps nothing");
   table.add("map_server.localize_only", &o.localize_only,
             "place new submaps in the map of the database, which stays as it is; what is new is kept in memory only");
-  table.add("map_server.frame_commit_s", &o.frame_commit_s, "s", "write the tracking states of frames this often", 0,
-            60);
-  table.add("map_server.max_answers", &o.max_answers, "", "map requests answered at the same time, more are refused", 1,
-            64);
   table.add("map_server.snapshot_s", &o.snapshot_s, "s",
             "write a copy of the map this often, if it changed, and at the end; 0: never", 0, 1e6);
   table.add("map_server.snapshot_file", &o.snapshot_file, "the copy, replaced whole each time");

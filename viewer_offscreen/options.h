@@ -10,25 +10,21 @@ namespace rumi::viewer_offscreen {
 struct ViewerOptions {
   std::string output;     // folder for trajectory.png and the series; empty: only VIEWER_IMAGE
   double interval_s = 5;  // between pictures
-  int jpeg_quality = 90;  // of VIEWER_IMAGE
   bool camera = true;     // show its image
   bool series = false;    // keep every picture
   // Go on with a series that was not ended: its process died, and was started again. Replay cannot be.
   bool series_goes_on = true;
-  double video_fps = 10;
 };
 
 inline void describe(OptionTable& table, ViewerOptions& o) {
   table.group("viewer_offscreen");
   table.add("viewer_offscreen.output", &o.output, "folder that trajectory.png is written into; empty: no file");
   table.add("viewer_offscreen.interval_s", &o.interval_s, "s", "from one picture to the next", 0.1, 86400);
-  table.add("viewer_offscreen.jpeg_quality", &o.jpeg_quality, "", "of VIEWER_IMAGE", 1, 100);
   table.add("viewer_offscreen.camera", &o.camera, "show the camera's image with the keypoints of the latest keyframe");
   table.add(
       "viewer_offscreen.series", &o.series,
       "keep every picture: pictures/000001.png, ... in the folder, and trajectory.mp4; a series that was not ended "
       "goes on, else it begins anew");
-  table.add("viewer_offscreen.video_fps", &o.video_fps, "Hz", "pictures in a second of trajectory.mp4", 0.1, 120);
   table.for_users(
       {"viewer_offscreen.output", "viewer_offscreen.interval_s", "viewer_offscreen.camera", "viewer_offscreen.series"});
 }

@@ -23,6 +23,7 @@ namespace {
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
 constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
+constexpr double kVideoFps = 10;
 
 }  // namespace
 
@@ -34,7 +35,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
   if (options.series && options.output.empty())
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
-  if (options.series) series_.emplace(options.output, options.video_fps, options.series_goes_on);
+  if (options.series) series_.emplace(options.output, kVideoFps, options.series_goes_on);
   if (options.camera)
     bus.subscribe<image_t>(channels::kCamera, {.capacity = kImagesWhileDrawing, .drop = DropPolicy::kDropOldest},
                            [this](const image_t& image) { images_.add(image); });
@@ -195,7 +196,7 @@ void ViewerNode::draw() {
     if (!renderer_) renderer_.emplace();
     const cv::Mat image = renderer_->draw(make_scene(picture()));
     ++pictures_;
-    bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image, options_.jpeg_quality));
+    bus_.publish(channels::kViewerImage, make_jpeg_image(last_utime_us_, image));
     report(write(image));
   } catch (const std::exception& e) {  // no OpenGL, no memory: the map is not ours to endanger
     report(e.what());

@@ -25,10 +25,9 @@ struct CameraOptions : CameraControls {
   bool loop = false;        // again and again; times keep rising
   double rate_hz =
       0;  // recording: new times at this rate, 0: as recorded; camera: asked for, 0: the calibration's fps, else 30
-  double speed = 1;               // live only: pace relative to the times
-  bool live_stamps = false;       // live only: utime is when the image is published
-  std::string encoding = "auto";  // auto: JPEG files as they are, all else grey; or grey, rgb, jpeg
-  int jpeg_quality = 90;
+  double speed = 1;                    // live only: pace relative to the times
+  bool live_stamps = false;            // live only: utime is when the image is published
+  std::string encoding = "auto";       // auto: JPEG files as they are, all else grey; or grey, rgb, jpeg
   std::string log_channel = "CAMERA";  // of the images in an lcm log
 
   // Cameras only.

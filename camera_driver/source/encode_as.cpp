@@ -16,7 +16,7 @@ std::optional<image_t> encode_as(image_t image, const CameraOptions& options, st
   const bool want_grey = options.encoding == "grey" || (options.encoding == "jpeg" && is_grey);
   const cv::Mat pixels = want_grey ? decode_grey(image, error) : decode_bgr(image, error);
   if (pixels.empty()) return std::nullopt;
-  if (options.encoding == "jpeg") return make_jpeg_image(image.utime, pixels, options.jpeg_quality);
+  if (options.encoding == "jpeg") return make_jpeg_image(image.utime, pixels);
   return want_grey ? make_grey_image(image.utime, pixels) : make_rgb_image(image.utime, pixels);
 }
 

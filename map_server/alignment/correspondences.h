@@ -36,7 +36,8 @@ bool same_corners(const Features& a, const Features& b);
 
 // Where keyframes of one image do not have the same corners: `max_distance_px` between keypoints (undistorted) that are
 // taken for one.
-Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px);
+constexpr double kSameKeypointPx = 1.0;
+Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px = kSameKeypointPx);
 
 // Logarithm of the depth of the common landmarks of a shared keyframe in b over that in a: the median, and its standard
 // error from the spread. Infinite error where there are fewer than `min_landmarks`.

@@ -17,6 +17,15 @@
 namespace rumi::map_server {
 namespace {
 
+// Of a shared keyframe that agrees: rotation, and distance of its two places over the median depth.
+constexpr double kMaxRotationDeg = 3.0;
+constexpr double kMaxCenterDepthRatio = 0.1;
+constexpr double kMinKeyframeRatio = 0.7;  // of the shared keyframes, that agree
+// What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
+// never is it known better than that.
+constexpr int kIndependentDepths = 10;
+constexpr double kMinSigmaDepthScale = 0.005;
+
 // A match with all that scoring it needs.
 struct Pair {
   Eigen::Vector3d point_a, point_b;
@@ -115,7 +124,7 @@ class Aligner {
       if (depths.empty()) continue;
       const double angle = moved.rotation.angularDistance(cam_from_b.rotation) * 180 / M_PI;
       const double distance = (moved.center() - cam_from_b.center()).norm() / median(&depths);
-      if (!(angle <= o_.max_rotation_deg && distance <= o_.max_center_depth_ratio)) continue;
+      if (!(angle <= kMaxRotationDeg && distance <= kMaxCenterDepthRatio)) continue;
       alignment->keyframe_inlier[k] = 1;
       ++alignment->keyframe_inliers;
     }
@@ -127,9 +136,8 @@ class Aligner {
     std::vector<double> logs;
     logs.reserve(inliers.size());
     for (size_t i : inliers) logs.push_back(std::log(pairs_[i].depth_b / pairs_[i].depth_a));
-    const RobustMean scale =
-        robust_mean(&logs, std::min<double>(static_cast<double>(logs.size()), o_.independent_depths));
-    return {scale.value, std::max(scale.sigma, o_.min_sigma_depth_scale)};
+    const RobustMean scale = robust_mean(&logs, std::min<double>(static_cast<double>(logs.size()), kIndependentDepths));
+    return {scale.value, std::max(scale.sigma, kMinSigmaDepthScale)};
   }
 
   // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
@@ -171,12 +179,12 @@ class Aligner {
   void judge(Alignment* best) const {
     if (!best->doubt.empty()) return;
     const int wanted = std::max(o_.min_landmarks, static_cast<int>(std::ceil(o_.min_inlier_ratio * best->landmarks)));
-    if (best->keyframes < o_.min_shared_keyframes)
-      best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, o_.min_shared_keyframes);
+    if (best->keyframes < kMinSharedKeyframes)
+      best->doubt = fmt::format("{} shared keyframes of {} wanted", best->keyframes, kMinSharedKeyframes);
     else if (best->landmark_inliers < wanted)
       best->doubt =
           fmt::format("{} of {} common landmarks agree, {} wanted", best->landmark_inliers, best->landmarks, wanted);
-    else if (best->keyframe_inliers < o_.min_frame_ratio * best->keyframes)
+    else if (best->keyframe_inliers < kMinKeyframeRatio * best->keyframes)
       best->doubt = fmt::format("{} of {} shared keyframes agree", best->keyframe_inliers, best->keyframes);
     else if (best->sigma_rotation_deg > o_.max_sigma_rotation_deg || best->sigma_log_scale > o_.max_sigma_log_scale)
       best->doubt = fmt::format("known to {:.2f} deg and {:.1f} % of the scale only", best->sigma_rotation_deg,

@@ -14,21 +14,14 @@
 
 namespace rumi::map_server {
 
+constexpr int kMinSharedKeyframes = 3;
+
 struct AlignmentOptions {
-  double max_pixel_distance_px = 1.0;  // between keypoints taken for one
-  int min_shared_keyframes = 3;
   int min_landmarks = 40;               // M_com, of one keyframe for a proposal: a quarter of it
   double max_reprojection_px = 4.0;     // of an inlier, in each direction, at octave 0
   double min_inlier_ratio = 0.5;        // of M_com
-  double max_rotation_deg = 3.0;        // of a frame that agrees
-  double max_center_depth_ratio = 0.1;  // of a frame that agrees: distance of the centres over the median depth
-  double min_frame_ratio = 0.7;         // of the shared keyframes, that agree
   double max_sigma_rotation_deg = 0.5;  // of the result
   double max_sigma_log_scale = 0.03;
-  // What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
-  // never is it known better than that.
-  int independent_depths = 10;
-  double min_sigma_depth_scale = 0.005;
 };
 
 struct Alignment {

@@ -74,7 +74,7 @@ MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
   pair.revision_a = a.revision;
   pair.revision_b = b.revision;
   if (!may_share_images(a, b)) return pair;
-  const Correspondences common = find_correspondences(a, b, options_.alignment.max_pixel_distance_px);
+  const Correspondences common = find_correspondences(a, b);
   if (common.keyframes.empty()) return pair;
   const Alignment alignment = align_submaps(a, b, common, options_.alignment);
   pair.link = Link{.a = a.key,
@@ -133,8 +133,7 @@ bool MapBuilder::is_joined(const Place& a, const Place& b) const {
   if (link.accepted())
     return static_cast<double>(std::abs(a.utime_us - b.utime_us)) <= options_.places.min_apart_s * 1e6;
   // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
-  return link.keyframes >= options_.alignment.min_shared_keyframes &&
-         link.landmarks >= options_.alignment.min_landmarks;
+  return link.keyframes >= kMinSharedKeyframes && link.landmarks >= options_.alignment.min_landmarks;
 }
 
 std::vector<Link> MapBuilder::links() const {
@@ -356,7 +355,7 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   Placed& before = arranged->submaps;
   const std::set<SubmapKey>& part = arranged->part.submaps;
   fuse_places(&before);
-  MapModel model = join(before, options_.alignment.max_pixel_distance_px);
+  MapModel model = join(before, kSameKeypointPx);
   built.report = adjust(scope, &model);
   built.report.members = static_cast<int>(members.size());
   if (cancelled()) return built;

@@ -6,11 +6,14 @@
 
 namespace rumi::map_server {
 
+// Keyframes kept of those that a back submap has in common with another submap, spread over them.
+constexpr int kKeptJoints = 4;
+
 CommonImages MapBuilder::common_images(const Submaps& submaps) const {
   CommonImages common;
   std::set<JointName> agree;
   for (const auto& [keys, pair] : pairs_) {
-    const int last = static_cast<int>(pair.joints.size()) - 1, spaces = std::max(1, options_.culling.kept_joints - 1);
+    const int last = static_cast<int>(pair.joints.size()) - 1, spaces = kKeptJoints - 1;
     for (int i = 0; i <= last; ++i) agree.insert(name_of(pair.joints[i]));
     common.doubled.insert(common.doubled.end(), pair.joints.begin(), pair.joints.end());
     for (int i = 0; last >= 0 && i <= spaces; ++i) {

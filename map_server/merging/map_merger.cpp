@@ -17,6 +17,8 @@ namespace {
 
 int64_t to_us(double seconds) { return std::llround(1e6 * seconds); }
 
+// From one adjustment of the whole map to the next, at least, for each image of it.
+constexpr double kAdjustmentSPerView = 0.25;
 // An adjustment of a map that is much as it was at the last one waits so many times as long.
 constexpr double kSettledPeriods = 4;
 constexpr double kSettledShare = 0.05;  // of the keyframes, more or fewer
@@ -68,7 +70,7 @@ void MapMerger::note_adjusted() {
 std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
   const bool has = has_news(atlas);
   if (has || wants_adjustment_) {
-    const double period_s = std::max(options_.adjustment_interval_s, options_.adjustment_s_per_view * views_) *
+    const double period_s = std::max(options_.adjustment_interval_s, kAdjustmentSPerView * views_) *
                             (is_settled(atlas) ? kSettledPeriods : 1);
     if (hurry_ || (wants_adjustment_ && is_due(now_us, last_adjustment_us_, to_us(period_s))))
       return MapBuilder::Scope::kAll;

@@ -20,12 +20,11 @@ namespace rumi::map_server {
 // When the map is built.
 struct MergeOptions {
   MapBuilderOptions builder;
-  bool enabled = true;                  // false: the map is the largest submap, a front one if there is any
-  bool thread = true;                   // false: at once, as replay does
-  double interval_s = 2;                // from one look at what is new to the next
-  double adjustment_interval_s = 20;    // from one adjustment of the whole map to the next, and ...
-  double adjustment_s_per_view = 0.25;  // ... the same for each image of it
-  int nice = 10;                        // of the thread
+  bool enabled = true;                // false: the map is the largest submap, a front one if there is any
+  bool thread = true;                 // false: at once, as replay does
+  double interval_s = 2;              // from one look at what is new to the next
+  double adjustment_interval_s = 20;  // from one adjustment of the whole map to the next, at least
+  int nice = 10;                      // of the thread
 };
 
 struct MergeResult {

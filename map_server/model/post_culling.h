@@ -16,7 +16,6 @@ struct PostCullingOptions {
   bool enabled = true;
   double redundant_share = 0.9;  // of the points of an image, that enough other images see: it adds nothing
   int observers = 3;             // that is enough, as finely
-  int kept_joints = 4;           // of two submaps made of the same images; spread over what they have in common
 };
 
 using KeyframeSets = std::map<SubmapKey, std::set<int>>;  // ids

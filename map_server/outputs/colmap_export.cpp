@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/whole_file.h"
+#include "map_server/alignment/correspondences.h"
 #include "map_server/model/map_model.h"
 #include "map_server/outputs/writers.h"
 
@@ -17,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kPixelShift = 0.5;    // COLMAP's pixel coordinates minus ours
-constexpr double kSamePixel_px = 1.0;  // keypoints of one image, of two submaps, that are one
+constexpr double kPixelShift = 0.5;  // COLMAP's pixel coordinates minus ours
 constexpr int64_t kNoPoint = -1;
 
 struct ColmapCamera {
@@ -113,7 +113,7 @@ ColmapExport make_model(const Atlas& atlas) {
   std::map<SubmapKey, PlacedSubmap> placed;
   for (const auto& [key, owner] : atlas.submaps())
     if (owner.in_map) placed[key] = {&owner.submap, owner.placement};
-  const MapModel map = join(placed, kSamePixel_px);
+  const MapModel map = join(placed, kSameKeypointPx);
   ColmapExport model;
   for (const MapModel::View& view : map.views) {
     ExportedImage& image = model.images.emplace_back();

@@ -54,7 +54,7 @@ std::vector<std::pair<int64_t, int64_t>> untracked_spans(const map_server::Atlas
 
 }  // namespace
 
-MatchHistory match_history(const map_server::Atlas& atlas, double max_pixel_distance_px, double max_reprojection_px) {
+MatchHistory match_history(const map_server::Atlas& atlas, double max_reprojection_px) {
   MatchHistory history;
   if (atlas.frames().empty()) return history;
   history.first_us = atlas.frames().begin()->first;
@@ -65,7 +65,7 @@ MatchHistory match_history(const map_server::Atlas& atlas, double max_pixel_dist
   for (auto one = submaps.begin(); one != submaps.end(); ++one)
     for (auto other = std::next(one); other != submaps.end(); ++other) {
       const Submap &a = one->second.submap, &b = other->second.submap;
-      const map_server::Correspondences common = map_server::find_correspondences(a, b, max_pixel_distance_px);
+      const map_server::Correspondences common = map_server::find_correspondences(a, b);
       const map_server::Link* link = link_of(atlas, a.key, b.key);
       const Sim3 a_from_b = link ? link->b_from_a.inverse() : Sim3();
       const bool both_front = a.kind == SubmapKind::kFront && b.kind == SubmapKind::kFront;

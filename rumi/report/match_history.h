@@ -27,8 +27,8 @@ struct MatchHistory {
   bool empty() const { return front.empty() && back.empty(); }
 };
 
-// The limits are those of AlignmentOptions.
-MatchHistory match_history(const map_server::Atlas& atlas, double max_pixel_distance_px, double max_reprojection_px);
+// The limit is that of AlignmentOptions.
+MatchHistory match_history(const map_server::Atlas& atlas, double max_reprojection_px);
 
 cv::Mat draw_matches(const MatchHistory& history);
 

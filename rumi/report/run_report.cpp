@@ -195,11 +195,9 @@ void add_matches(const ordered_json& run, const map_server::Atlas& atlas, HtmlPa
       "Features of an image that two submaps know: what joins submaps. Of back submaps from which post-culling "
       "has taken images, what is left.");
   const map_server::AlignmentOptions defaults;
-  const auto option = [&](const char* name, double otherwise) {
-    return run.value(nlohmann::ordered_json::json_pointer(std::string("/options/map_server/") + name), otherwise);
-  };
-  const MatchHistory history = match_history(atlas, option("same_keypoint_px", defaults.max_pixel_distance_px),
-                                             option("max_reprojection_px", defaults.max_reprojection_px));
+  const double max_reprojection_px = run.value(
+      nlohmann::ordered_json::json_pointer("/options/map_server/max_reprojection_px"), defaults.max_reprojection_px);
+  const MatchHistory history = match_history(atlas, max_reprojection_px);
   if (history.empty()) return page->paragraph("No two submaps have an image in common.");
   page->picture(viewer_offscreen::encode_png(draw_matches(history)), "png", "Matched features over time");
   const auto row = [](const char* name, const std::map<int64_t, ImageMatches>& images) {

@@ -32,7 +32,7 @@ struct Outcome {
 
 Outcome align(const SyntheticSubmap& a, const SyntheticSubmap& b, const AlignmentOptions& options = {}) {
   Outcome outcome;
-  outcome.common = find_correspondences(a.submap, b.submap, options.max_pixel_distance_px);
+  outcome.common = find_correspondences(a.submap, b.submap);
   outcome.alignment = align_submaps(a.submap, b.submap, outcome.common, options);
   if (outcome.common.keyframes.empty()) return outcome;
   const SE3& last = a.submap.keyframe(outcome.common.keyframes.back().a)->cam_from_submap;

@@ -38,9 +38,7 @@ struct Recipes {
 };
 
 Alignment align(const SyntheticSubmap& a, const SyntheticSubmap& b) {
-  const AlignmentOptions options;
-  return align_submaps(a.submap, b.submap, find_correspondences(a.submap, b.submap, options.max_pixel_distance_px),
-                       options);
+  return align_submaps(a.submap, b.submap, find_correspondences(a.submap, b.submap), {});
 }
 
 int shared_keyframes(unsigned seed) { return 3 + static_cast<int>(seed % 8); }

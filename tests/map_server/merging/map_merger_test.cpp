@@ -137,20 +137,18 @@ TEST_F(MapMergerTest, ABackSubmapTiesTwoFrontsAndTheWholeIsAdjustedLater) {
 
 TEST_F(MapMergerTest, ALargerMapIsAdjustedLessOften) {
   options_.adjustment_interval_s = 0;
-  options_.adjustment_s_per_view = 10;
   MapMerger merger(options_);
   for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
   const auto weld = tick(&merger, 0);
   ASSERT_TRUE(weld);
   ASSERT_GT(weld->report.views, 10);
-  EXPECT_FALSE(tick(&merger, 10 * weld->report.views - 1));
-  EXPECT_TRUE(tick(&merger, 10 * weld->report.views));
+  EXPECT_FALSE(tick(&merger, 0.25 * weld->report.views - 0.1));
+  EXPECT_TRUE(tick(&merger, 0.25 * weld->report.views));
 }
 
 // In a room that is known front_tracker goes on correcting what it has.
 TEST_F(MapMergerTest, AMapThatIsMuchAsItWasIsAdjustedLessOften) {
   options_.adjustment_interval_s = 100;
-  options_.adjustment_s_per_view = 0;
   MapMerger merger(options_);
   const Growth growth = begin_to_grow(&merger);
   change(Chain::kFront1);

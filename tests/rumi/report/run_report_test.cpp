@@ -82,7 +82,7 @@ void put(const Submap& submap, map_server::Atlas* atlas) {
 
 TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   map_server::Atlas atlas = make_test_atlas();
-  EXPECT_TRUE(match_history(atlas, 1, 4).empty());
+  EXPECT_TRUE(match_history(atlas, 4).empty());
   Submap back = make_test_submap(3);  // without the last of the four keyframes
   back.key = {1, -1};
   back.kind = SubmapKind::kBack;
@@ -96,7 +96,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
                             .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
   };
   atlas.set_links({link(0.5)});
-  MatchHistory history = match_history(atlas, 1, 4);
+  MatchHistory history = match_history(atlas, 4);
   EXPECT_TRUE(history.front.empty());
   ASSERT_EQ(history.back.size(), 3u);
   for (const auto& [utime_us, matches] : history.back) {
@@ -110,13 +110,13 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   EXPECT_EQ(draw_matches(history).size(), cv::Size(1000, 360));
   // A submap that is wrong has as much in common with others, but nothing agrees. The first camera is at the origin.
   atlas.set_links({link(1)});
-  history = match_history(atlas, 1, 4);
+  history = match_history(atlas, 4);
   EXPECT_EQ(history.back.at(1'200'000).matched, 20);
   EXPECT_LT(history.back.at(1'200'000).verified, 20);
   Submap front = make_test_submap();
   front.key = {1, 2};
   put(front, &atlas);
-  history = match_history(atlas, 1, 4);
+  history = match_history(atlas, 4);
   EXPECT_EQ(history.front.at(1'300'000).matched, 20);
   EXPECT_EQ(history.front.at(1'300'000).verified, 0) << "no link tells how they lie";
   EXPECT_EQ(history.back.at(1'200'000).matched, 40) << "of two pairs";
