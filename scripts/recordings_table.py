@@ -45,9 +45,14 @@ def measure(run):
     }
 
 
-def cell(runs, key, worst, digits):
-    """Median / worst over the runs that have a value."""
-    values = [r[key] for r in runs if r[key] is not None]
+def read_runs(out):
+    """All that OUT has of runs that ended as they should."""
+    return [r for r in map(measure, sorted(p for p in out.glob("*/*") if p.name.isdigit())) if r]
+
+
+def cell(values, worst, digits):
+    """Median / worst of those that are known."""
+    values = [v for v in values if v is not None]
     if not values:
         return "-"
     middle = f"{statistics.median(values):.{digits}f}"
@@ -55,15 +60,17 @@ def cell(runs, key, worst, digits):
 
 
 def table_row(name, runs):
-    return [name, str(len(runs)), cell(runs, "in_map", min, 3), cell(runs, "live", min, 3), cell(runs, "true", min, 3),
-            cell(runs, "ate_m", max, 4), cell(runs, "ate_percent", max, 2), cell(runs, "submaps", max, 0),
-            cell(runs, "first_pose_s", max, 2), cell(runs, "cpu_ms", max, 1), cell(runs, "front_ms", max, 1),
-            cell(runs, "peak_mb", max, 0)]
+    def of(key, worst, digits):
+        return cell([r[key] for r in runs], worst, digits)
+
+    return [name, str(len(runs)), of("in_map", min, 3), of("live", min, 3), of("true", min, 3), of("ate_m", max, 4),
+            of("ate_percent", max, 2), of("submaps", max, 0), of("first_pose_s", max, 2), of("cpu_ms", max, 1),
+            of("front_ms", max, 1), of("peak_mb", max, 0)]
 
 
 def main():
     out = pathlib.Path(sys.argv[1])
-    runs = [r for r in map(measure, sorted(p for p in out.glob("*/*") if p.name.isdigit())) if r]
+    runs = read_runs(out)
     if not runs:
         sys.exit(f"{out}: nothing measured")
     write_csv(out / "runs.csv", list(runs[0]), [list(r.values()) for r in runs])
