@@ -179,8 +179,14 @@ class Comparison {
 Honesty evaluate_honesty(const std::vector<std::vector<ToldPose>>& submaps, const std::vector<TimedPose>& truth,
                          const MetricOptions& options) {
   Comparison comparison(options);
-  for (const std::vector<ToldPose>& submap : submaps) comparison.add(compare(submap, truth, options));
-  return comparison.result();
+  size_t told = 0;
+  for (const std::vector<ToldPose>& submap : submaps) {
+    comparison.add(compare(submap, truth, options));
+    told += submap.size();
+  }
+  Honesty honesty = comparison.result();
+  if (told == 0) honesty.reason = "no deviation of a pose is told: an older run?";
+  return honesty;
 }
 
 }  // namespace rumi::tool
