@@ -83,6 +83,9 @@ std::span<const uint8_t> Statement::blob(int column) const {
 
 void Statement::bind_one(int index, int64_t value) { check(sqlite3_bind_int64(statement_, index, value)); }
 void Statement::bind_one(int index, double value) { check(sqlite3_bind_double(statement_, index, value)); }
+void Statement::bind_one(int index, const std::optional<double>& value) {
+  check(value ? sqlite3_bind_double(statement_, index, *value) : sqlite3_bind_null(statement_, index));
+}
 void Statement::bind_one(int index, const std::string& value) {
   check(sqlite3_bind_text64(statement_, index, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
 }

@@ -5,6 +5,7 @@
 #include <sqlite3.h>
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -75,6 +76,7 @@ class Statement {
   void bind_one(int index, int value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, bool value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, double value);
+  void bind_one(int index, const std::optional<double>& value);  // nothing: NULL
   void bind_one(int index, const std::string& value);
   void bind_one(int index, std::span<const uint8_t> value);
   void check(int code) const;

@@ -149,6 +149,7 @@ void set_pose(const TrackResult& r, track_t* track) {
   track->reference_keyframe = r.reference_keyframe;
   track->cam_from_keyframe = to_wire(r.cam_from_keyframe);
   track->cam_from_submap = to_wire(r.cam_from_submap);
+  put_sigmas(r.sigmas, track);
   track->is_keyframe = r.is_keyframe;
   track->keypoints = r.keypoints;
   track->inliers = r.inliers;

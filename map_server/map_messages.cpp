@@ -88,6 +88,10 @@ trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us) {
   for (const auto& [frame_utime_us, map_from_cam] : atlas.map_trajectory()) {
     message.frame_utime.push_back(frame_utime_us);
     message.map_from_cam.push_back(to_wire(map_from_cam));
+    const PoseSigmas sigmas = atlas.locate(frame_utime_us)->sigmas();
+    message.position_sigma.push_back(sigmas.position);
+    message.rotation_sigma_rad.push_back(sigmas.rotation_rad);
+    message.log_scale_sigma.push_back(sigmas.log_scale);
   }
   message.n = static_cast<int32_t>(message.frame_utime.size());
   return message;

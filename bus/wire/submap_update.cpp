@@ -178,6 +178,7 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
     wire.utime = utime;
     wire.reference_keyframe = frame.reference_keyframe;
     wire.cam_from_keyframe = to_wire(frame.cam_from_keyframe);
+    put_sigmas(frame.sigmas, &wire);
   }
   for (int id : *removed_keyframes)
     if (!submap.keyframe(id)) u.removed_keyframes.push_back(id);
@@ -215,7 +216,8 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   apply_landmarks(update, submap);
   apply_keyframes(update, submap);
   for (const frame_t& f : update.frames)
-    submap->frames[f.utime] = {f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision};
+    submap->frames[f.utime] = {f.utime, f.reference_keyframe, *from_wire(f.cam_from_keyframe), update.revision,
+                               sigmas_of(f)};
   return "";
 }
 

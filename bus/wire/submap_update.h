@@ -26,6 +26,18 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap);
 rigid_t to_wire(const SE3& pose);
 similarity_t to_wire(const Sim3& similarity);
 rigid_transform_t to_wire(int64_t utime, const SE3& pose);
+// Into the members of that name of a track_t or a frame_t, and out of them; not known is what pose_sigmas() says.
+template <class Wire>
+void put_sigmas(const PoseSigmas& sigmas, Wire* wire) {
+  wire->position_sigma = sigmas.position;
+  wire->rotation_sigma_rad = sigmas.rotation_rad;
+  wire->log_scale_sigma = sigmas.log_scale;
+}
+template <class Wire>
+PoseSigmas sigmas_of(const Wire& wire) {
+  return pose_sigmas(static_cast<double>(wire.position_sigma), static_cast<double>(wire.rotation_sigma_rad),
+                     static_cast<double>(wire.log_scale_sigma));
+}
 // Nothing if not finite or the quaternion is not of unit length within 1e-3.
 std::optional<SE3> from_wire(const rigid_t& pose);
 std::optional<Sim3> from_wire(const similarity_t& similarity);

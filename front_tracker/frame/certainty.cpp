@@ -52,6 +52,11 @@ Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landma
   return by_twist.transpose() * covariance.inverse() * by_twist;
 }
 
+// About one axis.
+double rotation_variance(const Matrix6d& twist_covariance) {
+  return twist_covariance.bottomRightCorner<3, 3>().trace() / 3;
+}
+
 Matrix6d invert(const Matrix6d& information) {
   return (information + 1e-12 * Matrix6d::Identity()).ldlt().solve(Matrix6d::Identity());
 }
@@ -148,10 +153,25 @@ double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe,
   return carried + log_baseline_variance(submap, newer_keyframe, older_keyframe);
 }
 
+PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame) {
+  const Matrix6d& c = frame.certainty.twist_covariance;
+  // exp(twist) moves the centre by a rotated translation, which leaves the trace as it is.
+  double position = c.topLeftCorner<3, 3>().trace() / 3, rotation = rotation_variance(c);
+  constexpr double kNothing = 1e10;  // what invert() makes of no information is more
+  if (!(position > 0 && position < kNothing && rotation > 0 && rotation < kNothing)) return {};
+  // A keyframe is its own reference: those around it are known about as well.
+  const auto known = submap.certainty.find(frame.reference_keyframe);
+  if (known != submap.certainty.end()) {
+    position += known->second.position_covariance.trace() / 3;
+    rotation += known->second.rotation_variance;
+  }
+  return pose_sigmas(std::sqrt(position), std::sqrt(rotation), std::sqrt(frame.certainty.log_scale_variance));
+}
+
 void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap* submap) {
   const Keyframe& kf = *submap->map.keyframe(keyframe_id);
   submap->certainty[keyframe_id] = {position_covariance(kf.cam_from_submap, certainty.twist_covariance),
-                                    certainty.log_scale_variance};
+                                    certainty.log_scale_variance, rotation_variance(certainty.twist_covariance)};
   for (const int id : kf.landmark_ids) {
     Landmark* lm = id == kNone ? nullptr : submap->map.landmark(id);
     if (!lm || lm->observations.front().keyframe_id == keyframe_id) continue;

@@ -37,6 +37,11 @@ double log_scale_variance_between(const FrontSubmap& submap, int newer_keyframe,
 // How well the distance between two keyframes is known beside its length: variance of its logarithm.
 double log_baseline_variance(const FrontSubmap& submap, int keyframe_a, int keyframe_b);
 
+// Of a frame with a certainty and a reference keyframe, as it is told to others. Not known without a covariance. A
+// landmark's covariance supposes that its keyframes are where they are, but they are known no better than frames are:
+// so what was known of the reference keyframe is added. The first ones of a submap say where it is.
+PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame);
+
 // Of a new keyframe, with the certainty of its frame: from now on its landmarks are known by it, too.
 void note_certainty(int keyframe_id, const PoseCertainty& certainty, FrontSubmap* submap);
 

@@ -16,6 +16,7 @@ namespace rumi::front_tracker {
 struct KeyframeCertainty {
   Eigen::Matrix3d position_covariance;  // in the submap
   double log_scale_variance = 0;
+  double rotation_variance = 0;  // about one axis
 };
 
 // A submap under construction: the submap itself and what only its maker needs.

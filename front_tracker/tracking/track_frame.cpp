@@ -237,6 +237,15 @@ bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<cons
   return true;
 }
 
+// Of a frame whose pose does not come from what it is matched to. Nothing is known where little is found.
+PoseCertainty Tracker::certainty_where_it_is(const Frame& posed) {
+  std::vector<const Landmark*> landmarks;
+  for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
+  Frame matched = posed;
+  if (!pose_from_neighbour(posed, landmarks, options_.tracking.lost_px(), &matched)) return {};
+  return matched.certainty;
+}
+
 // Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
 void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed) {
   std::vector<const Landmark*> landmarks;

@@ -310,6 +310,8 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
     if (keyframe_of_view[v] != kNone) keyframe = keyframe_of_view[v];
     frame.reference_keyframe = keyframe;
     frame.cam_from_keyframe = frame.cam_from_submap * submap->map.keyframe(keyframe)->cam_from_submap.inverse();
+    frame.certainty =
+        keyframe_of_view[v] != kNone ? certainty_of(submap->map, scales_, frame) : certainty_where_it_is(frame);
     record_pose(submap, frame);
   }
   give_poses_afterwards(&initial.frames, &posed);
@@ -325,7 +327,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
 
 void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
   submap->map.frames[frame.utime_us] = {frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe,
-                                        submap->map.revision};
+                                        submap->map.revision, sigmas_of(*submap, frame)};
 }
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
@@ -399,6 +401,7 @@ void Tracker::note_pose(const FrontSubmap& submap, const Frame& frame, TrackResu
   result->reference_keyframe = frame.reference_keyframe;
   result->cam_from_keyframe = frame.cam_from_keyframe;
   result->cam_from_submap = frame.cam_from_submap;
+  result->sigmas = sigmas_of(submap, frame);
   result->inliers = frame.matches();
 }
 

@@ -28,6 +28,7 @@ struct TrackResult {
   int64_t submap_revision = 0;
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe, cam_from_submap;
+  PoseSigmas sigmas;
   bool is_keyframe = false;
   int keypoints = 0, inliers = 0;
 };
@@ -104,6 +105,7 @@ class Tracker {
   void add_initial_map(InitialMap map, FrontSubmap* submap);
   bool pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, double max_image_px,
                            Frame* frame);
+  PoseCertainty certainty_where_it_is(const Frame& posed);
   void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed);
   void track_back(const Frame& found, std::deque<Frame> frames);
   void lose(const Frame& frame);

@@ -62,6 +62,11 @@ std::string describe(const std::set<SubmapKey>& submaps) {
   return fmt::format("submaps {} and {}", fmt::join(ids.begin(), ids.end() - 1, ", "), ids.back());
 }
 
+PoseSigmas LocatedFrame::sigmas() const {
+  if (!owner->in_map) return frame->sigmas;
+  return scaled(frame->sigmas, owner->placement.at(owner->submap, *frame).scale);
+}
+
 std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(Submap*)>& change) {
   const auto known = submaps_.find(key);
   AtlasSubmap fresh;

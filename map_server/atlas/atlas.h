@@ -44,6 +44,8 @@ struct LocatedFrame {
   SE3 cam_from_submap() const { return owner->submap.cam_from_submap(*frame); }
   // Meaningful where the owner is in the map.
   SE3 cam_from_map() const { return owner->placement.cam_from_map(owner->submap, *frame); }
+  // In the map's unit where the owner is in the map, else in the submap's.
+  PoseSigmas sigmas() const;
 };
 
 // "submap 3", "submaps 1, -1 and 2"; of many, or of several sessions, how many: "12 submaps". Not of none.

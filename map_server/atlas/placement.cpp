@@ -23,10 +23,13 @@ SE3 Placement::cam_from_map(const Keyframe& keyframe) const {
   return at(keyframe.utime_us).transform_camera(keyframe.cam_from_submap);
 }
 
-SE3 Placement::cam_from_map(const Submap& submap, const FramePose& frame) const {
+Sim3 Placement::at(const Submap& submap, const FramePose& frame) const {
   const Keyframe* reference = submap.keyframe(frame.reference_keyframe);
-  const Sim3 place = at(reference ? reference->utime_us : frame.utime_us);
-  return place.transform_camera(submap.cam_from_submap(frame));
+  return at(reference ? reference->utime_us : frame.utime_us);
+}
+
+SE3 Placement::cam_from_map(const Submap& submap, const FramePose& frame) const {
+  return at(submap, frame).transform_camera(submap.cam_from_submap(frame));
 }
 
 Eigen::Vector3d Placement::position_in_map(const Submap& submap, const Landmark& landmark) const {
@@ -52,9 +55,11 @@ Submap place(const Submap& submap, const Placement& placement) {
     keyframe.cam_from_submap = placement.cam_from_map(submap.keyframes.at(id));
   for (auto& [id, landmark] : placed.landmarks)
     landmark.position = placement.position_in_map(submap, submap.landmarks.at(id));
-  for (auto& [utime_us, frame] : placed.frames)
-    if (const Keyframe* reference = submap.keyframe(frame.reference_keyframe))
-      frame.cam_from_keyframe.translation *= placement.at(reference->utime_us).scale;
+  for (auto& [utime_us, frame] : placed.frames) {
+    const double scale = placement.at(submap, frame).scale;
+    frame.cam_from_keyframe.translation *= scale;
+    frame.sigmas = scaled(frame.sigmas, scale);
+  }
   return placed;
 }
 

@@ -34,6 +34,9 @@ struct Placement {
   // At the latest keyframe: what a camera that goes on in the submap is placed with.
   Sim3 latest() const { return map_from_submap.empty() ? Sim3() : map_from_submap.rbegin()->second; }
 
+  // At the frame's keyframe.
+  Sim3 at(const Submap& submap, const FramePose& frame) const;
+
   SE3 cam_from_map(const Keyframe& keyframe) const;
   // The frame keeps its place relative to its keyframe.
   SE3 cam_from_map(const Submap& submap, const FramePose& frame) const;

@@ -94,11 +94,15 @@ std::string submap_file_name(const Atlas& atlas, SubmapKey key) {
 
 std::string write_frames_csv(const Atlas& atlas, const std::string& file) {
   WholeFile out(file);
-  out.write("utime,state,submap,in_map\n");
+  out.write("utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n");
   for (const auto& [utime_us, record] : atlas.frames()) {
     const std::optional<LocatedFrame> located = atlas.locate(utime_us);
-    out.write(fmt::format("{},{},{},{}\n", utime_us, to_string(record.state),
-                          located ? located->owner->submap.key.id : 0, located && located->owner->in_map ? 1 : 0));
+    const PoseSigmas sigmas = located ? located->sigmas() : PoseSigmas();
+    out.write(fmt::format(
+        "{},{},{},{},{}\n", utime_us, to_string(record.state), located ? located->owner->submap.key.id : 0,
+        located && located->owner->in_map ? 1 : 0,
+        sigmas.are_known() ? fmt::format("{:.6g},{:.6g},{:.6g}", sigmas.position, sigmas.rotation_rad, sigmas.log_scale)
+                           : ",,"));
   }
   return out.commit();
 }

@@ -20,8 +20,10 @@ std::string write_submap_tum(const Submap& submap, const std::string& file);
 // "003.txt", for a back submap "b003.txt"; of another session than the served map's "s<session>-003.txt".
 std::string submap_file_name(const Atlas& atlas, SubmapKey key);
 
-// Header and one line per frame ever heard of, in time order: utime,state,submap,in_map. submap: the one that has a
-// pose for it now (front 1, 2, ..., back -1, -2, ...), 0 for none. in_map: 1 if it has a pose in the served map. A
+// Header and one line per frame ever heard of, in time order:
+// utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma. submap: the one that has a pose for it
+// now (front 1, 2, ..., back -1, -2, ...), 0 for none. in_map: 1 if it has a pose in the served map. The deviations are
+// those of lcmtypes/track.lcm, in the map's unit where in_map, else in the submap's; empty where they are not known. A
 // frame that got its pose after the fact has a submap although its state is NOT_INITIALIZED. state is UNKNOWN only
 // where the bus lost the message about the frame.
 std::string write_frames_csv(const Atlas& atlas, const std::string& file);

@@ -132,7 +132,8 @@ void MapStore::open() {
       db_.execute(kMapSchemaPlacements);
       db_.execute(kMapSchemaFrom1To2);
     }
-    db_.execute(kMapSchemaFrom2To3);
+    if (version <= 2) db_.execute(kMapSchemaFrom2To3);
+    db_.execute(kMapSchemaFrom3To4);
     log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(

@@ -122,10 +122,12 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     s->keyframes.emplace_hint(s->keyframes.end(), keyframe.id, std::move(keyframe));
   }
   Statement poses(db_,
-                  "SELECT utime, reference_keyframe, cam_from_keyframe, revision FROM frame_poses WHERE submap = ?");
+                  "SELECT utime, reference_keyframe, cam_from_keyframe, revision, position_sigma, rotation_sigma_rad, "
+                  "log_scale_sigma FROM frame_poses WHERE submap = ?");
   for (poses.bind(row); poses.step();) {
     FramePose pose{poses.integer(0), static_cast<int>(poses.integer(1)),
-                   pose_from_numbers(array_from_blob<PoseNumbers>(poses.blob(2))), poses.integer(3)};
+                   pose_from_numbers(array_from_blob<PoseNumbers>(poses.blob(2))), poses.integer(3),
+                   pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // NULL is 0: not known
     if (!s->keyframe(pose.reference_keyframe))
       throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
     s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "map_server/store/blob.h"
 #include "map_server/store/map_store.h"
@@ -18,6 +19,10 @@ std::vector<int32_t> observation_pairs(const Keyframe& keyframe) {
     pairs.push_back(keyframe.landmark_ids[i]);
   }
   return pairs;
+}
+
+std::optional<double> or_null(const PoseSigmas& sigmas, float value) {
+  return sigmas.are_known() ? std::optional(static_cast<double>(value)) : std::nullopt;
 }
 
 void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
@@ -117,11 +122,15 @@ void MapStore::save_landmarks(const Submap& s, const Stored& since) {
 }
 
 void MapStore::save_poses(const Submap& s, const Stored& since) {
-  Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?)");
+  Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   for (const auto& [utime_us, frame] : s.frames) {
     if (frame.revision <= since.revision) continue;
     const PoseNumbers pose = pose_numbers(frame.cam_from_keyframe);
-    insert.bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision).run();
+    insert
+        .bind(since.row, utime_us, frame.reference_keyframe, as_blob(pose), frame.revision,
+              or_null(frame.sigmas, frame.sigmas.position), or_null(frame.sigmas, frame.sigmas.rotation_rad),
+              or_null(frame.sigmas, frame.sigmas.log_scale))
+        .run();
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 3. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 4. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 3;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 4;           // PRAGMA user_version; raise it with every change of the schema
 
 // What version 2 added to version 1: where the submaps of the map lie in it.
 inline constexpr const char* kMapSchemaPlacements = R"sql(
@@ -119,6 +119,9 @@ CREATE TABLE frame_poses (                -- cam_from_submap = cam_from_keyframe
   reference_keyframe INTEGER NOT NULL,
   cam_from_keyframe BLOB NOT NULL,        -- pose
   revision INTEGER NOT NULL,
+  position_sigma REAL,                    -- standard deviations, as in track.lcm, in the submap's unit; NULL: not known
+  rotation_sigma_rad REAL,
+  log_scale_sigma REAL,
   PRIMARY KEY (submap, utime)
 ) WITHOUT ROWID;
 
@@ -146,5 +149,12 @@ ALTER TABLE submaps DROP COLUMN map_from_submap;
 
 // Version 2 kept what had been removed, without end.
 inline constexpr const char* kMapSchemaFrom2To3 = "DROP TABLE removed";
+
+// Version 3 did not know how well poses are known.
+inline constexpr const char* kMapSchemaFrom3To4 = R"sql(
+ALTER TABLE frame_poses ADD COLUMN position_sigma REAL;
+ALTER TABLE frame_poses ADD COLUMN rotation_sigma_rad REAL;
+ALTER TABLE frame_poses ADD COLUMN log_scale_sigma REAL;
+)sql";
 
 }  // namespace rumi::map_server

@@ -40,6 +40,15 @@ void print_report(const ordered_json& json) {
   line("span_rate (first to last pose)", "span_rate", "");
   line("true_rate (near the truth / all frames)", "true_rate", "");
   line("CPU of all components", "ms_per_frame", " ms per frame");
+  const auto honesty = [&](const char* what, const char* key) {
+    const ordered_json& within = json["honesty"][key];
+    if (within["counted"].get<int>() == 0) return fmt::print("{:<44}cannot be computed\n", what);
+    fmt::print("{:<44}{:.3f} and {:.3f} of {}\n", what, within["within_one"].get<double>(),
+               within["within_two"].get<double>(), within["counted"].get<int>());
+  };
+  honesty("position within 1 and 2 sigma (.683, .954)", "position");
+  honesty("rotation within 1 and 2 sigma", "rotation");
+  honesty("drift of scale within 1 and 2 sigma", "log_scale");
   fmt::print("{:<44}{} of {}, {} with a truth\n", "frames with a pose", json["tracked_frames"].get<int>(),
              json["frames"].get<int>(), json["frames_with_truth"].get<int>());
   fmt::print("{:<44}{}\n", "submaps", json["submaps"].get<int>());
@@ -48,7 +57,8 @@ void print_report(const ordered_json& json) {
                submap["name"].get<std::string>(), submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"),
                number(submap["ate_in_map_rmse_m"], " m"), number(submap["path_m"], " m"));
   }
-  if (const auto reason = json["reason"].get<std::string>(); !reason.empty()) fmt::print("note: {}\n", reason);
+  for (const ordered_json& reason : {json["reason"], json["honesty"]["reason"]})
+    if (!reason.get<std::string>().empty()) fmt::print("note: {}\n", reason.get<std::string>());
 }
 
 int evaluate(const Arguments& arguments) {
@@ -99,7 +109,9 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
                    "true_rate counts frames nearer to the truth than this, m")
       ->positive()
       ->show_default();
-  command->add_option("--rpe-interval", arguments->metrics.rpe_interval_s, "of the relative pose error, s")
+  command
+      ->add_option("--rpe-interval", arguments->metrics.rpe_interval_s,
+                   "of the relative pose error, and around a pose where its deviations are judged, s")
       ->positive()
       ->show_default();
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return evaluate(*arguments); }; });

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rumi/evaluation/run_evaluation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
+#include <utility>
 
 namespace rumi::tool {
 namespace {
@@ -31,6 +37,41 @@ std::vector<TimedPose> at_times_of(const std::vector<TimedPose>& submap, const s
   const auto earlier = [](const TimedPose& a, const TimedPose& b) { return a.utime_us < b.utime_us; };
   std::set_intersection(map.begin(), map.end(), submap.begin(), submap.end(), std::back_inserter(poses), earlier);
   return poses;
+}
+
+// The poses that frames.csv has deviations of, by submap: as the map has them where the frame is in the map, else as
+// its submap has them, for so are the deviations. A submap of another session than the map's has a file of another
+// name.
+std::vector<std::vector<ToldPose>> told_poses(const std::vector<InputFrame>& frames, const std::vector<TimedPose>& map,
+                                              const std::map<std::string, const std::vector<TimedPose>*>& submaps) {
+  std::map<std::pair<int, bool>, std::vector<ToldPose>> told;
+  for (const InputFrame& frame : frames) {
+    if (!frame.sigmas.are_known()) continue;
+    const std::string name = fmt::format("{}{:03}", frame.submap < 0 ? "b" : "", std::abs(int64_t{frame.submap}));
+    const auto file = submaps.find(name);
+    if (!frame.in_map && file == submaps.end()) continue;
+    const std::vector<TimedPose>& poses = frame.in_map ? map : *file->second;
+    const auto pose = std::lower_bound(poses.begin(), poses.end(), frame.utime_us,
+                                       [](const TimedPose& p, int64_t utime_us) { return p.utime_us < utime_us; });
+    if (pose == poses.end() || pose->utime_us != frame.utime_us) continue;
+    std::vector<ToldPose>& of_submap = told[{frame.submap, frame.in_map}];
+    if (of_submap.empty() || of_submap.back().pose.utime_us < frame.utime_us)
+      of_submap.push_back({*pose, frame.sigmas});
+  }
+  std::vector<std::vector<ToldPose>> lists;
+  for (auto& [submap, poses] : told) lists.push_back(std::move(poses));
+  return lists;
+}
+
+ordered_json to_json(const WithinSigmas& within) {
+  return {{"counted", within.counted}, {"within_one", or_null(within.one)}, {"within_two", or_null(within.two)}};
+}
+
+ordered_json to_json(const Honesty& honesty) {
+  return {{"position", to_json(honesty.position)},
+          {"rotation", to_json(honesty.rotation)},
+          {"log_scale", to_json(honesty.log_scale)},
+          {"reason", honesty.reason}};
 }
 
 }  // namespace
@@ -61,6 +102,9 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
         {file.stem().string(), evaluate_trajectory(submap.poses, truth.poses, metric_options),
          evaluate_trajectory(at_times_of(submap.poses, map.poses), truth.poses, metric_options).ate_rmse_m});
   }
+  std::map<std::string, const std::vector<TimedPose>*> by_name;
+  for (size_t i = 0; i < files.size(); ++i) by_name[files[i].stem().string()] = &submaps[i];
+  evaluation->honesty = evaluate_honesty(told_poses(frames.frames, map.poses, by_name), truth.poses, metric_options);
   const ordered_json run = read_run(out / "run.json");
   const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
   evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
@@ -92,6 +136,7 @@ ordered_json to_json(const RunEvaluation& evaluation) {
       {"scale", run.map.truth_from_estimate ? ordered_json(run.map.truth_from_estimate->scale) : ordered_json()},
       {"submaps", evaluation.submaps.size()},
       {"per_submap", ordered_json::array()},
+      {"honesty", to_json(evaluation.honesty)},
       {"ms_per_frame", evaluation.cpu_ms_per_frame.is_null() ? ordered_json() : ordered_json(cpu_ms)},
       {"cpu_ms_per_frame", evaluation.cpu_ms_per_frame},
       {"reason", run.map.reason},

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "rumi/evaluation/honesty.h"
 #include "rumi/evaluation/metrics.h"
 
 namespace rumi::tool {
@@ -20,6 +21,7 @@ struct SubmapResult {
 struct RunEvaluation {
   RunMetrics run;
   std::vector<SubmapResult> submaps;
+  Honesty honesty;  // of the deviations in frames.csv
   std::vector<TimedPose> truth;
   nlohmann::ordered_json cpu_ms_per_frame;  // by component, from run.json; null if it is not there
 };

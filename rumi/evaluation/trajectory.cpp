@@ -26,6 +26,35 @@ std::vector<std::string> split(const std::string& line, const char* separators) 
   return fields;
 }
 
+// Empty fields count; the end of the line may be that of another system.
+std::vector<std::string> split_csv(const std::string& line) {
+  std::vector<std::string> fields;
+  const size_t length = line.ends_with('\r') ? line.size() - 1 : line.size();
+  for (size_t begin = 0; begin <= length;) {
+    const size_t end = std::min(line.find(',', begin), length);
+    fields.push_back(line.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return fields;
+}
+
+template <class Number>
+bool parse(const std::string& text, Number* value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+// Of the fields at `columns` (none: the file has no such columns). False if one of them is no number.
+bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size_t>& columns, PoseSigmas* sigmas) {
+  std::vector<double> values;
+  for (const size_t column : columns) {
+    if (fields[column].empty()) return true;
+    if (!parse(fields[column], &values.emplace_back())) return false;
+  }
+  if (!values.empty()) *sigmas = pose_sigmas(values[0], values[1], values[2]);
+  return true;
+}
+
 std::optional<double> to_number(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -163,25 +192,24 @@ FramesFile read_frames(const std::string& file) {
     result.error = fmt::format("{}: cannot be read, or is empty: is this the output folder of a run?", file);
     return result;
   }
-  const auto names = split(line, ",\r");
+  const auto names = split_csv(line);
   const auto column = [&](const char* name) { return std::find(names.begin(), names.end(), name) - names.begin(); };
   const size_t utime = column("utime"), state = column("state"), submap = column("submap"), in_map = column("in_map");
   if (std::max({utime, state, submap, in_map}) >= names.size()) {
     result.error = fmt::format("{}: first line '{}' does not name the columns utime,state,submap,in_map", file, line);
     return result;
   }
+  std::vector<size_t> sigmas;
+  for (const char* name : {"position_sigma", "rotation_sigma_rad", "log_scale_sigma"}) sigmas.push_back(column(name));
+  if (std::ranges::max(sigmas) >= names.size()) sigmas.clear();
   for (int number = 2; std::getline(in, line); ++number) {
-    const auto fields = split(line, ",\r");
-    if (fields.empty()) continue;
+    if (line.find_first_not_of("\r") == std::string::npos) continue;
+    const auto fields = split_csv(line);
     InputFrame frame;
-    const auto parse = [&](size_t index, auto* value) {
-      const std::string& text = fields[index];
-      const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
-      return error == std::errc() && end == text.data() + text.size();
-    };
     int in_map_value = 0;
-    if (fields.size() != names.size() || !parse(utime, &frame.utime_us) || !parse(submap, &frame.submap) ||
-        !parse(in_map, &in_map_value)) {
+    if (fields.size() != names.size() || !parse(fields[utime], &frame.utime_us) ||
+        !parse(fields[submap], &frame.submap) || !parse(fields[in_map], &in_map_value) ||
+        !parse_sigmas(fields, sigmas, &frame.sigmas)) {
       result.error = fmt::format("{}, line {}: '{}' is not utime,state,submap,in_map", file, number, line);
       return result;
     }

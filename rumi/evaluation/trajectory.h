@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slam/geometry/transform.h"
+#include "slam/map/pose_sigmas.h"
 
 namespace rumi::tool {
 
@@ -40,6 +41,7 @@ struct InputFrame {
   std::string state;
   int submap = 0;  // 0: no pose
   bool in_map = false;
+  PoseSigmas sigmas = {};  // of lengths in the map's unit where in_map, else in the submap's
 };
 
 struct FramesFile {
@@ -48,7 +50,9 @@ struct FramesFile {
   bool ok() const { return error.empty(); }
 };
 
-// frames.csv: columns utime, state, submap, in_map in any order, named by the first line.
+// frames.csv: columns utime, state, submap, in_map in any order, named by the first line; position_sigma,
+// rotation_sigma_rad and log_scale_sigma where it has all three (older files have not). Deviations that are empty, or
+// none by pose_sigmas(), are not known.
 FramesFile read_frames(const std::string& file);
 
 }  // namespace rumi::tool

@@ -406,7 +406,8 @@ void RebuildQueue::deliver(int64_t now_us) {
   std::string problem;
   if (submap.empty()) problem = spool_->read_submap(entry->name, &submap);
   submap_update_t update;
-  if (problem.empty() && !Bus::decode(submap, &update)) problem = "its back submap in the spool is damaged";
+  if (problem.empty() && !Bus::decode(submap, &update))
+    problem = "its back submap in the spool is damaged, or of another version";
   if (problem.empty())
     send(entry, std::move(submap));
   else

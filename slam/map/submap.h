@@ -17,6 +17,7 @@
 #include "slam/features/features.h"
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
+#include "slam/map/pose_sigmas.h"
 #include "slam/map/removals.h"
 
 namespace rumi {
@@ -61,6 +62,7 @@ struct FramePose {
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
   int64_t revision = 0;
+  PoseSigmas sigmas = {};  // when the frame got its pose
 };
 
 struct SubmapKey {

@@ -234,6 +234,13 @@ TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
     EXPECT_EQ(last.submap_id, 1) << "all frames get poses here";
     ASSERT_TRUE(from_wire(last.cam_from_submap));
     ASSERT_TRUE(from_wire(last.cam_from_keyframe));
+    EXPECT_EQ(sigmas_of(first).are_known(), utime >= began);
+    const PoseSigmas sigmas = sigmas_of(last);
+    EXPECT_GT(sigmas.position, 1e-5);
+    EXPECT_LT(sigmas.position, 0.1) << "in the submap, whose unit is its first baseline";
+    EXPECT_LT(sigmas.rotation_rad, 0.05);
+    EXPECT_LT(sigmas.log_scale, 0.1);
+    EXPECT_EQ(node_->tracker()->submaps()[0]->map.frame(utime)->sigmas, sigmas) << "as the map has it";
     if (utime < began) keyframes += last.is_keyframe;
   }
   EXPECT_GE(keyframes, 1);
@@ -271,6 +278,8 @@ TEST_F(Fixture, WithdrawnPosesAreToldBeforeTheFrameThatContradictsThem) {
     EXPECT_EQ(now.state, track_t::RECENTLY_LOST);
     EXPECT_EQ(now.submap_id, kNoSubmap);
     EXPECT_EQ(now.reference_keyframe, kNone);
+    EXPECT_TRUE(sigmas_of(*told).are_known());
+    EXPECT_FALSE(sigmas_of(now).are_known());
     EXPECT_FALSE(now.is_keyframe);
   }
   EXPECT_EQ(tracks_.back().state, track_t::TRACKING);

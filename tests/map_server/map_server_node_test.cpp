@@ -319,6 +319,12 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
     EXPECT_LT((placed.keyframe(id)->cam_from_submap.center() - owner.placement.cam_from_map(keyframe).center()).norm(),
               1e-12);
   EXPECT_EQ(placed.revision, owner.submap.revision);
+  int with_sigmas = 0;
+  for (const auto& [utime_us, frame] : placed.frames) {
+    EXPECT_EQ(frame.sigmas, (LocatedFrame{&owner, owner.submap.frame(utime_us)}.sigmas())) << utime_us;
+    with_sigmas += frame.sigmas.are_known();
+  }
+  EXPECT_EQ(with_sigmas, 12);
 
   trajectory_t trajectory;
   EXPECT_EQ(answers_[1].kind, chunk_t::TRAJECTORY);
@@ -326,8 +332,13 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   const std::map<int64_t, SE3> expected = node_->atlas().map_trajectory();
   EXPECT_EQ(trajectory.map_revision, node_->atlas().revision());
   ASSERT_EQ(trajectory.n, 16);
-  for (int i = 0; i < trajectory.n; ++i)
+  for (int i = 0; i < trajectory.n; ++i) {
     EXPECT_EQ(from_wire(trajectory.map_from_cam[i])->translation, expected.at(trajectory.frame_utime[i]).translation);
+    const PoseSigmas& sigmas = placed.frames.at(trajectory.frame_utime[i]).sigmas;
+    EXPECT_EQ(trajectory.position_sigma[i], sigmas.position);
+    EXPECT_EQ(trajectory.rotation_sigma_rad[i], sigmas.rotation_rad);
+    EXPECT_EQ(trajectory.log_scale_sigma[i], sigmas.log_scale);
+  }
 
   map_region_t all, near;
   EXPECT_EQ(answers_[2].kind, chunk_t::REGION);

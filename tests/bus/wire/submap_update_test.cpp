@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bus/transport/bus.h"
+#include "lcmtypes/rumi/track_t.hpp"
 #include "tests/bus/wire/submap_editor.h"
 
 namespace rumi {
@@ -250,6 +251,49 @@ TEST(SubmapUpdateTest, RemovalsMayNotLeaveReferences) {
   update.nremoved_keyframes = 1;
   EXPECT_THAT(apply_submap_update(update, &copy), HasSubstr("removed keyframe 4: frame 100 still hangs on it"));
   EXPECT_EQ(contents(copy), contents(tiny()));
+}
+
+TEST(SubmapUpdateTest, DeviationsTravelWithTheFrames) {
+  Submap source = tiny(), copy;
+  source.frames[100].sigmas = {0.1F, 0.003F, 0};
+  source.frames[200] = {200, 4, SE3(), 1};
+  ASSERT_EQ(send(source, 0, &copy), "");
+  EXPECT_EQ(copy.frames.at(100).sigmas, (PoseSigmas{0.1F, 0.003F, 0}));
+  EXPECT_EQ(copy.frames.at(200).sigmas, PoseSigmas());
+}
+
+// No map is refused for what is only said about it.
+TEST(SubmapUpdateTest, ADeviationThatIsNoneIsNotKnown) {
+  const auto infinite = std::numeric_limits<float>::infinity();
+  for (const float bad : {-1.0F, -0.01F, static_cast<float>(kNan), infinite, -infinite, 3e38F})
+    for (float frame_t::*member : {&frame_t::position_sigma, &frame_t::rotation_sigma_rad, &frame_t::log_scale_sigma}) {
+      Submap source = tiny(), copy;
+      source.frames[100].sigmas = {0.1F, 0.003F, 0.2F};
+      submap_update_t update = make_submap_update(source, 0);
+      update.frames[0].*member = bad;
+      ASSERT_EQ(apply_submap_update(update, &copy), "") << bad;
+      EXPECT_EQ(copy.frames.at(100).sigmas, PoseSigmas()) << bad;
+    }
+  submap_update_t update = make_submap_update(tiny(), 0);
+  update.frames[0].position_sigma = update.frames[0].rotation_sigma_rad = update.frames[0].log_scale_sigma = 0;
+  Submap copy;
+  ASSERT_EQ(apply_submap_update(update, &copy), "");
+  EXPECT_EQ(copy.frames.at(100).sigmas, PoseSigmas()) << "a sender that did not fill it in";
+}
+
+TEST(SubmapUpdateTest, DeviationsSurviveATrack) {
+  track_t track{};
+  EXPECT_EQ(sigmas_of(track), PoseSigmas());
+  put_sigmas({0.5F, 0.01F, 0.3F}, &track);
+  const std::vector<uint8_t> bytes = encode_message(track);
+  track_t received;
+  ASSERT_GT(received.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+  EXPECT_EQ(sigmas_of(received), (PoseSigmas{0.5F, 0.01F, 0.3F}));
+  put_sigmas({}, &track);
+  EXPECT_EQ(track.position_sigma, -1);
+  EXPECT_EQ(track.log_scale_sigma, -1);
+  track.position_sigma = static_cast<float>(kNan);
+  EXPECT_EQ(sigmas_of(track), PoseSigmas());
 }
 
 // Random bytes in a good update: refused, or applied to something consistent; never a crash.

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "slam/geometry/triangulation.h"
 #include "slam/optimization/bundle_adjustment.h"
 #include "tests/front_tracker/feature_scene.h"
@@ -43,6 +46,33 @@ SeenLandmarks see(const std::vector<Eigen::Vector3d>& points, const SE3& cam_fro
   seen.frame.cam_from_submap = cam_from_submap;
   for (size_t k = 0; k < points.size(); ++k) seen.frame.landmark_ids[k] = static_cast<int>(k);
   return seen;
+}
+
+// What is told: a coordinate's share of the trace, and what was known of the keyframe that the frame hangs on.
+TEST(Certainty, WhatIsToldAddsWhatWasKnownOfTheKeyframe) {
+  FrontSubmap submap;
+  submap.map.keyframes[3].id = 3;
+  Frame frame;
+  EXPECT_EQ(sigmas_of(submap, frame), PoseSigmas()) << "nothing is known";
+  frame.certainty.twist_covariance.diagonal() << 1, 2, 6, 0.04, 0.05, 0.09;
+  frame.certainty.log_scale_variance = 0.25;
+  const auto expect = [&](double position, double rotation) {
+    const PoseSigmas told = sigmas_of(submap, frame);
+    EXPECT_FLOAT_EQ(told.position, static_cast<float>(position));
+    EXPECT_FLOAT_EQ(told.rotation_rad, static_cast<float>(rotation));
+    EXPECT_FLOAT_EQ(told.log_scale, 0.5F);
+  };
+  expect(std::sqrt(3), std::sqrt(0.06));
+  frame.reference_keyframe = 3;
+  expect(std::sqrt(3), std::sqrt(0.06));  // one of the first: it says where the submap is
+  PoseCertainty of_keyframe;
+  of_keyframe.twist_covariance.diagonal() << 3, 3, 3, 0.03, 0.03, 0.03;
+  note_certainty(3, of_keyframe, &submap);
+  expect(std::sqrt(6), 0.3);
+  frame.certainty = certainty_of(submap.map, {1}, make_frame(1, {}, test_camera()));
+  EXPECT_EQ(sigmas_of(submap, frame), PoseSigmas()) << "it sees nothing";
+  frame.certainty.twist_covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(sigmas_of(submap, frame), PoseSigmas());
 }
 
 TEST(Certainty, APoseIsOffByAsMuchAsItsCovarianceSays) {

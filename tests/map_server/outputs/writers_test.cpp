@@ -27,14 +27,18 @@ std::vector<std::string> lines(const std::string& text) {
   return all;
 }
 
-// One submap, three frames on one keyframe that looks from (1, 2, 3) along x.
+// One submap, three frames on one keyframe that looks from (1, 2, 3) along x. How well it is known is known of the
+// second.
 Submap small_submap(int32_t id) {
   Submap s = make_submap({7, id}, 5, 1, 1'700'000'000'000'042);
   Keyframe& keyframe = s.keyframes.begin()->second;
   const Eigen::Quaterniond half_turn(0, 0, 1, 0);
   keyframe.cam_from_submap = SE3(half_turn, Eigen::Vector3d(1, 2, 3)).inverse();
   while (s.frames.size() > 3) s.frames.erase(std::prev(s.frames.end()));
-  for (auto& [utime, frame] : s.frames) frame.cam_from_keyframe = SE3();
+  for (auto& [utime, frame] : s.frames) {
+    frame.cam_from_keyframe = SE3();
+    frame.sigmas = utime == 1'700'000'000'033'375 ? PoseSigmas{0.5F, 0.0125F, 0.02F} : PoseSigmas();
+  }
   return s;
 }
 
@@ -83,14 +87,25 @@ TEST(Writers, FramesTableTellsStateSubmapAndMap) {
   ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
   const auto table = lines(read_file(folder / "frames.csv"));
   ASSERT_EQ(table.size(), 1 + 3 + 3 + 4);
-  EXPECT_EQ(table[0], "utime,state,submap,in_map");
-  EXPECT_EQ(table[1], "1700000000000041,NOT_INITIALIZED,0,0");
-  EXPECT_EQ(table[2], "1700000000000042,NOT_INITIALIZED,1,0");
-  EXPECT_EQ(table[3], "1700000000033375,TRACKING,1,0");
-  EXPECT_EQ(table[4], "1700000000040042,RECENTLY_LOST,0,0");
-  EXPECT_EQ(table[5], "1700000000050042,LOST,0,0");
-  EXPECT_EQ(table[6], "1700000000066708,UNKNOWN,1,0");  // its RUMI_TRACK message was lost
-  EXPECT_EQ(table[7], "1800000000000000,TRACKING,2,1");
+  EXPECT_EQ(table[0], "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma");
+  EXPECT_EQ(table[1], "1700000000000041,NOT_INITIALIZED,0,0,,,");
+  EXPECT_EQ(table[2], "1700000000000042,NOT_INITIALIZED,1,0,,,");
+  EXPECT_EQ(table[3], "1700000000033375,TRACKING,1,0,0.5,0.0125,0.02");
+  EXPECT_EQ(table[4], "1700000000040042,RECENTLY_LOST,0,0,,,");
+  EXPECT_EQ(table[5], "1700000000050042,LOST,0,0,,,");
+  EXPECT_EQ(table[6], "1700000000066708,UNKNOWN,1,0,,,");  // its RUMI_TRACK message was lost
+  EXPECT_EQ(table[7], "1800000000000000,TRACKING,2,1,,,");
+}
+
+TEST(Writers, DeviationsAreInTheUnitOfTheMap) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, small_submap(1));
+  Placement placement;
+  placement.map_from_submap[0] = Sim3(4, Eigen::Quaterniond::Identity(), Eigen::Vector3d(10, 0, 0));
+  atlas.place_map({{{7, 1}, placement}});
+  ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
+  EXPECT_EQ(lines(read_file(folder / "frames.csv"))[2], "1700000000033375,UNKNOWN,1,1,2,0.0125,0.02");
 }
 
 TEST(Writers, PlyHoldsLandmarksAndCamerasOfTheServedMap) {
@@ -152,7 +167,8 @@ TEST(Writers, EmptyAtlasGivesEmptyFiles) {
   const TemporaryFolder folder;
   ASSERT_EQ(write_outputs(Atlas(), folder / "out"), "");
   EXPECT_EQ(read_file(folder / "out/trajectory.txt"), "");
-  EXPECT_EQ(read_file(folder / "out/frames.csv"), "utime,state,submap,in_map\n");
+  EXPECT_EQ(read_file(folder / "out/frames.csv"),
+            "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n");
   EXPECT_THAT(read_file(folder / "out/map.ply"), HasSubstr("element vertex 0\n"));
 }
 

@@ -119,9 +119,11 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   database.execute(kSchema1);
   Statement(database, "ATTACH ? AS present").bind(present).run();
   database.execute("DELETE FROM atlas");
-  for (const std::string table :
-       {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "frame_poses", "frames"})
+  for (const std::string table : {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "frames"})
     database.execute("INSERT INTO main." + table + " SELECT * FROM present." + table);
+  database.execute(
+      "INSERT INTO main.frame_poses SELECT submap, utime, reference_keyframe, cam_from_keyframe, revision FROM "
+      "present.frame_poses");
   const SimilarityNumbers numbers = similarity_numbers(map_from_submap);
   Statement(database,
             "INSERT INTO main.submaps SELECT submap, session, id, kind, closed, revision, camera, in_map, ? "
@@ -131,10 +133,21 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   database.execute("PRAGMA application_id = 1381322057; PRAGMA user_version = 1");
 }
 
+// Versions before 4 had no deviations.
+Submap without_sigmas(Submap submap) {
+  for (auto& [utime_us, frame] : submap.frames) frame.sigmas = {};
+  return submap;
+}
+
+void drop_sigmas(const std::string& file) {
+  for (const std::string column : {"position_sigma", "rotation_sigma_rad", "log_scale_sigma"})
+    Database(file).execute("ALTER TABLE frame_poses DROP COLUMN " + column);
+}
+
 Atlas old_atlas() {
   Atlas atlas;
-  update_atlas(&atlas, make_submap({7, 1}, 1, 12));
-  update_atlas(&atlas, make_submap({7, 2}, 2, 5, 9'000'000));
+  update_atlas(&atlas, without_sigmas(make_submap({7, 1}, 1, 12)));
+  update_atlas(&atlas, without_sigmas(make_submap({7, 2}, 2, 5, 9'000'000)));
   atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
   return atlas;
 }
@@ -183,6 +196,7 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
     MapStore store(folder / "map.db");
     ASSERT_EQ(store.save(atlas, {500'000}), "");
   }
+  drop_sigmas(folder / "map.db");
   Database(folder / "map.db")
       .execute(
           "CREATE TABLE removed (submap INTEGER NOT NULL REFERENCES submaps, what INTEGER NOT NULL, id INTEGER NOT "
@@ -195,6 +209,44 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
   { MapStore store(folder / "fresh.db"); }
   EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
   EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+// Its poses stay, how well they are known is not known; what comes now is.
+TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
+  const TemporaryFolder folder;
+  Atlas atlas = old_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {500'000}), "");
+  }
+  drop_sigmas(folder / "map.db");
+  Database(folder / "map.db").execute("PRAGMA user_version = 3");
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+    update_atlas(&atlas, make_submap({7, 1}, 1, 14));  // it goes on
+    ASSERT_EQ(store.save(atlas, {}), "");
+  }
+  const Atlas loaded = MapStore(folder / "map.db").load();
+  expect_same(atlas, loaded);
+  EXPECT_TRUE(loaded.find({7, 1})->submap.frames.rbegin()->second.sigmas.are_known());
+  EXPECT_FALSE(loaded.find({7, 2})->submap.frames.rbegin()->second.sigmas.are_known());
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+TEST(MapStoreMigration, ADeviationThatIsNoneIsNotKnown) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 2));
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {}), "");
+  }
+  Database(folder / "map.db").execute("UPDATE frame_poses SET position_sigma = 1e999, log_scale_sigma = -3");
+  const Atlas loaded = MapStore(folder / "map.db").load();
+  for (const auto& [utime_us, frame] : loaded.find({7, 1})->submap.frames) EXPECT_EQ(frame.sigmas, PoseSigmas());
 }
 
 TEST(MapStoreMigration, ASimilarityOfVersion1BecomesAPlacement) {

@@ -69,5 +69,34 @@ TEST_F(RunEvaluationTest, ASubmapThatIsNotInTheMapHasNoErrorThere) {
   EXPECT_TRUE(to_json(evaluation)["per_submap"][0]["ate_in_map_rmse_m"].is_null());
 }
 
+// Deviations are in the unit of where the pose is taken from: the map, or the submap that is not in it.
+TEST_F(RunEvaluationTest, TellsHowHonestTheDeviationsAre) {
+  write_path(out_ / "trajectory.txt", 0, 30, 0.001);
+  write_path(out_ / "submaps" / "001.txt", 0, 30, 1);
+  write_path(out_ / "submaps" / "002.txt", 30, 60, 0.001);
+  std::ofstream frames(out_ / "frames.csv");
+  frames << "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n";
+  for (int i = 0; i < kFrames; ++i)
+    frames << fmt::format("{},TRACKING,{},{},{}\n", 1'400'000'000'000'000 + 100'000 * int64_t{i}, i < 30 ? 1 : 2,
+                          i < 30 ? 1 : 0, i == 7 ? ",," : "0.01,0.01,0.1");
+  frames.close();
+  const RunEvaluation evaluation = evaluate();
+  EXPECT_EQ(evaluation.honesty.position.counted, kFrames - 1);
+  EXPECT_EQ(evaluation.honesty.position.one.value(), 1) << "not as the submap was built";
+  EXPECT_FALSE(evaluation.honesty.rotation.one);
+  const auto json = to_json(evaluation)["honesty"];
+  EXPECT_EQ(json["position"]["within_two"], 1);
+  EXPECT_TRUE(json["rotation"]["within_one"].is_null());
+  EXPECT_EQ(json["reason"], "the truth has no rotations");
+}
+
+TEST_F(RunEvaluationTest, AnOlderRunHasNoDeviations) {
+  write_path(out_ / "trajectory.txt", 0, 50, 0);
+  const auto json = to_json(evaluate())["honesty"];
+  EXPECT_EQ(json["position"]["counted"], 0);
+  EXPECT_TRUE(json["position"]["within_one"].is_null());
+  EXPECT_NE(json["reason"], "");
+}
+
 }  // namespace
 }  // namespace rumi::tool

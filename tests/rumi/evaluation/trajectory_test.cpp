@@ -108,7 +108,28 @@ TEST_F(TrajectoryTest, ReadsFramesByColumnName) {
   EXPECT_EQ(result.frames[0].state, "TRACKING");
   EXPECT_EQ(result.frames[0].submap, 3);
   EXPECT_TRUE(result.frames[0].in_map);
+  EXPECT_FALSE(result.frames[0].sigmas.are_known()) << "an older file";
   EXPECT_FALSE(result.frames[1].in_map);
+}
+
+TEST_F(TrajectoryTest, ReadsDeviationsWhereThereAreAny) {
+  const std::string names = "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\r\n";
+  const auto result = read_frames(write("frames.csv", names + "10,TRACKING,1,1,0.5,0.25,0\r\n"
+                                                              "20,LOST,0,0,,,\r\n"
+                                                              "30,TRACKING,1,1,nan,0.25,0\n"
+                                                              "40,TRACKING,1,1,0.5,-1,0\n"
+                                                              "50,TRACKING,1,1,0.5,0.25,1e200\n"
+                                                              "60,TRACKING,1,1,0.5,,0.1\n\n"));
+  ASSERT_TRUE(result.ok()) << result.error;
+  ASSERT_EQ(result.frames.size(), 6u);
+  EXPECT_EQ(result.frames[0].sigmas, (PoseSigmas{0.5F, 0.25F, 0}));
+  for (size_t i = 1; i < 6; ++i) EXPECT_EQ(result.frames[i].sigmas, PoseSigmas()) << i;
+  const auto without_one =
+      read_frames(write("two.csv", "utime,state,submap,in_map,position_sigma,rotation_sigma_rad\n1,LOST,0,0,1,1\n"));
+  ASSERT_TRUE(without_one.ok()) << without_one.error;
+  EXPECT_FALSE(without_one.frames[0].sigmas.are_known());
+  EXPECT_THAT(read_frames(write("text.csv", names + "10,TRACKING,1,1,much,0.25,0\n")).error, HasSubstr("line 2"));
+  EXPECT_THAT(read_frames(write("short.csv", names + "10,TRACKING,1,1\n")).error, HasSubstr("line 2"));
 }
 
 TEST_F(TrajectoryTest, RefusesBrokenFramesWithTheLine) {
