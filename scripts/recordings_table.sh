@@ -7,7 +7,8 @@
 # colmap.txt) in it and in DATA/real, and with true camera paths (TUM files) in DATA/trajectories to render along.
 # SEEDS (1): runs of each; they differ in the number of keypoints, which changes every random choice after it.
 # What is measured in OUT is kept, so that an interrupted run can be continued.
-# RUMI_TABLE_RECORDINGS="NAME ...": only these. RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
+# RUMI_TABLE_RECORDINGS="NAME ...": only these; backwards_NAME is NAME played backwards, every3_NAME every third image of
+# it (derived_recording.py): recordings that nothing was set on. RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
 # time (1: CPU times are then good). RUMI_TABLE_ONLY=1: the table of what exists. Needs python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -29,10 +30,10 @@ names() {
   done
 }
 
-# Renders a recording where it is not there yet. Leaves its folder in $folder.
+# Renders or derives a recording where it is not there yet. Leaves its folder in $folder.
 find_recording() { # name
   case $1 in
-    rendered_* | passages_*) folder=$out/sequences/$1 ;;
+    rendered_* | passages_* | backwards_* | every[0-9]*_*) folder=$out/sequences/$1 ;;
     *)
       folder=$data/$1
       [ -e "$folder" ] || folder=$data/real/$1
@@ -41,6 +42,18 @@ find_recording() { # name
   esac
   if [ -e "$folder/done" ]; then return 0; fi
   path=${1#*_} kind=plain
+  case $1 in
+    backwards_* | every*)
+      source=$data/$path how=--backwards
+      [ -e "$source" ] || source=$data/real/$path
+      if [ "${1%%_*}" != backwards ]; then
+        how=${1%%_*}
+        how="--every ${how#every}"
+      fi
+      # shellcheck disable=SC2086
+      python3 -B "$here/derived_recording.py" "$source" "$folder" $how
+      ;;
+  esac
   if [ "${1%%_*}" = passages ]; then kind=hard; fi
   for p in $rendered_paths; do
     if [ "${p%%:*}" = "$path" ]; then render_path "$folder" "$p" $kind; fi
