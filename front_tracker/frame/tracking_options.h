@@ -13,7 +13,7 @@ struct TrackingOptions {
   double uncertain_px = 1.0;
   double lost_px() const { return 3 * uncertain_px; }  // the same, for it to be a pose at all
   double max_scale_drift = 0.1;  // of the logarithm of scale in a second, standard deviation; more: lost
-  int min_first_inliers = 15;     // of the matches with the last frame; fewer: brute force and resection
+  int min_first_inliers = 15;    // of the matches with the last frame; fewer: brute force and resection
   int patch_inliers = 200;     // fewer, in fast motion or blur: the other landmarks are looked for by patches; 0: never
   double patch_motion = 0.02;  // median motion of the image since the last frame, of its width, that counts as fast
   // Images sooner than that after the last one with corners are tracked by patches alone where they move little (by

@@ -407,14 +407,17 @@ MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
   MapBuildReport report;
   const std::vector<int> window = window_of(scope, *model);
   if (window.empty() && !fixed_.empty()) return report;  // no image is new
-  MapBundleReport bundle = adjust_map(window, options_.bundle, model);
   AssociationOptions association = options_.association;
   const int rounds = scope == Scope::kAll ? options_.association_rounds : 0;
+  // What is associated next moves the map again: only after the last round it must be where it belongs.
+  MapBundleOptions on_the_way = options_.bundle;
+  on_the_way.function_tolerance = on_the_way.passing_tolerance;
+  MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : options_.bundle, model);
   for (int round = 0; round < rounds && !cancelled(); ++round, association.radius_px /= 2) {
     const AssociationReport found = associate(association, window, model);
     report.observed += found.observed;
     report.fused += found.fused;
-    bundle = adjust_map(window, options_.bundle, model);
+    bundle = adjust_map(window, round + 1 < rounds ? on_the_way : options_.bundle, model);
   }
   report.views = static_cast<int>(model->views.size());
   report.adjusted_views = bundle.views;

@@ -36,12 +36,13 @@ class Bundle {
 
   MapBundleReport run(const MapBundleOptions& options) {
     MapBundleReport report;
-    for (double gate : options.gates_chi2) {
+    for (const double& gate : options.gates_chi2) {
+      const bool is_last = &gate == &options.gates_chi2.back();
       BundleProblem inliers = problem_;
       inliers.observations = within(gate);
       solve_bundle(camera_,
                    {.iterations = options.iterations,
-                    .function_tolerance = options.function_tolerance,
+                    .function_tolerance = is_last ? options.function_tolerance : options.passing_tolerance,
                     .cancel = options.cancel},
                    &inliers);
       problem_.views = std::move(inliers.views);

@@ -84,7 +84,8 @@ TEST(WindowProspects, WhatIsPublishedHasAProofOfItsDepth) {
   EXPECT_THAT(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel),
               HasSubstr("0 show depth"));
   EXPECT_EQ(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 1, 2, 3, 4, 5}, kNoCancel), "");
-  EXPECT_NE(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 5}, kNoCancel), "") << "two images are no model";
+  EXPECT_NE(find_no_depth(moving.camera, moving.images, moving.pairs, {0, 5}, kNoCancel), "")
+      << "two images are no model";
   EXPECT_NE(find_no_depth(moving.camera, moving.images, {}, {0, 1, 2}, kNoCancel), "");
   EXPECT_EQ(find_no_depth(turning.camera, turning.images, turning.pairs, {0, 1, 2, 3}, true), "") << "called off";
 }
