@@ -50,6 +50,7 @@ double squared(float value) { return static_cast<double>(value) * static_cast<do
 std::vector<Compared> compare(const std::vector<ToldPose>& submap, const std::vector<TimedPose>& truth,
                               const MetricOptions& options) {
   std::vector<TimedPose> poses;
+  poses.reserve(submap.size());
   for (const ToldPose& told : submap) poses.push_back(told.pose);
   std::vector<Compared> compared;
   for (const auto& [e, t] : associate(poses, truth, options)) {

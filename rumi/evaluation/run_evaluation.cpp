@@ -59,6 +59,7 @@ std::vector<std::vector<ToldPose>> told_poses(const std::vector<InputFrame>& fra
       of_submap.push_back({*pose, frame.sigmas});
   }
   std::vector<std::vector<ToldPose>> lists;
+  lists.reserve(told.size());
   for (auto& [submap, poses] : told) lists.push_back(std::move(poses));
   return lists;
 }
