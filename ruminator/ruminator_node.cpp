@@ -12,7 +12,6 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
-#include "bus/wire/working_image.h"
 #include "ruminator/window/window_message.h"
 
 namespace rumi::ruminator {

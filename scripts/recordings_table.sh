@@ -30,34 +30,32 @@ names() {
   done
 }
 
+# The folder of one that lies in DATA.
+stored() { # name
+  if [ -e "$data/$1" ]; then echo "$data/$1"; else echo "$data/real/$1"; fi
+}
+
 # Renders or derives a recording where it is not there yet. Leaves its folder in $folder.
 find_recording() { # name
   case $1 in
     rendered_* | passages_* | backwards_* | every[0-9]*_*) folder=$out/sequences/$1 ;;
     *)
-      folder=$data/$1
-      [ -e "$folder" ] || folder=$data/real/$1
+      folder=$(stored "$1")
       return 0
       ;;
   esac
   if [ -e "$folder/done" ]; then return 0; fi
-  path=${1#*_} kind=plain
-  case $1 in
-    backwards_* | every*)
-      source=$data/$path how=--backwards
-      [ -e "$source" ] || source=$data/real/$path
-      if [ "${1%%_*}" != backwards ]; then
-        how=${1%%_*}
-        how="--every ${how#every}"
-      fi
-      # shellcheck disable=SC2086
-      python3 -B "$here/derived_recording.py" "$source" "$folder" $how
+  kind=${1%%_*} path=${1#*_}
+  case $kind in
+    backwards) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --backwards ;;
+    every*) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --every "${kind#every}" ;;
+    *)
+      for p in $rendered_paths; do
+        if [ "${p%%:*}" != "$path" ]; then continue; fi
+        if [ "$kind" = passages ]; then render_path "$folder" "$p" hard; else render_path "$folder" "$p" plain; fi
+      done
       ;;
   esac
-  if [ "${1%%_*}" = passages ]; then kind=hard; fi
-  for p in $rendered_paths; do
-    if [ "${p%%:*}" = "$path" ]; then render_path "$folder" "$p" $kind; fi
-  done
   touch "$folder/done"
 }
 

@@ -23,6 +23,13 @@ namespace {
 constexpr int kFewest = 10;     // landmarks that make a pose
 constexpr double kAgree = 0.8;  // share of what is matched with earlier frames, that agrees with a believable pose
 
+std::vector<const Landmark*> all_landmarks(const Submap& map) {
+  std::vector<const Landmark*> landmarks;
+  landmarks.reserve(map.landmarks.size());
+  for (const auto& [id, lm] : map.landmarks) landmarks.push_back(&lm);
+  return landmarks;
+}
+
 }  // namespace
 
 // Also brings the last frame to where mapping has moved its keyframe since.
@@ -239,17 +246,14 @@ bool Tracker::pose_from_neighbour(const Frame& neighbour, const std::vector<cons
 
 // Of a frame whose pose does not come from what it is matched to. Nothing is known where little is found.
 PoseCertainty Tracker::certainty_where_it_is(const Frame& posed) {
-  std::vector<const Landmark*> landmarks;
-  for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
   Frame matched = posed;
-  if (!pose_from_neighbour(posed, landmarks, options_.tracking.lost_px(), &matched)) return {};
+  if (!pose_from_neighbour(posed, all_landmarks(active().map), options_.tracking.lost_px(), &matched)) return {};
   return matched.certainty;
 }
 
 // Frames that were buffered before the submap stood: each is tracked from its nearest neighbour that has a pose.
 void Tracker::give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed) {
-  std::vector<const Landmark*> landmarks;
-  for (const auto& [id, lm] : active().map.landmarks) landmarks.push_back(&lm);
+  const std::vector<const Landmark*> landmarks = all_landmarks(active().map);
   const auto try_frame = [&](size_t from, size_t to) {
     if (!pose_from_neighbour((*frames)[from], landmarks, options_.tracking.uncertain_px, &(*frames)[to])) return;
     (*posed)[to] = true;

@@ -401,7 +401,7 @@ void Tracker::note_pose(const FrontSubmap& submap, const Frame& frame, TrackResu
   result->reference_keyframe = frame.reference_keyframe;
   result->cam_from_keyframe = frame.cam_from_keyframe;
   result->cam_from_submap = frame.cam_from_submap;
-  result->sigmas = sigmas_of(submap, frame);
+  result->sigmas = submap.map.frame(frame.utime_us)->sigmas;
   result->inliers = frame.matches();
 }
 

@@ -36,10 +36,10 @@ class Bundle {
 
   MapBundleReport run(const MapBundleOptions& options) {
     MapBundleReport report;
-    for (const double& gate : options.gates_chi2) {
-      const bool is_last = &gate == &options.gates_chi2.back();
+    for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
+      const bool is_last = round + 1 == options.gates_chi2.size();
       BundleProblem inliers = problem_;
-      inliers.observations = within(gate);
+      inliers.observations = within(options.gates_chi2[round]);
       solve_bundle(camera_,
                    {.iterations = options.iterations,
                     .function_tolerance = is_last ? options.function_tolerance : options.passing_tolerance,

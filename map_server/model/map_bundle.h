@@ -15,7 +15,7 @@ struct MapBundleOptions {
   std::vector<double> gates_chi2 = {400, 36, 5.991};
   int iterations = 50;                        // of each round, at most
   double function_tolerance = 1e-5;           // looser ones leave the slow bends of a long path where they are
-  double passing_tolerance = 1e-2;            // the same of a round that another one follows
+  double passing_tolerance = 1e-2;            // the same of a round that another one follows (in pieces: none)
   int most_views = 1000;                      // at once; more are adjusted in pieces
   const std::atomic<bool>* cancel = nullptr;  // true ends it soon
 };

@@ -57,9 +57,7 @@ bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size
 
 std::optional<double> to_number(const std::string& text) {
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
+  return parse(text, &value) && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 // The numbers of a line, or nothing if one of the first `count` is missing or not finite.
