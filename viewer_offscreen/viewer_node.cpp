@@ -21,6 +21,7 @@ namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
+constexpr int64_t kFetchUs = 1'000'000;     // a picture that is due waits so long for what is new
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
 constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
 constexpr double kVideoFps = 10;
@@ -144,8 +145,8 @@ bool ViewerNode::complete() const {
 void ViewerNode::tick(int64_t now_us) {
   receiver_.tick(now_us);
   if (phase_ == Phase::kFinished) return;
-  request_missing(now_us);
   if (phase_ == Phase::kFinishing) {
+    request_missing(now_us);
     if ((status_since_finish_ && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
       draw();
       if (series_) series_->finish();
@@ -154,10 +155,13 @@ void ViewerNode::tick(int64_t now_us) {
     return;
   }
   if (last_draw_us_ == 0) last_draw_us_ = now_us;
-  if (changed_ && is_due(now_us, last_draw_us_, std::llround(options_.interval_s * 1e6))) {
-    draw();
-    last_draw_us_ = now_us;
-  }
+  const int64_t interval_us = std::llround(options_.interval_s * 1e6);
+  if (!changed_ || !is_due(now_us, last_draw_us_, interval_us)) return;
+  // What is new travels once for each picture, however often it changes in between.
+  request_missing(now_us);
+  if (!complete() && !is_due(now_us, last_draw_us_, interval_us + kFetchUs)) return;
+  draw();
+  last_draw_us_ = now_us;
 }
 
 void ViewerNode::finish() {

@@ -409,15 +409,18 @@ MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
   if (window.empty() && !fixed_.empty()) return report;  // no image is new
   AssociationOptions association = options_.association;
   const int rounds = scope == Scope::kAll ? options_.association_rounds : 0;
+  BundleSolver solver;
+  MapBundleOptions last = options_.bundle;
+  last.solver = &solver;
   // What is associated next moves the map again: only after the last round it must be where it belongs.
-  MapBundleOptions on_the_way = options_.bundle;
+  MapBundleOptions on_the_way = last;
   on_the_way.function_tolerance = on_the_way.passing_tolerance;
-  MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : options_.bundle, model);
+  MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : last, model);
   for (int round = 0; round < rounds && !cancelled(); ++round, association.radius_px /= 2) {
     const AssociationReport found = associate(association, window, model);
     report.observed += found.observed;
     report.fused += found.fused;
-    bundle = adjust_map(window, round + 1 < rounds ? on_the_way : options_.bundle, model);
+    bundle = adjust_map(window, round + 1 < rounds ? on_the_way : last, model);
   }
   report.views = static_cast<int>(model->views.size());
   report.adjusted_views = bundle.views;

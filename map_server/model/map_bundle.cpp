@@ -36,11 +36,13 @@ class Bundle {
 
   MapBundleReport run(const MapBundleOptions& options) {
     MapBundleReport report;
+    BundleSolver own;
+    BundleSolver& solver = options.solver ? *options.solver : own;
     for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
       const bool is_last = round + 1 == options.gates_chi2.size();
       BundleProblem inliers = problem_;
       inliers.observations = within(options.gates_chi2[round]);
-      solve_bundle(camera_,
+      solver.solve(camera_,
                    {.iterations = options.iterations,
                     .function_tolerance = is_last ? options.function_tolerance : options.passing_tolerance,
                     .cancel = options.cancel},
@@ -150,6 +152,7 @@ MapBundleReport adjust_in_pieces(const std::vector<int>& views, const MapBundleO
   for (size_t round = 0; round < options.gates_chi2.size(); ++round) {
     MapBundleOptions one = options;
     one.gates_chi2 = {options.gates_chi2[round]};
+    one.solver = nullptr;  // pieces see different things
     sum = {};
     double squares = 0;
     for (const std::vector<int>& piece :

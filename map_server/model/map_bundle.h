@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "map_server/model/map_model.h"
+#include "slam/optimization/bundle_adjustment.h"
 
 namespace rumi::map_server {
 
@@ -18,6 +19,7 @@ struct MapBundleOptions {
   double passing_tolerance = 1e-2;            // the same of a round that another one follows (in pieces: none)
   int most_views = 1000;                      // at once; more are adjusted in pieces
   const std::atomic<bool>* cancel = nullptr;  // true ends it soon
+  BundleSolver* solver = nullptr;             // of adjustments one after another, which then cost less
 };
 
 struct MapBundleReport {

@@ -6,10 +6,20 @@
 #include <cstdlib>
 #include <utility>
 
+#include "slam/features/matching.h"
+
 namespace rumi::map_server {
 namespace {
 
 using Submaps = PlaceSearch::Submaps;
+
+// Keypoints.
+std::vector<int> observing(const Keyframe& keyframe) {
+  std::vector<int> keypoints;
+  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i)
+    if (keyframe.landmark_ids[i] != kNone) keypoints.push_back(static_cast<int>(i));
+  return keypoints;
+}
 
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
   return {.a = a.submap,
@@ -36,6 +46,16 @@ PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps
                             std::max(alignment.sigma_translation, o.sigma_translation) * depth,
                             std::max(alignment.sigma_log_scale, o.sigma_log_scale)};
   return {depth, make_link(a, b, alignment), a.utime_us, b.utime_us, joint, std::move(alignment.landmarks)};
+}
+
+// Landmarks of the two images, by themselves, that look alike. Some five do by chance.
+int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, const PlaceMatchOptions& o) {
+  const Keyframe &x = *a.keyframe(keyframe_a), &y = *b.keyframe(keyframe_b);
+  if (!x.features || !y.features) return 0;
+  const std::vector<int> in_x = observing(x), in_y = observing(y);
+  if (in_x.empty() || in_y.empty()) return 0;  // an empty selection would mean all
+  return static_cast<int>(
+      match_features(*x.features, in_x, *y.features, in_y, {o.max_distance, o.max_ratio, true}).size());
 }
 
 // The same link told from the other side.
@@ -165,6 +185,9 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps,
                    static_cast<int64_t>(o_.separation_s * 1e6), exclude);
   for (const PlaceCandidate& candidate : candidates) {
     const Place& other = candidate.place;
+    // Of pairs of places that have nothing in common most end here, at a tenth of the work.
+    if (alike(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment.matching) < o_.min_alike)
+      continue;
     PlaceAlignment alignment =
         align_places(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment);
     if (alignment.doubt.empty()) {

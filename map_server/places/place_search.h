@@ -19,7 +19,8 @@ namespace rumi::map_server {
 
 struct PlaceSearchOptions {
   PlaceAlignmentOptions alignment;
-  int candidates = 3;        // of a keyframe, that are aligned
+  int candidates = 3;        // of a keyframe, that are compared
+  int min_alike = 8;         // landmarks of the two images that look alike: with fewer they are not aligned
   double min_apart_s = 5;    // in time, within a submap
   double separation_s = 1;   // between candidates of one submap
   double once_within_s = 2;  // of a place that was found, at either end: no need to find it again

@@ -49,15 +49,18 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
       "ruminator", ruminator,
       ruminator::RuminatorHooks{ruminator::colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
-  viewer_offscreen::ViewerOptions viewer = options.viewer_offscreen;
-  if (!viewer.series) viewer.output.clear();
-  viewer.series_goes_on = false;
-  add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer);
+  viewer_ = options.viewer_offscreen;
+  viewer_.series_goes_on = false;
+  if (viewer_.series) add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);
 }
 
 Replay::~Replay() = default;
 
 std::string Replay::record(const std::string& log_file) {
+  if (!viewer_.series) {
+    viewer_.output.clear();
+    add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);
+  }
   log_ = std::make_unique<LogWriter>(log_file);
   bus_.set_tap([this](const std::string& channel, std::span<const uint8_t> data) {
     const bool is_chunk = channel == channels::kSubmap || channel == channels::kSubmapAck ||

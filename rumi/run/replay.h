@@ -41,13 +41,13 @@ struct ReplayHooks {
 class Replay {
  public:
   // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, no
-  // picture file unless a series of them is asked for.
+  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, and
+  // no pictures unless a series of them or a log is asked for.
   Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
   ~Replay();
 
-  // Writes all messages from now on into an lcm log, except the chunks of submaps and maps: what they carry is in the
-  // outputs. Call it before the first step. Empty, or why the file cannot be written.
+  // Writes all messages from now on, pictures among them, into an lcm log, except the chunks of submaps and maps: what
+  // they carry is in the outputs. Call it before the first step. Empty, or why the file cannot be written.
   std::string record(const std::string& log_file);
   // Ends the log. Empty, or why it is not complete (file, reason).
   std::string close_log();
@@ -78,6 +78,7 @@ class Replay {
   void settle();
 
   MemoryBus bus_;
+  viewer_offscreen::ViewerOptions viewer_;
   std::vector<std::unique_ptr<Component>> components_;  // in the order in which they are ended
   camera_driver::CameraNode* camera_ = nullptr;
   Node* front_tracker_ = nullptr;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
+#include <optional>
 
 #include "ruminator/matching/opencv_usac.h"
 
@@ -16,7 +17,8 @@ constexpr double kMaxDistance = 0.7;     // of a match's descriptors, of unit le
 constexpr double kMaxRatio = 0.8;        // of that distance to the second best
 constexpr int kMinMatches = 20;          // of a pair, for it to be verified
 constexpr int kIterations = 1000;        // RANSAC, at most
-constexpr double kMaxErrorPx = 1.5;      // from both epipolar lines, sqrt(d1² + d2²)
+constexpr double kConfidence = 0.9999;
+constexpr double kMaxErrorPx = 1.5;  // from both epipolar lines, sqrt(d1² + d2²)
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define RUMI_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
@@ -27,46 +29,75 @@ constexpr double kMaxErrorPx = 1.5;      // from both epipolar lines, sqrt(d1² 
 #define RUMI_NO_SANITIZE __attribute__((no_sanitize("address", "undefined")))
 
 using WideDescriptor = std::array<int16_t, 128>;
+// In blocks of so many, which the compiler makes vector code of, for each kind of processor.
+constexpr int kBlock = 16;
+constexpr int kLeast = std::numeric_limits<int>::min();  // less than any product
+using Block = int __attribute__((vector_size(kBlock * sizeof(int))));
 
-// Nearly all the time of matching goes here. With 16-bit factors the compiler makes vector code of it, for each kind of
-// processor.
-RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void dot_products(const WideDescriptor& a, const std::vector<WideDescriptor>& b,
-                                                      int* products) {
-  for (const WideDescriptor& other : b) {
-    int sum = 0;
-    for (int i = 0; i < 128; ++i) sum += a[i] * other[i];
-    *products++ = sum;
+// For a block of descriptors the nearest one of the other image so far: product and index.
+struct Nearest {
+  Block product = Block{} + kLeast, index = Block{} - 1;
+};
+
+// Of one descriptor, by the place in a block of the other image.
+struct TwoBest {
+  Block best = Block{} + kLeast, second = Block{} + kLeast;
+};
+
+// Nearly all the time of matching goes here. Products of `a`, number `index` of its image, with all of `b`, in whole
+// blocks.
+RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int index,
+                                                  const std::vector<WideDescriptor>& b, Block* products, TwoBest* of_a,
+                                                  Nearest* of_b) {
+  const WideDescriptor* other = b.data();
+  Block best = of_a->best, second = of_a->second;
+  for (size_t block = 0; block < b.size() / kBlock; ++block, ++products, ++of_b) {
+    Block product;
+    for (int k = 0; k < kBlock; ++k, ++other) {
+      int sum = 0;
+#pragma GCC unroll 16
+      for (int i = 0; i < 128; ++i) sum += a[i] * (*other)[i];
+      product[k] = sum;
+    }
+    *products = product;
+    const Block behind = product < best ? product : best;
+    second = behind > second ? behind : second;
+    best = product > best ? product : best;
+    of_b->index = product > of_b->product ? Block{} + index : of_b->index;
+    of_b->product = product > of_b->product ? product : of_b->product;
   }
+  of_a->best = best;
+  of_a->second = second;
 }
 
+// Filled up to whole blocks by descriptors that nothing is like.
 std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
-  std::vector<WideDescriptor> wide(count);
+  std::vector<WideDescriptor> wide((count + kBlock - 1) / kBlock * kBlock, WideDescriptor{});
   for (size_t i = 0; i < count; ++i) std::copy_n(features.descriptors[i].begin(), 128, wide[i].begin());
   return wide;
 }
 
-struct Nearest {
-  int best = -1;
-  int best_dot = std::numeric_limits<int>::min(), second_dot = std::numeric_limits<int>::min();
+double squared_distance(int product) { return std::max(0.0, 2 - 2 * product / kUnit); }
 
-  void offer(int index, int product) {
-    if (product > best_dot) {
-      second_dot = best_dot;
-      best_dot = product;
-      best = index;
-    } else if (product > second_dot) {
-      second_dot = product;
-    }
+// The product of the nearest one, if the second is far enough behind.
+std::optional<int> distinct_best(const TwoBest& two) {
+  int best = kLeast, second = kLeast;
+  for (int k = 0; k < kBlock; ++k) {
+    second = std::max({second, two.second[k], std::min(best, two.best[k])});
+    best = std::max(best, two.best[k]);
   }
-  bool is_distinct() const {
-    const double best_square = squared_distance(best_dot), second_square = squared_distance(second_dot);
-    return best >= 0 && best_square <= kMaxDistance * kMaxDistance &&
-           best_square <= kMaxRatio * kMaxRatio * second_square;
-  }
-  static double squared_distance(int product) {
-    return product == std::numeric_limits<int>::min() ? 2 : std::max(0.0, 2 - 2 * product / kUnit);
-  }
-};
+  const double square = squared_distance(best);
+  if (square > kMaxDistance * kMaxDistance) return std::nullopt;
+  if (square > kMaxRatio * kMaxRatio * squared_distance(second)) return std::nullopt;
+  return best;
+}
+
+// Samples of five that find kMinInliers right matches among so many; if fewer are right the pair does not count.
+int iterations_for(size_t matches) {
+  const double right = std::min(1.0, kMinInliers / static_cast<double>(matches));
+  const double needed = std::log(1 - kConfidence) / std::log(1 - std::pow(right, 5) + 1e-12);
+  return static_cast<int>(std::clamp(std::ceil(needed), 10.0, static_cast<double>(kIterations)));
+}
 
 }  // namespace
 
@@ -74,20 +105,23 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, int
   const auto count = [limit](const SiftFeatures& f) {
     return limit > 0 ? std::min<size_t>(f.size(), limit) : f.size();
   };
-  const std::vector<WideDescriptor> a = widen(first, count(first)), b = widen(second, count(second));
-  std::vector<Nearest> of_a(a.size()), of_b(b.size());
-  std::vector<int> products(b.size());
-  for (size_t i = 0; i < a.size(); ++i) {
-    dot_products(a[i], b, products.data());
-    for (size_t j = 0; j < b.size(); ++j) {
-      of_a[i].offer(static_cast<int>(j), products[j]);
-      of_b[j].offer(static_cast<int>(i), products[j]);
-    }
+  const size_t count_a = count(first), count_b = count(second);
+  const std::vector<WideDescriptor> a = widen(first, count_a), b = widen(second, count_b);
+  std::vector<Nearest> of_b(b.size() / kBlock);
+  std::vector<Block> products(b.size() / kBlock);
+  std::vector<std::pair<int, int>> candidates;
+  for (size_t i = 0; i < count_a; ++i) {
+    TwoBest two;
+    multiply(a[i], static_cast<int>(i), b, products.data(), &two, of_b.data());
+    const std::optional<int> best = distinct_best(two);
+    if (!best) continue;
+    int j = 0;
+    while (products[j / kBlock][j % kBlock] != *best) ++j;
+    candidates.emplace_back(i, j);
   }
   IndexPairs matches;
-  for (size_t i = 0; i < a.size(); ++i)
-    if (of_a[i].is_distinct() && of_b[of_a[i].best].best == static_cast<int>(i))
-      matches.emplace_back(static_cast<int>(i), of_a[i].best);
+  for (const auto& [i, j] : candidates)
+    if (of_b[j / kBlock].index[j % kBlock] == i) matches.emplace_back(i, j);
   return matches;
 }
 
@@ -101,8 +135,8 @@ IndexPairs verify_matches(const Camera& camera, const SiftFeatures& first, const
   }
   std::vector<uint8_t> is_inlier;
   try {
-    const cv::UsacParams usac =
-        usac_params({.max_distance = kMaxErrorPx, .confidence = 0.9999, .iterations = kIterations});
+    const cv::UsacParams usac = usac_params(
+        {.max_distance = kMaxErrorPx, .confidence = kConfidence, .iterations = iterations_for(matches.size())});
     const cv::Matx33d k(camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
     cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), is_inlier, usac);
   } catch (const cv::Exception&) {  // degenerate matches, e.g. all in one point

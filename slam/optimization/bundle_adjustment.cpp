@@ -2,39 +2,338 @@
 #include "slam/optimization/bundle_adjustment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
-#include "slam/optimization/dense_bundle.h"
-#include "slam/optimization/sparse_bundle.h"
+#include "slam/optimization/block_matrix.h"
+#include "slam/optimization/reduced_solver.h"
+#include "slam/optimization/whitened_projection.h"
 
 namespace rumi {
 namespace {
 
-// Of all pairs of views, the share that see a point in common.
-double covisible_share(const BundleProblem& problem) {
-  std::vector<std::vector<int>> views_of(problem.points.size());
-  for (const BundleProblem::Observation& o : problem.observations) views_of[o.point].push_back(o.view);
-  const size_t n = problem.views.size();
-  std::vector<char> covisible(n * n, 0);
-  for (const std::vector<int>& views : views_of)
-    for (int a : views)
-      for (int b : views) covisible[a * n + b] = 1;
-  return static_cast<double>(std::count(covisible.begin(), covisible.end(), 1)) / static_cast<double>(n * n);
+using Matrix63d = Eigen::Matrix<double, 6, 3>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Of the diagonal that is damped: what nothing is known about stays where it is.
+constexpr double kMinDiagonal = 1e-6;
+
+// Damping: the diagonal divided by the radius of a trust region (Madsen et al., "Methods for Non-Linear Least Squares
+// Problems", 2004, eq. 2.21).
+class TrustRegion {
+ public:
+  double damping() const { return 1 / radius_; }
+  void accept(double gain) {
+    radius_ = std::min(1e16, radius_ / std::max(1.0 / 3, 1 - std::pow(2 * gain - 1, 3)));
+    shrink_by_ = 2;
+  }
+  void refuse() { radius_ /= std::exchange(shrink_by_, 2 * shrink_by_); }
+
+ private:
+  double radius_ = 1e4, shrink_by_ = 2;
+};
+
+struct View {
+  SE3 cam_from_submap;
+  Eigen::Matrix3d rotation;
+};
+
+struct State {
+  std::vector<View> views;
+  std::vector<Eigen::Vector3d> points;
+};
+
+// Squared error, its linear part beyond `chi2` (Huber, 1964), and the weight that makes it so.
+struct Huber {
+  double chi2;
+  double rho(double s) const { return s <= chi2 ? s : 2 * std::sqrt(chi2 * s) - chi2; }
+  double weight(double s) const { return s <= chi2 ? 1 : std::sqrt(chi2 / s); }
+};
+
+class NormalEquations {
+ public:
+  NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem);
+  bool has_free_views() const { return !free_.empty(); }
+  // Half the sum of the robust squared errors; infinite when a point is behind a camera that sees it.
+  double cost(const State& state) const;
+  // The normal equations at the state.
+  void linearize(const State& state);
+  // Where the damped normal equations lead, and by how much they say that the cost falls; nothing when they cannot be
+  // solved.
+  std::optional<State> step(const State& from, double damping, ReducedSolver* solver, double* predicted);
+
+ private:
+  struct Observation {
+    int view = 0, point = 0;
+    WhitenedProjection projection;
+  };
+  struct Point {
+    int begin = 0, end = 0;  // of its observations
+    Eigen::Matrix3d hessian;
+    Eigen::Vector3d gradient;
+    Eigen::Matrix3d inverse;  // of the damped hessian
+  };
+  struct Unknown {  // a view that is not fixed
+    int view;
+    Matrix6d hessian;
+    Vector6d gradient;
+  };
+
+  std::vector<std::vector<int>> pattern() const;
+  void add(const Observation& o, const State& state, Point* point, Matrix63d* mixed);
+  // Of the point's observations those by views that are not fixed: as rows of the system, and index.
+  void eliminate(Point* point, double damping);
+  Eigen::Vector3d back_substitute(const Point& point) const;
+
+  Huber huber_;
+  std::vector<Observation> observations_;  // in order of their points
+  std::vector<Point> points_;
+  std::vector<Unknown> free_;
+  std::vector<int> unknown_of_;      // view -> index in free_, -1 when fixed or not seen by any point
+  std::vector<Matrix63d> mixed_;     // of each observation: second derivative by view and point; nothing of fixed views
+  std::vector<Matrix63d> weighted_;  // of the observations of one point
+  std::optional<BlockMatrix> system_;  // of the views, the points eliminated
+  Eigen::VectorXd right_, twists_;     // its right side and its solution
+};
+
+NormalEquations::NormalEquations(const Camera& camera, const BundleOptions& options, const BundleProblem& problem)
+    : huber_{options.huber_chi2}, points_(problem.points.size()), unknown_of_(problem.views.size(), -1) {
+  for (const BundleProblem::Observation& o : problem.observations) {
+    ++points_[o.point].end;
+    if (problem.views[o.view].fixed || unknown_of_[o.view] >= 0) continue;
+    unknown_of_[o.view] = 0;
+  }
+  for (size_t v = 0; v < unknown_of_.size(); ++v) {
+    if (unknown_of_[v] < 0) continue;
+    unknown_of_[v] = static_cast<int>(free_.size());
+    free_.push_back({static_cast<int>(v), Matrix6d::Zero(), Vector6d::Zero()});
+  }
+  int begin = 0;
+  for (Point& p : points_) {
+    p.begin = begin;
+    begin += std::exchange(p.end, begin);
+  }
+  observations_.resize(problem.observations.size());
+  mixed_.resize(problem.observations.size());
+  for (const BundleProblem::Observation& o : problem.observations)
+    observations_[points_[o.point].end++] = {o.view, o.point, {camera, o.pixel, o.sigma_px, o.whitening}};
+  const auto earlier = [this](const Observation& a, const Observation& b) {
+    return unknown_of_[a.view] < unknown_of_[b.view];
+  };
+  for (const Point& p : points_) {
+    const auto first = observations_.begin() + p.begin, last = observations_.begin() + p.end;
+    if (!std::is_sorted(first, last, earlier)) std::sort(first, last, earlier);
+  }
+  system_.emplace(pattern());
 }
 
-// In a room nearly every view shares points with every other one: dense is 1.5 times as fast with 70, 175 and 295
-// views. Where only neighbours do (an eighth of the pairs), it costs a quarter more with 250.
-bool suits_dense(const BundleProblem& problem) {
-  constexpr size_t kSmall = 200, kLarge = 500;  // 500 views: a matrix of 72 MB
-  const size_t views = problem.views.size();
-  return views <= kSmall || (views <= kLarge && covisible_share(problem) > 1.0 / 3);
+// Of each view that is not fixed those before it, and itself, that see a point in common. Of a few views all.
+std::vector<std::vector<int>> NormalEquations::pattern() const {
+  const auto n = static_cast<int>(free_.size());
+  std::vector<std::vector<int>> columns(n);
+  if (n <= ReducedSolver::kSmall) {
+    for (int row = 0; row < n; ++row)
+      for (int column = 0; column <= row; ++column) columns[row].push_back(column);
+    return columns;
+  }
+  std::vector<std::vector<int>> points_of(n);
+  for (const Observation& o : observations_)
+    if (unknown_of_[o.view] >= 0) points_of[unknown_of_[o.view]].push_back(o.point);
+  std::vector<int> met(n, -1);
+  for (int row = 0; row < n; ++row) {
+    for (int p : points_of[row])
+      for (int i = points_[p].begin; i < points_[p].end; ++i) {
+        const int column = unknown_of_[observations_[i].view];
+        if (column < 0 || column > row || met[column] == row) continue;
+        met[column] = row;
+        columns[row].push_back(column);
+      }
+    std::sort(columns[row].begin(), columns[row].end());
+  }
+  return columns;
+}
+
+double NormalEquations::cost(const State& state) const {
+  double sum = 0;
+  for (const Observation& o : observations_) {
+    const View& view = state.views[o.view];
+    const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
+    if (!(p.z() > 1e-9)) return kInfinity;
+    sum += huber_.rho(o.projection.error(p).squaredNorm());
+  }
+  return sum / 2;
+}
+
+void NormalEquations::linearize(const State& state) {
+  for (Unknown& f : free_) {
+    f.hessian.setZero();
+    f.gradient.setZero();
+  }
+  for (Point& point : points_) {
+    point.hessian.setZero();
+    point.gradient.setZero();
+    for (int i = point.begin; i < point.end; ++i) add(observations_[i], state, &point, &mixed_[i]);
+  }
+}
+
+void NormalEquations::add(const Observation& o, const State& state, Point* point, Matrix63d* mixed) {
+  const View& view = state.views[o.view];
+  const Eigen::Vector3d p = view.rotation * state.points[o.point] + view.cam_from_submap.translation;
+  const Eigen::Vector2d error = o.projection.error(p);
+  Eigen::Matrix3d hessian;  // by the point in the camera's frame
+  Eigen::Vector3d gradient;
+  o.projection.normal_equations(p, error, huber_.weight(error.squaredNorm()), &hessian, &gradient);
+
+  const Eigen::Matrix3d by_point = hessian * view.rotation;
+  point->hessian.noalias() += view.rotation.transpose() * by_point;
+  point->gradient.noalias() += view.rotation.transpose() * gradient;
+  if (unknown_of_[o.view] < 0) return;
+  // The view moves by exp(twist) on the left: p by translation + rotation x p.
+  Unknown& unknown = free_[unknown_of_[o.view]];
+  const Eigen::Matrix3d cross = skew(p);
+  const Eigen::Matrix3d turned = cross * hessian;
+  mixed->topRows<3>() = by_point;
+  mixed->bottomRows<3>().noalias() = cross * by_point;
+  unknown.hessian.topLeftCorner<3, 3>() += hessian;
+  unknown.hessian.bottomLeftCorner<3, 3>() += turned;
+  unknown.hessian.bottomRightCorner<3, 3>().noalias() -= turned * cross;
+  unknown.gradient.head<3>() += gradient;
+  unknown.gradient.tail<3>() += p.cross(gradient);
+}
+
+template <typename Matrix>
+void damp(double damping, Matrix* hessian) {
+  for (int i = 0; i < hessian->rows(); ++i) (*hessian)(i, i) += damping * std::max((*hessian)(i, i), kMinDiagonal);
+}
+
+bool is_before(const BlockMatrix::Entry& entry, int column) { return entry.column < column; }
+
+void NormalEquations::eliminate(Point* point, double damping) {
+  Eigen::Matrix3d damped = point->hessian;
+  damp(damping, &damped);
+  point->inverse = damped.inverse();
+  weighted_.resize(point->end - point->begin);
+  for (int i = point->begin; i < point->end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row < 0) continue;
+    Matrix63d& weighted = weighted_[i - point->begin];
+    weighted.noalias() = mixed_[i] * point->inverse;
+    right_.segment<6>(6 * row).noalias() += weighted * point->gradient;
+  }
+  for (int i = point->begin; i < point->end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row < 0) continue;
+    std::vector<BlockMatrix::Entry>& entries = system_->row(row);
+    const bool has_all = static_cast<int>(entries.size()) == row + 1;
+    auto entry = entries.begin();
+    for (int k = point->begin; k < point->end; ++k) {
+      const int column = unknown_of_[observations_[k].view];
+      if (column < 0) continue;
+      if (column > row) break;
+      entry = has_all ? entries.begin() + column : std::lower_bound(entry, entries.end(), column, is_before);
+      entry->block.noalias() -= weighted_[i - point->begin] * mixed_[k].transpose();
+    }
+  }
+}
+
+Eigen::Vector3d NormalEquations::back_substitute(const Point& point) const {
+  Eigen::Vector3d right = -point.gradient;
+  for (int i = point.begin; i < point.end; ++i) {
+    const int row = unknown_of_[observations_[i].view];
+    if (row >= 0) right.noalias() -= mixed_[i].transpose() * twists_.segment<6>(6 * row);
+  }
+  return point.inverse * right;
+}
+
+std::optional<State> NormalEquations::step(const State& from, double damping, ReducedSolver* solver,
+                                           double* predicted) {
+  const auto n = static_cast<int>(free_.size());
+  system_->set_zero();
+  right_.resize(6 * n);
+  for (int i = 0; i < n; ++i) {
+    Matrix6d damped = free_[i].hessian.selfadjointView<Eigen::Lower>();
+    damp(damping, &damped);
+    system_->diagonal(i) = damped;
+    right_.segment<6>(6 * i) = -free_[i].gradient;
+  }
+  for (Point& point : points_)
+    if (point.begin < point.end) eliminate(&point, damping);
+  if (!solver->solve(*system_, right_, &twists_)) return std::nullopt;
+
+  // Half of step * (right side + damping * diagonal * step), the right side being the negative gradient.
+  double twice = 0;
+  const auto predict = [&](const auto& step, const auto& gradient, const auto& hessian) {
+    twice -= step.dot(gradient);
+    for (Eigen::Index i = 0; i < step.size(); ++i)
+      twice += damping * std::max(hessian(i, i), kMinDiagonal) * step[i] * step[i];
+  };
+  State to = from;
+  for (int i = 0; i < n; ++i) {
+    const Vector6d twist = twists_.segment<6>(6 * i);
+    predict(twist, free_[i].gradient, free_[i].hessian);
+    View& view = to.views[free_[i].view];
+    view.cam_from_submap = SE3::exp(twist) * view.cam_from_submap;
+    view.rotation = view.cam_from_submap.rotation.toRotationMatrix();
+  }
+  for (size_t p = 0; p < points_.size(); ++p) {
+    if (points_[p].begin == points_[p].end) continue;
+    const Eigen::Vector3d move = back_substitute(points_[p]);
+    predict(move, points_[p].gradient, points_[p].hessian);
+    to.points[p] += move;
+  }
+  *predicted = twice / 2;
+  return to;
+}
+
+State state_of(const BundleProblem& problem) {
+  State state{{}, problem.points};
+  for (const BundleProblem::View& v : problem.views)
+    state.views.push_back({v.cam_from_submap, v.cam_from_submap.rotation.toRotationMatrix()});
+  return state;
 }
 
 }  // namespace
 
+BundleReport BundleSolver::solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
+  constexpr double kMinGain = 1e-3;  // of what a step promised, or it is taken back
+  BundleReport report;
+  NormalEquations bundle(camera, options, *problem);
+  State state = state_of(*problem);
+  double cost = bundle.cost(state);
+  if (!bundle.has_free_views() || !std::isfinite(cost)) return report;
+  report.initial_cost = cost;
+  TrustRegion region;
+  bool moved = true, converged = false;
+  while (report.iterations < options.iterations && !converged && !(options.cancel && *options.cancel)) {
+    ++report.iterations;
+    if (std::exchange(moved, false)) bundle.linearize(state);
+    double predicted = 0;
+    std::optional<State> next = bundle.step(state, region.damping(), solver_.get(), &predicted);
+    const double next_cost = next ? bundle.cost(*next) : kInfinity;
+    const double decrease = cost - next_cost;
+    converged = std::abs(decrease) <= options.function_tolerance * cost;
+    moved = predicted > 0 && decrease > kMinGain * predicted;
+    if (!moved) {
+      region.refuse();
+      continue;
+    }
+    region.accept(decrease / predicted);
+    state = *std::move(next);
+    cost = next_cost;
+  }
+  report.usable = true;
+  report.final_cost = cost;
+  for (size_t v = 0; v < state.views.size(); ++v) problem->views[v].cam_from_submap = state.views[v].cam_from_submap;
+  problem->points = std::move(state.points);
+  return report;
+}
+
+BundleSolver::BundleSolver() : solver_(std::make_unique<ReducedSolver>()) {}
+BundleSolver::~BundleSolver() = default;
+
 BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
-  return suits_dense(*problem) ? solve_dense_bundle(camera, options, problem)
-                               : solve_sparse_bundle(camera, options, problem);
+  return BundleSolver().solve(camera, options, problem);
 }
 
 double reprojection_chi2(const Camera& camera, const BundleProblem& problem, const BundleProblem::Observation& o) {

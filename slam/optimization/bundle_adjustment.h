@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <atomic>
+#include <memory>
 #include <vector>
 
 #include "slam/geometry/camera.h"
@@ -43,7 +44,21 @@ struct BundleReport {
   double initial_cost = 0, final_cost = 0;
 };
 
-// At least one view should be fixed, or two where the scale shall not drift.
+class ReducedSolver;
+
+// Solves problems one after another. Where they are of the same views and differ little, the later ones cost less.
+class BundleSolver {
+ public:
+  BundleSolver();
+  ~BundleSolver();
+  // At least one view should be fixed, or two where the scale shall not drift.
+  BundleReport solve(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
+
+ private:
+  std::unique_ptr<ReducedSolver> solver_;
+};
+
+// One problem.
 BundleReport solve_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
 
 // Squared reprojection error of an observation in units of sigma^2; infinite behind the camera.

@@ -160,6 +160,21 @@ TEST_F(ViewerNodeTest, APlacedSubmapIsFetchedWholeWhenItMovesOrGrows) {
   EXPECT_NE(images_.back().data, placed.data);
 }
 
+TEST_F(ViewerNodeTest, WhatChangesBetweenTwoPicturesTravelsOnce) {
+  options_.interval_s = 5;
+  ViewerNode node(bus_, options_);
+  publish_tracks();
+  for (int i = 0; i < 50; ++i) {
+    ++submap_.revision;
+    submap_.touch(submap_.landmarks[0]);
+    publish_status();
+    run(node, 0.4);
+  }
+  EXPECT_GE(images_.size(), 3U);
+  EXPECT_LE(requests_.size(), images_.size() + 1);
+  EXPECT_GT(colour_pixels(images_.back(), submap_color(SubmapKind::kFront, 0)), 300);
+}
+
 TEST_F(ViewerNodeTest, DrawsALastPictureOfTheNewestMap) {
   options_.interval_s = 1000;
   ViewerNode node(bus_, options_);

@@ -49,6 +49,20 @@ TEST_F(PlaceSearchTest, FindsAPlaceSeenTwice) {
   EXPECT_GE(links_of(search)[kFront], 2);
 }
 
+TEST_F(PlaceSearchTest, ImagesThatHaveTooLittleInCommonAreNotAligned) {
+  const PlaceSearch::Submaps both{{kFront, &front_}, {kLater, &later_}};
+  const auto apart = [](const Place&, const Place&) { return false; };
+  PlaceSearch never({.alignment = {}, .min_alike = 100'000});
+  never.search(both, apart);
+  EXPECT_TRUE(never.found().empty());
+  EXPECT_TRUE(never.refused().empty());
+  // It spares time, and costs no place.
+  PlaceSearch always({.alignment = {}, .min_alike = 0}), search({});
+  always.search(both, apart);
+  search.search(both, apart);
+  EXPECT_EQ(links_of(search), links_of(always));
+}
+
 TEST_F(PlaceSearchTest, WhatTurnsOutToBeWrongIsToldAsRefused) {
   PlaceSearch search({});
   search.search({{kFront, &front_}, {kLater, &later_}}, [](const Place&, const Place&) { return false; });

@@ -91,11 +91,14 @@ TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
   const std::string flag = "--log '" + log.string() + "'";
   ASSERT_EQ(replay(sequence_, first, "--duration 3 " + flag).exit_code, 0);
   const std::string bytes = read_file(log);
-  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS"})
+  for (const char* channel : {"CAMERA", "RUMI_TRACK", "RUMI_MAP_STATUS", "VIEWER_IMAGE"})
     EXPECT_NE(bytes.find(channel), std::string::npos) << channel;
   EXPECT_EQ(bytes.find("RUMI_MAP_CHUNK"), std::string::npos);
   EXPECT_EQ(bytes.find("RUMI_SUBMAP"), std::string::npos);
   ASSERT_EQ(replay(log, second).exit_code, 0);
+  // Pictures are drawn where they are kept.
+  EXPECT_TRUE(read_json_file(first / "run.json")["cpu_ms_per_frame"].contains("viewer_offscreen"));
+  EXPECT_FALSE(read_json_file(second / "run.json")["cpu_ms_per_frame"].contains("viewer_offscreen"));
   EXPECT_EQ(read_file(first / "trajectory.txt"), read_file(second / "trajectory.txt"));
 
   const Outcome itself = replay(log, second, flag);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <random>
 #include <set>
 
@@ -68,6 +70,62 @@ TEST(MatchSift, OfOtherPicturesOrNothingFindsAsGoodAsNothing) {
   EXPECT_TRUE(match_sift(a, nothing).empty());
   EXPECT_TRUE(match_sift(nothing, a).empty());
   EXPECT_TRUE(match_sift(nothing, nothing).empty());
+}
+
+// Descriptors of which some are much alike, some the same.
+SiftFeatures alike(size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  SiftFeatures features;
+  for (size_t i = 0; i < count; ++i) {
+    std::mt19937 of_kind(static_cast<unsigned>(random() % 12));
+    std::array<double, 128> histogram{};
+    double squares = 0;
+    for (double& bin : histogram) {
+      bin = static_cast<double>(of_kind() % 100) + static_cast<double>(random() % 3 * (random() % 40));
+      squares += bin * bin;
+    }
+    SiftDescriptor descriptor{};
+    for (size_t k = 0; k < 128; ++k) descriptor[k] = static_cast<uint8_t>(512 * histogram[k] / std::sqrt(squares));
+    features.descriptors.push_back(i % 9 == 8 ? features.descriptors[i - 5] : descriptor);
+    features.undistorted.emplace_back(0, 0);
+    features.scale_px.push_back(1);
+  }
+  return features;
+}
+
+// Both nearest to each other, at most 0.7 apart, and 0.8 of the second: each with each, in double precision.
+IndexPairs by_comparing_all(const SiftFeatures& a, const SiftFeatures& b) {
+  const auto squared = [&](size_t i, size_t j) {
+    double product = 0;
+    for (size_t k = 0; k < 128; ++k) product += a.descriptors[i][k] * b.descriptors[j][k];
+    return 2 - 2 * product / (512.0 * 512.0);
+  };
+  IndexPairs matches;
+  for (size_t i = 0; i < a.size(); ++i) {
+    double best = 9, second = 9;
+    size_t at = 0;
+    for (size_t j = 0; j < b.size(); ++j) {
+      const double d = squared(i, j);
+      second = std::min(second, std::max(best, d));
+      if (d < best) at = j;
+      best = std::min(best, d);
+    }
+    bool is_mutual = best <= 0.7 * 0.7 && best <= 0.8 * 0.8 * second;
+    for (size_t other = 0; other < a.size() && is_mutual; ++other)
+      is_mutual = other < i ? squared(other, at) > best : squared(other, at) >= best;
+    if (is_mutual) matches.emplace_back(i, at);
+  }
+  return matches;
+}
+
+TEST(MatchSift, FindsWhatComparingAllFinds) {
+  size_t found = 0;
+  for (const auto& [x, y] : {std::pair{1, 1}, {1, 2}, {15, 17}, {16, 16}, {33, 48}, {60, 1}, {100, 90}}) {
+    const SiftFeatures a = alike(x, 1), b = alike(y, 2);
+    EXPECT_EQ(match_sift(a, b), by_comparing_all(a, b)) << x << " " << y;
+    found += match_sift(a, b).size();
+  }
+  EXPECT_GT(found, 8U);
 }
 
 // Two equal candidates: neither is distinct. A single one has no rival.

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <tuple>
 
-#include "slam/optimization/dense_bundle.h"
-#include "slam/optimization/sparse_bundle.h"
+#include "tests/slam/optimization/ceres_bundle.h"
 #include "tests/slam/synthetic_scene.h"
 
 namespace rumi {
@@ -79,63 +79,93 @@ TEST(Bundle, FixedViewsStayAndRunsAreIdentical) {
   for (size_t p = 0; p < a.points.size(); ++p) EXPECT_EQ(a.points[p], b.points[p]);
 }
 
+// Of a walk along which each point is seen by `reach` views before and after.
+BundleProblem walk(int views, int reach, SyntheticScene* scene) {
+  BundleProblem truth;
+  for (int v = 0; v < views; ++v) truth.views.push_back({SyntheticScene::pose(0.004 * v, 0, 0, 0), v < 2});
+  truth.points = scene->cloud(views);
+  for (int p = 0; p < views; ++p) {
+    for (int v = std::max(0, p - reach); v < std::min(views, p + reach); ++v) {
+      const Eigen::Vector3d in_camera = truth.views[v].cam_from_submap * truth.points[p];
+      truth.observations.push_back({v, p, test_camera().project_undistorted(in_camera), 1.0});
+    }
+  }
+  return truth;
+}
+
+double worst_position_error(const BundleProblem& problem, const BundleProblem& truth) {
+  double worst = 0;
+  for (size_t v = 0; v < truth.views.size(); ++v)
+    worst =
+        std::max(worst, (problem.views[v].cam_from_submap.center() - truth.views[v].cam_from_submap.center()).norm());
+  return worst;
+}
+
 // A room where every view sees everything, and a walk where only neighbours see the same.
 TEST(Bundle, RecoversHundredsOfViewsWhateverTheySee) {
   constexpr int kViews = 220;
   for (const int reach : {kViews, 6}) {
     SyntheticScene scene(5);
-    BundleProblem truth;
-    for (int v = 0; v < kViews; ++v) truth.views.push_back({SyntheticScene::pose(0.004 * v, 0, 0, 0), v < 2});
-    truth.points = scene.cloud(kViews);
-    for (int p = 0; p < kViews; ++p) {
-      for (int v = std::max(0, p - reach); v < std::min(kViews, p + reach); ++v) {
-        const Eigen::Vector3d in_camera = truth.views[v].cam_from_submap * truth.points[p];
-        truth.observations.push_back({v, p, test_camera().project_undistorted(in_camera), 1.0});
-      }
-    }
+    const BundleProblem truth = walk(kViews, reach, &scene);
     BundleProblem problem = truth;
     for (auto& point : problem.points) point *= 1 + scene.uniform(-0.05, 0.05);
     ASSERT_TRUE(solve_bundle(test_camera(), {20, 5.991, 1e-8}, &problem).usable);
-    double worst = 0;
-    for (int v = 0; v < kViews; ++v)
-      worst =
-          std::max(worst, (problem.views[v].cam_from_submap.center() - truth.views[v].cam_from_submap.center()).norm());
-    EXPECT_LT(worst, 1e-3) << "seen by " << 2 * reach << " views";
+    EXPECT_LT(worst_position_error(problem, truth), 1e-3) << "seen by " << 2 * reach << " views";
+  }
+}
+
+// What is known of earlier problems serves the later ones, and misleads none: one of other views, one as large of which
+// each view sees something else, one with other noise.
+TEST(Bundle, OneSolverSolvesManyProblems) {
+  BundleSolver solver;
+  SyntheticScene scene(7);
+  for (const auto& [views, reach, noise_px] : std::vector<std::tuple<int, int, double>>{
+           {80, 6, 0.5}, {80, 80, 0.5}, {80, 6, 1.0}, {30, 6, 0.5}, {130, 5, 0.5}, {130, 5, 0.2}}) {
+    BundleProblem problem = walk(views, reach, &scene);
+    for (auto& point : problem.points) point *= 1 + scene.uniform(-0.02, 0.02);
+    for (auto& o : problem.observations) o.pixel += scene.noise(noise_px);
+    BundleProblem alone = problem;
+    const BundleReport report = solver.solve(test_camera(), {60, 5.991, 1e-9}, &problem);
+    ASSERT_TRUE(report.usable);
+    EXPECT_NEAR(report.final_cost, solve_by_ceres(test_camera(), {60, 5.991, 1e-9}, &alone).final_cost,
+                1e-4 * report.final_cost)
+        << views << " views, " << reach;
   }
 }
 
 // Two implementations, and what is hard for either: outliers, points seen once or never, twice by the same view, or by
 // fixed views only, and a view that sees nothing.
-TEST(Bundle, DenseAndSparseAgree) {
+TEST(Bundle, AgreesWithCeres) {
   for (unsigned seed = 0; seed < 10; ++seed) {
     const bool has_edges = seed % 2 == 1;
-    BundleProblem dense = make_scene(seed, 0.5, has_edges ? 0 : 0.03).start;
-    dense.views.push_back({SyntheticScene::pose(1, 2, 3), false});
-    dense.points.emplace_back(0, 0, 3);
+    BundleProblem problem = make_scene(seed, 0.5, has_edges ? 0 : 0.03).start;
+    problem.views.push_back({SyntheticScene::pose(1, 2, 3), false});
+    problem.points.emplace_back(0, 0, 3);
     const Eigen::Vector2d center(test_camera().cx, test_camera().cy);
     for (const auto& [point, views] : std::vector<std::pair<Eigen::Vector3d, std::vector<int>>>{
              {{0, 0, 3}, {3}}, {{0, 0, 4}, {4, 4, 5}}, {{0, 0, 5}, {0, 1}}}) {
-      for (int view : views) dense.observations.push_back({view, static_cast<int>(dense.points.size()), center, 2.0});
-      dense.points.push_back(point);
+      for (int view : views)
+        problem.observations.push_back({view, static_cast<int>(problem.points.size()), center, 2.0});
+      problem.points.push_back(point);
     }
     SyntheticScene edges(seed);
-    for (auto& o : dense.observations)
+    for (auto& o : problem.observations)
       if (has_edges) o.whitening = edge_noise(edges, 1, edges.uniform(0, M_PI), 4).whitening;
-    BundleProblem sparse = dense;
-    const BundleReport by_dense = solve_dense_bundle(test_camera(), {50, 5.991, 1e-12}, &dense);
-    const BundleReport by_sparse = solve_sparse_bundle(test_camera(), {50, 5.991, 1e-12}, &sparse);
-    ASSERT_TRUE(by_dense.usable && by_sparse.usable);
-    EXPECT_NEAR(by_dense.initial_cost, by_sparse.initial_cost, 1e-9 * by_sparse.initial_cost);
-    EXPECT_NEAR(by_dense.final_cost, by_sparse.final_cost, 1e-6 * by_sparse.final_cost);
-    for (size_t v = 0; v < dense.views.size(); ++v)
-      EXPECT_LT((dense.views[v].cam_from_submap.center() - sparse.views[v].cam_from_submap.center()).norm(), 1e-4);
+    BundleProblem reference = problem;
+    const BundleReport ours = solve_bundle(test_camera(), {50, 5.991, 1e-12}, &problem);
+    const BundleReport by_ceres = solve_by_ceres(test_camera(), {50, 5.991, 1e-12}, &reference);
+    ASSERT_TRUE(ours.usable && by_ceres.usable);
+    EXPECT_NEAR(ours.initial_cost, by_ceres.initial_cost, 1e-9 * by_ceres.initial_cost);
+    EXPECT_NEAR(ours.final_cost, by_ceres.final_cost, 1e-6 * by_ceres.final_cost);
+    for (size_t v = 0; v < problem.views.size(); ++v)
+      EXPECT_LT((problem.views[v].cam_from_submap.center() - reference.views[v].cam_from_submap.center()).norm(), 1e-4);
     // In pixels: a point of which only edges are seen may be at any depth.
     for (const int v : {0, 5})
       for (size_t p = 0; p < 150; ++p) {
         const auto pixel = [&](const BundleProblem& of) {
           return test_camera().project_undistorted(of.views[v].cam_from_submap * of.points[p]);
         };
-        EXPECT_LT((pixel(dense) - pixel(sparse)).norm(), 0.1);
+        EXPECT_LT((pixel(problem) - pixel(reference)).norm(), 0.1);
       }
   }
 }
@@ -175,7 +205,7 @@ TEST(Bundle, NoStepMakesItWorse) {
     for (auto& point : problem.points) point *= 1 + scene.uniform(-0.6, 2);
     double last = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 10; ++i) {
-      const BundleReport report = solve_dense_bundle(test_camera(), {1, 5.991, 0}, &problem);
+      const BundleReport report = solve_bundle(test_camera(), {1, 5.991, 0}, &problem);
       ASSERT_TRUE(report.usable);
       EXPECT_LE(report.final_cost, report.initial_cost);
       EXPECT_LE(report.initial_cost, last * (1 + 1e-12));
@@ -186,11 +216,9 @@ TEST(Bundle, NoStepMakesItWorse) {
 
 TEST(Bundle, EndsWhenItIsToldTo) {
   const std::atomic<bool> cancel = true;
-  for (const auto solve : {solve_dense_bundle, solve_sparse_bundle}) {
-    BundleProblem problem = make_scene(1, 0.5, 0).start;
-    const BundleReport report = solve(test_camera(), {30, 5.991, 1e-4, &cancel}, &problem);
-    EXPECT_EQ(report.final_cost, report.initial_cost);
-  }
+  BundleProblem problem = make_scene(1, 0.5, 0).start;
+  const BundleReport report = solve_bundle(test_camera(), {30, 5.991, 1e-4, &cancel}, &problem);
+  EXPECT_EQ(report.final_cost, report.initial_cost);
 }
 
 TEST(Bundle, NothingToSolveIsNoError) {

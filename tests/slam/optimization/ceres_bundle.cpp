@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "slam/optimization/sparse_bundle.h"
+#include "tests/slam/optimization/ceres_bundle.h"
 
 #include <ceres/ceres.h>
 
@@ -76,24 +76,10 @@ class ReprojectionError final : public ceres::SizedCostFunction<2, 7, 3> {
   WhitenedProjection projection_;
 };
 
-// Ends the iterations when somebody else says so.
-class Cancellation final : public ceres::IterationCallback {
- public:
-  explicit Cancellation(const std::atomic<bool>* cancel) : cancel_(cancel) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
-    return cancel_ && *cancel_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
- private:
-  const std::atomic<bool>* cancel_;
-};
-
 ceres::Solver::Options solver_options(const BundleOptions& options) {
-  // Of hundreds of views CHOLMOD is four times as fast.
-  const bool cholmod = ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::SUITE_SPARSE);
   ceres::Solver::Options o;
   o.linear_solver_type = ceres::SPARSE_SCHUR;
-  o.sparse_linear_algebra_library_type = cholmod ? ceres::SUITE_SPARSE : ceres::EIGEN_SPARSE;
+  o.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
   o.max_num_iterations = options.iterations;
   o.num_threads = 1;  // repeatable to the bit
   o.function_tolerance = options.function_tolerance;
@@ -103,7 +89,7 @@ ceres::Solver::Options solver_options(const BundleOptions& options) {
 
 }  // namespace
 
-BundleReport solve_sparse_bundle(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
+BundleReport solve_by_ceres(const Camera& camera, const BundleOptions& options, BundleProblem* problem) {
   BundleReport report;
   if (problem->observations.empty()) return report;
   std::vector<std::array<double, 7>> poses(problem->views.size());
@@ -137,8 +123,6 @@ BundleReport solve_sparse_bundle(const Camera& camera, const BundleOptions& opti
 
   ceres::Solver::Options o = solver_options(options);
   o.linear_solver_ordering = ordering;
-  Cancellation cancellation(options.cancel);
-  o.callbacks.push_back(&cancellation);
   ceres::Solver::Summary summary;
   ceres::Solve(o, &ceres_problem, &summary);
   report.iterations = static_cast<int>(summary.iterations.size());

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "slam/geometry/transform.h"
+
+namespace rumi {
+
+// A symmetric matrix of 6x6 blocks, of which only those of a pattern differ from zero. The lower half is kept.
+class BlockMatrix {
+ public:
+  struct Entry {
+    int column = 0;
+    Matrix6d block;
+  };
+
+  // columns: of each row, those with a block, in ascending order; the last one is the row itself.
+  explicit BlockMatrix(const std::vector<std::vector<int>>& columns);
+
+  int size() const { return static_cast<int>(rows_.size()); }  // blocks
+  // Of all blocks, the share that may differ from zero.
+  double filled() const;
+  void set_zero();
+  std::vector<Entry>& row(int r) { return rows_[r]; }
+  const std::vector<Entry>& row(int r) const { return rows_[r]; }
+  Matrix6d& diagonal(int r) { return rows_[r].back().block; }
+  const Matrix6d& diagonal(int r) const { return rows_[r].back().block; }
+  // *y = this * x.
+  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const;
+
+ private:
+  std::vector<std::vector<Entry>> rows_;
+};
+
+}  // namespace rumi

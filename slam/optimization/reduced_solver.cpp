@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "slam/optimization/reduced_solver.h"
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+namespace rumi {
+namespace {
+
+constexpr double kDenseShare = 1.0 / 8;  // of the blocks: with more, sparse is no faster
+constexpr int kDenseSize = 100;          // blocks: nor with fewer
+constexpr int kWorn = 20;                // iterations, from which a new factor costs less
+constexpr int kMost = 100;               // iterations
+constexpr double kTolerance = 1e-6;      // of what is left of the right side, in the norm of the preconditioner
+// Added to the unit diagonal of what is factored, which rounding could make indefinite.
+constexpr float kRounding = 1e-5F;
+
+// Calls put(row, column, value) for the lower half of the matrix, scaled to a unit diagonal.
+template <typename Put>
+void for_each_scaled(const BlockMatrix& matrix, const Eigen::VectorXf& scale, Put put) {
+  for (int r = 0; r < matrix.size(); ++r)
+    for (const BlockMatrix::Entry& entry : matrix.row(r))
+      for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 6; ++k) {
+          const int row = 6 * r + i, column = 6 * entry.column + k;
+          const float value = static_cast<float>(entry.block(i, k)) * scale[row] * scale[column];
+          if (row >= column) put(row, column, row == column ? value + kRounding : value);
+        }
+}
+
+bool solve_directly(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(right.size(), right.size());
+  for (int r = 0; r < matrix.size(); ++r)
+    for (const BlockMatrix::Entry& entry : matrix.row(r)) dense.block<6, 6>(6 * r, 6 * entry.column) = entry.block;
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(dense);
+  if (factor.info() != Eigen::Success) return false;
+  *solution = factor.solve(right);
+  return solution->allFinite();
+}
+
+}  // namespace
+
+bool ReducedSolver::factorize(const BlockMatrix& matrix) {
+  size_ = matrix.size();
+  is_dense_ = size_ <= kDenseSize || matrix.filled() > kDenseShare;
+  scale_.resize(6 * size_);
+  for (int r = 0; r < size_; ++r)
+    scale_.segment<6>(6 * r) = matrix.diagonal(r).diagonal().cwiseSqrt().cwiseInverse().cast<float>();
+  if (is_dense_) {
+    dense_.setZero(6 * size_, 6 * size_);
+    for_each_scaled(matrix, scale_, [this](int row, int column, float value) { dense_(row, column) = value; });
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXf>> in_place(dense_);
+    return in_place.info() == Eigen::Success;
+  }
+  std::vector<Eigen::Triplet<float>> entries;
+  for_each_scaled(matrix, scale_,
+                  [&entries](int row, int column, float value) { entries.emplace_back(row, column, value); });
+  Eigen::SparseMatrix<float> lower(6 * size_, 6 * size_);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  sparse_.compute(lower);
+  return sparse_.info() == Eigen::Success;
+}
+
+Eigen::VectorXd ReducedSolver::precondition(const Eigen::VectorXd& residual) const {
+  Eigen::VectorXf x = residual.cast<float>().cwiseProduct(scale_);
+  if (is_dense_) {
+    dense_.triangularView<Eigen::Lower>().solveInPlace(x);
+    dense_.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
+  } else {
+    x = sparse_.solve(x).eval();
+  }
+  return x.cwiseProduct(scale_).cast<double>();
+}
+
+bool ReducedSolver::iterate(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
+  Eigen::VectorXd product;
+  matrix.multiply(*solution, &product);
+  Eigen::VectorXd residual = right - product;
+  Eigen::VectorXd z = precondition(residual), direction = z;
+  double rz = residual.dot(z);
+  const double enough = kTolerance * kTolerance * right.dot(precondition(right));
+  for (int i = 0; i < kMost && rz > enough; ++i) {
+    is_worn_ = i > kWorn;
+    matrix.multiply(direction, &product);
+    const double curvature = direction.dot(product);
+    if (!(curvature > 0)) return false;
+    const double length = rz / curvature;
+    *solution += length * direction;
+    residual -= length * product;
+    z = precondition(residual);
+    const double rz_next = residual.dot(z);
+    direction = z + rz_next / rz * direction;
+    rz = rz_next;
+  }
+  return rz <= enough;
+}
+
+bool ReducedSolver::solve(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
+  if (matrix.size() <= kSmall) return solve_directly(matrix, right, solution);
+  *solution = Eigen::VectorXd::Zero(right.size());
+  if (!is_worn_ && size_ == matrix.size() && iterate(matrix, right, solution)) return solution->allFinite();
+  if (!solution->allFinite()) solution->setZero();
+  is_worn_ = !factorize(matrix);
+  return !is_worn_ && iterate(matrix, right, solution) && solution->allFinite();
+}
+
+}  // namespace rumi

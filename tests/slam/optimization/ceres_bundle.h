@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Bundle adjustment by Ceres, to compare solve_bundle() with.
+#pragma once
+
+#include "slam/optimization/bundle_adjustment.h"
+
+namespace rumi {
+
+BundleReport solve_by_ceres(const Camera& camera, const BundleOptions& options, BundleProblem* problem);
+
+}  // namespace rumi
