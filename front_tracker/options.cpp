@@ -13,7 +13,6 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
   t.group("initialization");
   InitializerOptions& i = o.initializer;
   t.add(s + "init_min_matches", &i.min_matches, "", "between the two images that begin a submap", 20, 10000);
-  t.add(s + "init_max_rmse", &i.max_rmse_px, "px", "reprojection error after the first bundle adjustment", 0.1, 10.0);
 
   t.group("tracking");
   TrackingOptions& r = o.tracking;

@@ -10,7 +10,7 @@ from rendered_runs import write_table
 
 # The guards of beginning, tracking, rumination and merging.
 OPTIONS = """
-front_tracker.init_min_matches front_tracker.init_max_rmse front_tracker.uncertain_px front_tracker.max_scale_drift
+front_tracker.init_min_matches front_tracker.uncertain_px front_tracker.max_scale_drift
 front_tracker.reloc_min_inliers front_tracker.max_log_baseline front_tracker.max_log_distance
 ruminator.resection_min_inliers ruminator.max_error_px ruminator.min_parallax_deg ruminator.scale_max_change
 ruminator.tear_max_severed ruminator.min_parallax_px ruminator.max_rmse_px ruminator.max_pair_rotation_deg

@@ -152,28 +152,11 @@ bool InitialStructure::adjust() {
   }
   sort_out();
 
-  const BundleProblem problem = as_it_is();
-  double sum = 0;
-  size_t count = 0;
   int in_both = 0;
-  for (size_t p = 0; p < points_.size(); ++p) {
-    for (size_t v = 0; v < views_.size(); ++v) {
-      if (!views_[v].agrees[p]) continue;
-      sum += reprojection_chi2(input_->camera, problem, observation(v, p));
-      ++count;
-    }
-    in_both += views_[0].agrees[p] && views_[1].agrees[p];
-  }
-  if (in_both < input_->options.two_view.min_points) {
-    refusal_ = fmt::format("{} points left after bundle adjustment", in_both);
-    return false;
-  }
-  const double rmse_px = std::sqrt(sum / static_cast<double>(count));
-  if (rmse_px > input_->options.max_rmse_px) {
-    refusal_ = fmt::format("after bundle adjustment: error {:.2f} px", rmse_px);
-    return false;
-  }
-  return true;
+  for (size_t p = 0; p < points_.size(); ++p) in_both += views_[0].agrees[p] && views_[1].agrees[p];
+  if (in_both >= input_->options.two_view.min_points) return true;
+  refusal_ = fmt::format("{} points left after bundle adjustment", in_both);
+  return false;
 }
 
 double InitialStructure::direction_sigma_rad() const {
