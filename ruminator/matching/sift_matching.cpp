@@ -77,7 +77,7 @@ std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
   return wide;
 }
 
-double squared_distance(int product) { return std::max(0.0, 2 - 2 * product / kUnit); }
+double squared_distance(int product) { return std::max(0.0, 2 - 2.0 * product / kUnit); }
 
 // The product of the nearest one, if the second is far enough behind.
 std::optional<int> distinct_best(const TwoBest& two) {
