@@ -46,12 +46,18 @@ std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Descriptor>& des
   return found;
 }
 
-std::vector<Descriptor> landmark_descriptors(const Keyframe& keyframe) {
-  std::vector<Descriptor> descriptors;
-  if (!keyframe.features) return descriptors;
+std::vector<int> landmark_keypoints(const Keyframe& keyframe) {
+  std::vector<int> keypoints;
+  if (!keyframe.features) return keypoints;
   const size_t n = std::min(keyframe.landmark_ids.size(), keyframe.features->descriptors.size());
   for (size_t i = 0; i < n; ++i)
-    if (keyframe.landmark_ids[i] != kNone) descriptors.push_back(keyframe.features->descriptors[i]);
+    if (keyframe.landmark_ids[i] != kNone) keypoints.push_back(static_cast<int>(i));
+  return keypoints;
+}
+
+std::vector<Descriptor> landmark_descriptors(const Keyframe& keyframe) {
+  std::vector<Descriptor> descriptors;
+  for (int i : landmark_keypoints(keyframe)) descriptors.push_back(keyframe.features->descriptors[i]);
   return descriptors;
 }
 

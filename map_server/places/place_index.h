@@ -46,7 +46,10 @@ class PlaceIndex {
   std::map<int64_t, Place> places_;
 };
 
-// The descriptors of the keypoints that observe a landmark: what a keyframe is added with, and best queried with.
+// The keypoints that observe a landmark.
+std::vector<int> landmark_keypoints(const Keyframe& keyframe);
+
+// Their descriptors: what a keyframe is added with, and best queried with.
 std::vector<Descriptor> landmark_descriptors(const Keyframe& keyframe);
 
 // For the query of a keyframe: excludes it, what it shares landmarks with, and what is within `min_apart_us` of it in

@@ -13,14 +13,6 @@ namespace {
 
 using Submaps = PlaceSearch::Submaps;
 
-// Keypoints.
-std::vector<int> observing(const Keyframe& keyframe) {
-  std::vector<int> keypoints;
-  for (size_t i = 0; i < keyframe.landmark_ids.size(); ++i)
-    if (keyframe.landmark_ids[i] != kNone) keypoints.push_back(static_cast<int>(i));
-  return keypoints;
-}
-
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
   return {.a = a.submap,
           .b = b.submap,
@@ -51,8 +43,7 @@ PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps
 // Landmarks of the two images, by themselves, that look alike. Some five do by chance.
 int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, const PlaceMatchOptions& o) {
   const Keyframe &x = *a.keyframe(keyframe_a), &y = *b.keyframe(keyframe_b);
-  if (!x.features || !y.features) return 0;
-  const std::vector<int> in_x = observing(x), in_y = observing(y);
+  const std::vector<int> in_x = landmark_keypoints(x), in_y = landmark_keypoints(y);
   if (in_x.empty() || in_y.empty()) return 0;  // an empty selection would mean all
   return static_cast<int>(
       match_features(*x.features, in_x, *y.features, in_y, {o.max_distance, o.max_ratio, true}).size());

@@ -73,12 +73,10 @@ Eigen::VectorXd ReducedSolver::precondition(const Eigen::VectorXd& residual) con
 }
 
 bool ReducedSolver::iterate(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
-  Eigen::VectorXd product;
-  matrix.multiply(*solution, &product);
-  Eigen::VectorXd residual = right - product;
-  Eigen::VectorXd z = precondition(residual), direction = z;
+  solution->setZero(right.size());
+  Eigen::VectorXd residual = right, z = precondition(residual), direction = z, product;
   double rz = residual.dot(z);
-  const double enough = kTolerance * kTolerance * right.dot(precondition(right));
+  const double enough = kTolerance * kTolerance * rz;
   for (int i = 0; i < kMost && rz > enough; ++i) {
     is_worn_ = i > kWorn;
     matrix.multiply(direction, &product);
@@ -97,9 +95,7 @@ bool ReducedSolver::iterate(const BlockMatrix& matrix, const Eigen::VectorXd& ri
 
 bool ReducedSolver::solve(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution) {
   if (matrix.size() <= kSmall) return solve_directly(matrix, right, solution);
-  *solution = Eigen::VectorXd::Zero(right.size());
   if (!is_worn_ && size_ == matrix.size() && iterate(matrix, right, solution)) return solution->allFinite();
-  if (!solution->allFinite()) solution->setZero();
   is_worn_ = !factorize(matrix);
   return !is_worn_ && iterate(matrix, right, solution) && solution->allFinite();
 }

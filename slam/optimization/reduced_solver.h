@@ -20,7 +20,7 @@ class ReducedSolver {
  private:
   bool factorize(const BlockMatrix& matrix);
   Eigen::VectorXd precondition(const Eigen::VectorXd& residual) const;
-  // Goes on from the solution. False when kMost iterations did not do.
+  // False when kMost iterations did not do.
   bool iterate(const BlockMatrix& matrix, const Eigen::VectorXd& right, Eigen::VectorXd* solution);
 
   int size_ = 0;           // blocks of what was factored
