@@ -197,7 +197,7 @@ MapPart MapBuilder::part_of(Scope scope, const std::set<SubmapKey>& members, con
   std::set<SubmapKey> fresh;
   for (const SubmapKey& key : members)
     if (!built_.contains(key) || !placed.contains(key)) fresh.insert(key);
-  if (scope == Scope::kAll || fresh.empty()) return {members, {}};
+  if (scope != Scope::kWeld || fresh.empty()) return {members, {}};
   SubmapContacts contacts = fused_;
   for (const Tie& tie : ties(submaps)) contacts.insert(std::minmax(tie.link->a, tie.link->b));
   return part_around(fresh, members, contacts, submaps, options_.weld_keyframes);
@@ -336,7 +336,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
     if (!arranged.part.submaps.contains(arranged.anchor) || cancelled()) return std::nullopt;
     arranged.submaps = place_members(submaps, arranged.part, arranged.anchor, placed);
     const std::vector<KeyframeJoint> known = joints(arranged.submaps);
-    if (known.empty() && scope == Scope::kAll && members->size() == 1) return arranged;  // it is the whole map
+    if (known.empty() && scope != Scope::kWeld && members->size() == 1) return arranged;  // it is the whole map
     if (known.empty()) return std::nullopt;
     const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
     if (!drop_contradicted(submaps, known, bent.joint_chi2)) return arranged;
@@ -346,7 +346,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
 
 BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
   std::set<SubmapKey> members = choose_members(submaps, placed);
-  if (scope == Scope::kAll) members = search_beside(members, submaps, placed);
+  if (scope != Scope::kWeld) members = search_beside(members, submaps, placed);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;
@@ -364,7 +364,7 @@ BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Sco
   built.placements = split(model, before);
   std::set_difference(members.begin(), members.end(), part.begin(), part.end(),
                       std::inserter(built.unmoved, built.unmoved.end()));
-  if (scope == Scope::kAll) built.culled = cull(submaps, &before, &model, &built.placements);
+  if (scope != Scope::kWeld) built.culled = cull(submaps, &before, &model, &built.placements);
   if (fixed_.empty() && arranged->part.held.empty())
     keep_gauge(before.at(arranged->anchor), arranged->anchor, &built.placements);
   return built;

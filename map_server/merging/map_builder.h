@@ -38,7 +38,7 @@ struct MapBuilderOptions {
   int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
   int weld_neighbours = 30;    // views around what is new that are adjusted with it
   int weld_keyframes = 500;    // of the submaps around what is new that are bent with it, about
-  int association_rounds = 4;  // association, then bundle adjustment; the radius is halved each time
+  int association_rounds = 4;  // of Scope::kAll: association, then bundle adjustment; the radius is halved each time
 };
 
 struct MapBuildReport {
@@ -63,8 +63,9 @@ struct BuiltMap {
 class MapBuilder {
  public:
   enum class Scope {
-    kWeld,  // submaps that have been joined since the last build, and what is around them; else nothing
-    kAll,   // the whole map
+    kWeld,      // submaps that have been joined since the last build, and what is around them; else nothing
+    kOnTheWay,  // the whole map, by what its submaps have in common: one that still grows
+    kAll,       // the whole map, and every image in which its points are found
   };
 
   // `cancel`, if given and true, makes every call return soon; what it returns is to be thrown away.

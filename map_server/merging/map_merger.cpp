@@ -69,11 +69,14 @@ void MapMerger::note_adjusted() {
 
 std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
   const bool has = has_news(atlas);
-  if (has || wants_adjustment_) {
-    const double period_s = std::max(options_.adjustment_interval_s, kAdjustmentSPerView * views_) *
-                            (is_settled(atlas) ? kSettledPeriods : 1);
-    if (hurry_ || (wants_adjustment_ && is_due(now_us, last_adjustment_us_, to_us(period_s))))
-      return MapBuilder::Scope::kAll;
+  if (hurry_ && (has || wants_adjustment_)) return MapBuilder::Scope::kAll;
+  if (wants_adjustment_) {
+    const bool settled = is_settled(atlas);
+    const double period_s =
+        std::max(options_.adjustment_interval_s, kAdjustmentSPerView * views_) * (settled ? kSettledPeriods : 1);
+    // Where points are found besides is worth its price when they stay: each adjustment on the way throws it away.
+    if (is_due(now_us, last_adjustment_us_, to_us(period_s)))
+      return settled ? MapBuilder::Scope::kAll : MapBuilder::Scope::kOnTheWay;
   }
   if (has && is_due(now_us, last_begin_us_, to_us(options_.interval_s))) return MapBuilder::Scope::kWeld;
   return std::nullopt;
@@ -106,10 +109,8 @@ void MapMerger::copy(const Atlas& atlas) {
 void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
   copy(atlas);
   last_begin_us_ = now_us;
-  if (scope == MapBuilder::Scope::kAll) {
-    last_adjustment_us_ = now_us;
-    hurry_ = false;  // who hurries from now on means what is not in this build
-  }
+  if (scope != MapBuilder::Scope::kWeld) last_adjustment_us_ = now_us;
+  if (scope == MapBuilder::Scope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
   // The first adjustment waits its turn from the first look on.
   if (last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
   running_ = true;
@@ -141,10 +142,10 @@ std::optional<MergeResult> MapMerger::end() {
   if (thread_.joinable()) thread_.join();
   running_ = false;
   if (cancel_) return std::nullopt;
-  wants_adjustment_ = result_.scope == MapBuilder::Scope::kWeld && result_.report.members > 0;
+  wants_adjustment_ = result_.scope != MapBuilder::Scope::kAll && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
   for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
-  if (result_.scope == MapBuilder::Scope::kAll) note_adjusted();
+  if (result_.scope != MapBuilder::Scope::kWeld) note_adjusted();
   malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
   return std::move(result_);
 }

@@ -72,7 +72,7 @@ class MapMerger {
   Copies copies_;
   std::map<SubmapKey, Placement> placed_;
   bool running_ = false, hurry_ = false;
-  bool wants_adjustment_ = false;  // something changed since the whole map was adjusted
+  bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (Scope::kAll)
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
   int views_ = 0;                                         // of the map as it was built last
