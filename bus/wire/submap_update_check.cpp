@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -13,6 +14,23 @@
 
 namespace rumi {
 namespace {
+
+constexpr int kMaxId = IdMap<Landmark>::kMaxId;
+
+class IdSet {
+ public:
+  // False: it is in it already.
+  bool insert(int id) {
+    if (has_.size() <= static_cast<size_t>(id)) has_.resize(std::max<size_t>(id + 1, 2 * has_.size()));
+    const bool is_new = !has_[id];
+    has_[id] = true;
+    return is_new;
+  }
+  bool contains(int id) const { return id >= 0 && static_cast<size_t>(id) < has_.size() && has_[id]; }
+
+ private:
+  std::vector<bool> has_;
+};
 
 class Validator {
  public:
@@ -42,9 +60,15 @@ class Validator {
 
   // Fills the sets and refuses negative, repeated and contradictory ids.
   std::string check_ids() {
-    const auto take_id = [](const char* what, int32_t id, std::set<int>* into) -> std::string {
+    const auto take_id = [](const char* what, int32_t id, IdSet* into) -> std::string {
       if (id < 0) return fmt::format("{} id {}: must not be negative", what, id);
-      return into->insert(id).second ? "" : fmt::format("{} id {}: twice in one update", what, id);
+      if (id > kMaxId) return fmt::format("{} id {}: ids count up from 0, {} at most", what, id, kMaxId);
+      return into->insert(id) ? "" : fmt::format("{} id {}: twice in one update", what, id);
+    };
+    // Also refused here: an element that is both changed and removed.
+    const auto take_removed = [&](const char* what, int32_t id, const IdSet& changed, IdSet* into) {
+      if (changed.contains(id)) return fmt::format("{} id {}: twice in one update", what, id);
+      return take_id(what, id, into);
     };
     std::string wrong;
     for (const auto& k : update_.keyframes)
@@ -53,14 +77,10 @@ class Validator {
       if (wrong.empty()) wrong = take_id("features of keyframe", f.keyframe_id, &features_);
     for (const auto& l : update_.landmarks)
       if (wrong.empty()) wrong = take_id("landmark", l.id, &landmarks_);
-    // Also refused here: an element that is both changed and removed.
-    removed_keyframes_ = keyframes_, removed_landmarks_ = landmarks_;
     for (int32_t id : update_.removed_keyframes)
-      if (wrong.empty()) wrong = take_id("removed keyframe", id, &removed_keyframes_);
+      if (wrong.empty()) wrong = take_removed("removed keyframe", id, keyframes_, &removed_keyframes_);
     for (int32_t id : update_.removed_landmarks)
-      if (wrong.empty()) wrong = take_id("removed landmark", id, &removed_landmarks_);
-    for (int id : keyframes_) removed_keyframes_.erase(id);
-    for (int id : landmarks_) removed_landmarks_.erase(id);
+      if (wrong.empty()) wrong = take_removed("removed landmark", id, landmarks_, &removed_landmarks_);
     return wrong;
   }
 
@@ -101,7 +121,6 @@ class Validator {
     if (!fits(k.n, k.keypoint_index.size()) || !fits(k.n, k.landmark_id.size()))
       return fmt::format("keyframe {}: the observation arrays do not have the same length", k.id);
     std::vector<bool> used(keypoints, false);
-    std::set<int> seen;
     for (int i = 0; i < k.n; ++i) {
       const int index = k.keypoint_index[i], landmark = k.landmark_id[i];
       if (index < 0 || index >= keypoints)
@@ -110,9 +129,11 @@ class Validator {
       used[index] = true;
       if (!landmark_exists(landmark))
         return fmt::format("keyframe {}: observes landmark {}, which does not exist", k.id, landmark);
-      if (!seen.insert(landmark).second) return fmt::format("keyframe {}: observes landmark {} twice", k.id, landmark);
     }
-    return "";
+    std::vector<int> seen = k.landmark_id;
+    std::sort(seen.begin(), seen.end());
+    const auto twice = std::adjacent_find(seen.begin(), seen.end());
+    return twice == seen.end() ? "" : fmt::format("keyframe {}: observes landmark {} twice", k.id, *twice);
   }
 
   std::string check_landmarks() {
@@ -136,14 +157,14 @@ class Validator {
 
   // Nothing that stays as it was may refer to something that goes.
   std::string check_removals() {
-    for (int id : removed_landmarks_) {
+    for (int id : update_.removed_landmarks) {
       const Landmark* landmark = submap_.landmark(id);
       if (!landmark) continue;
       for (const Observation& o : landmark->observations)
         if (!keyframes_.contains(o.keyframe_id) && !removed_keyframes_.contains(o.keyframe_id))
           return fmt::format("removed landmark {}: keyframe {} still observes it", id, o.keyframe_id);
     }
-    if (removed_keyframes_.empty()) return "";
+    if (update_.removed_keyframes.empty()) return "";
     for (const auto& [utime, frame] : submap_.frames)
       if (removed_keyframes_.contains(frame.reference_keyframe) && !frames_.contains(utime))
         return fmt::format("removed keyframe {}: frame {} still hangs on it", frame.reference_keyframe, utime);
@@ -159,7 +180,7 @@ class Validator {
 
   const submap_update_t& update_;
   const Submap& submap_;
-  std::set<int> keyframes_, features_, landmarks_, removed_keyframes_, removed_landmarks_;
+  IdSet keyframes_, features_, landmarks_, removed_keyframes_, removed_landmarks_;
   std::set<int64_t> frames_;
   std::map<int, const keyframe_features_t*> new_features_;
 };

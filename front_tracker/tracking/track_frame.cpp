@@ -132,14 +132,7 @@ std::vector<const Landmark*> Tracker::local_landmarks(Frame* frame) {
   std::sort(ids.begin(), ids.end());
   std::vector<const Landmark*> landmarks;
   landmarks.reserve(ids.size());
-  // Landmarks made together are seen together: the next is near in the tree.
-  constexpr int kNear = 16;
-  auto at = map.landmarks.begin();
-  for (int id : ids) {
-    if (id - at->first > kNear) at = map.landmarks.find(id);
-    while (at->first < id) ++at;
-    landmarks.push_back(&at->second);
-  }
+  for (int id : ids) landmarks.push_back(map.landmark(id));
   return landmarks;
 }
 

@@ -102,7 +102,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     landmark.position = {position[0], position[1], position[2]};
     landmark.descriptor = array_from_blob<Descriptor>(landmarks.blob(2));
     landmark.revision = landmarks.integer(3);
-    s->landmarks.emplace_hint(s->landmarks.end(), landmark.id, std::move(landmark));
+    s->landmarks.emplace(landmark.id, std::move(landmark));
   }
   Statement keyframes(db_,
                       "SELECT k.id, k.utime, k.cam_from_submap, k.revision, k.created_revision, o.pairs, f.keypoints, "

@@ -16,8 +16,6 @@ auto* find_in(Map& map, const Key& key) {
 
 Keyframe* Submap::keyframe(int id) { return find_in(keyframes, id); }
 const Keyframe* Submap::keyframe(int id) const { return find_in(keyframes, id); }
-Landmark* Submap::landmark(int id) { return find_in(landmarks, id); }
-const Landmark* Submap::landmark(int id) const { return find_in(landmarks, id); }
 const FramePose* Submap::frame(int64_t utime_us) const { return find_in(frames, utime_us); }
 
 bool Submap::add_observation(int landmark_id, int keyframe_id, int keypoint_index) {

@@ -17,6 +17,7 @@
 #include "slam/features/features.h"
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
+#include "slam/map/id_map.h"
 #include "slam/map/pose_sigmas.h"
 #include "slam/map/removals.h"
 
@@ -82,14 +83,14 @@ class Submap {
   int64_t revision = 0;
 
   std::map<int, Keyframe> keyframes;    // by id
-  std::map<int, Landmark> landmarks;    // by id
+  IdMap<Landmark> landmarks;            // by id
   std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
   const Keyframe* keyframe(int id) const;
-  Landmark* landmark(int id);
-  const Landmark* landmark(int id) const;
+  Landmark* landmark(int id) { return landmarks.get(id); }
+  const Landmark* landmark(int id) const { return landmarks.get(id); }
 
   // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if
   // an id or index does not exist or the landmark is already observed in that keyframe.

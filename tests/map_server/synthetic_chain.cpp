@@ -59,7 +59,7 @@ Growth grow(const Submap& submap, int early_keyframes) {
   }
   std::erase_if(early.keyframes, [&](const auto& item) { return is_late(item.first); });
   std::erase_if(early.frames, [&](const auto& item) { return is_late(item.second.reference_keyframe); });
-  std::erase_if(early.landmarks, [&](const auto& item) { return late_landmarks.contains(item.first); });
+  for (int id : late_landmarks) early.landmarks.erase(id);
   for (auto& [id, keyframe] : early.keyframes)
     for (int& landmark : keyframe.landmark_ids)
       if (late_landmarks.contains(landmark)) landmark = kNone;

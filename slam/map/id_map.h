@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A map from ids, which are given one after another, to values: as std::map<int, T> is used, in order of id and with
+// values that stay where they are, but found at once. Ids that were erased cost a pointer each as long as one of their
+// 64 neighbours is left.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace rumi {
+
+template <typename T>
+class IdMap {
+ public:
+  using key_type = int;
+  using mapped_type = T;
+  using value_type = std::pair<const int, T>;
+
+  static constexpr int kMaxId = (1 << 28) - 1;  // the index of the ids has 32 MB then
+
+  template <bool kConst>
+  class Iterator {
+   public:
+    using iterator_category = std::bidirectional_iterator_tag;
+    using value_type = IdMap::value_type;
+    using difference_type = std::ptrdiff_t;
+    using reference = std::conditional_t<kConst, const value_type&, value_type&>;
+    using pointer = std::conditional_t<kConst, const value_type*, value_type*>;
+
+    Iterator() = default;
+    // NOLINTNEXTLINE(google-explicit-constructor): as the standard's iterators
+    operator Iterator<true>() const { return {map_, id_}; }
+    reference operator*() const { return *map_->leaves_[id_ / kLeaf]->values[id_ % kLeaf]; }
+    pointer operator->() const { return &**this; }
+    Iterator& operator++() {
+      id_ = map_->next(id_ + 1);
+      return *this;
+    }
+    Iterator& operator--() {
+      id_ = map_->previous(id_);
+      return *this;
+    }
+    Iterator operator++(int) { return std::exchange(*this, std::next(*this)); }
+    Iterator operator--(int) { return std::exchange(*this, std::prev(*this)); }
+    bool operator==(const Iterator& other) const { return id_ == other.id_; }
+
+   private:
+    friend class IdMap;
+    Iterator(const IdMap* map, size_t id) : map_(map), id_(id) {}
+    const IdMap* map_ = nullptr;
+    size_t id_ = 0;
+  };
+  using iterator = Iterator<false>;
+  using const_iterator = Iterator<true>;
+
+  IdMap() = default;
+  IdMap(IdMap&& other) noexcept : leaves_(std::move(other.leaves_)), size_(std::exchange(other.size_, 0)) {}
+  IdMap(const IdMap& other) { *this = other; }
+  IdMap& operator=(IdMap&& other) noexcept {
+    leaves_ = std::move(other.leaves_);
+    other.leaves_.clear();
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+  }
+  IdMap& operator=(const IdMap& other) {
+    if (this == &other) return *this;
+    clear();
+    for (const auto& [id, value] : other) emplace(id, value);
+    return *this;
+  }
+  ~IdMap() = default;
+
+  bool empty() const { return size_ == 0; }
+  size_t size() const { return size_; }
+  void clear() {
+    leaves_.clear();
+    size_ = 0;
+  }
+
+  iterator begin() { return {this, next(0)}; }
+  iterator end() { return {this, end_id()}; }
+  const_iterator begin() const { return {this, next(0)}; }
+  const_iterator end() const { return {this, end_id()}; }
+  auto rbegin() { return std::reverse_iterator(end()); }
+  auto rend() { return std::reverse_iterator(begin()); }
+  auto rbegin() const { return std::reverse_iterator(end()); }
+  auto rend() const { return std::reverse_iterator(begin()); }
+
+  iterator find(int id) { return {this, has(id) ? static_cast<size_t>(id) : end_id()}; }
+  const_iterator find(int id) const { return {this, has(id) ? static_cast<size_t>(id) : end_id()}; }
+  iterator lower_bound(int id) { return {this, next(id < 0 ? 0 : id)}; }
+  const_iterator lower_bound(int id) const { return {this, next(id < 0 ? 0 : id)}; }
+  bool contains(int id) const { return has(id); }
+  // Nothing where there is no such id.
+  T* get(int id) { return has(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
+  const T* get(int id) const { return has(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
+  T& at(int id) { return *found(id, get(id)); }
+  const T& at(int id) const { return *found(id, get(id)); }
+
+  // Of an id that is not there. std::out_of_range: it is negative or above kMaxId.
+  template <typename... Values>
+  std::pair<iterator, bool> emplace(int id, Values&&... values) {
+    if (id < 0 || id > kMaxId) throw std::out_of_range("id " + std::to_string(id) + " is not one of 0 to 268435455");
+    const bool is_new = !has(id);
+    if (is_new) {
+      if (leaves_.size() <= static_cast<size_t>(id) / kLeaf) leaves_.resize(id / kLeaf + 1);
+      std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
+      if (!leaf) leaf = std::make_unique<Leaf>();
+      leaf->values[id % kLeaf] =
+          std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
+                                       std::forward_as_tuple(std::forward<Values>(values)...));
+      leaf->used |= bit(id);
+      ++size_;
+    }
+    return {iterator(this, id), is_new};
+  }
+  T& operator[](int id) { return emplace(id).first->second; }
+
+  size_t erase(int id) {
+    if (!has(id)) return 0;
+    std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
+    leaf->values[id % kLeaf].reset();
+    leaf->used &= ~bit(id);
+    if (leaf->used == 0) leaf.reset();
+    --size_;
+    return 1;
+  }
+  iterator erase(const_iterator at) {
+    erase(at->first);
+    return {this, next(at.id_)};
+  }
+
+ private:
+  static constexpr int kLeaf = 64;  // ids, and bits of Leaf::used
+  struct Leaf {
+    uint64_t used = 0;
+    std::array<std::unique_ptr<value_type>, kLeaf> values;
+  };
+
+  static uint64_t bit(size_t id) { return uint64_t{1} << id % kLeaf; }
+  static auto* found(int id, auto* value) {
+    if (!value) throw std::out_of_range("no id " + std::to_string(id));
+    return value;
+  }
+  size_t end_id() const { return kLeaf * leaves_.size(); }
+  bool has(int id) const {
+    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative one is beyond all
+    return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
+  }
+  // The first id that is used, from this one on; the end's if there is none.
+  size_t next(size_t id) const {
+    if (id >= end_id()) return end_id();
+    const auto& leaf = leaves_[id / kLeaf];
+    if (const uint64_t rest = leaf ? leaf->used & ~(bit(id) - 1) : 0; rest != 0)
+      return id / kLeaf * kLeaf + std::countr_zero(rest);
+    for (size_t l = id / kLeaf + 1; l < leaves_.size(); ++l)
+      if (leaves_[l]) return l * kLeaf + std::countr_zero(leaves_[l]->used);
+    return end_id();
+  }
+  // The last id that is used before this one, which is not the first.
+  size_t previous(size_t id) const {
+    if (id % kLeaf != 0)
+      if (const uint64_t rest = leaves_[id / kLeaf] ? leaves_[id / kLeaf]->used & (bit(id) - 1) : 0; rest != 0)
+        return id / kLeaf * kLeaf + std::bit_width(rest) - 1;
+    size_t l = id / kLeaf - 1;
+    while (!leaves_[l]) --l;
+    return l * kLeaf + std::bit_width(leaves_[l]->used) - 1;
+  }
+
+  std::vector<std::unique_ptr<Leaf>> leaves_;
+  size_t size_ = 0;
+};
+
+}  // namespace rumi
