@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
 
@@ -95,6 +96,7 @@ void CameraNode::put_on_bus() {
 }
 
 void CameraNode::fetch() {
+  const StageClock clock("camera_driver.load");
   const auto begin = std::chrono::steady_clock::now();
   ahead_ = source_->next();
   load_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

@@ -10,6 +10,7 @@
 #include "base/cpu_clock.h"
 #include "base/log.h"
 #include "base/process_name.h"
+#include "base/stage_clock.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
@@ -110,6 +111,7 @@ bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
 }
 
 cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
+  const StageClock clock("front_tracker.decode");
   if (!time_is_usable(image.utime)) return {};
   const std::optional<Camera> camera = camera_of(image);
   if (!camera) return {};

@@ -6,6 +6,7 @@
 
 #include "base/due.h"
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "bus/wire/submap_update.h"
 
 namespace rumi::front_tracker {
@@ -14,6 +15,7 @@ SubmapPublisher::SubmapPublisher(Bus& bus, const std::string& sender_name, doubl
     : sender_(bus, channels::kSubmap, channels::kSubmapAck, sender_name), interval_s_(interval_s) {}
 
 void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
+  const StageClock clock("front_tracker.send");
   const std::scoped_lock lock(tracker.mutex());
   for (const auto& submap : tracker.submaps()) {
     Progress& progress = progress_[submap->map.key];

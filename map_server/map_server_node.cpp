@@ -14,6 +14,7 @@
 #include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
+#include "base/stage_clock.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_messages.h"
 
@@ -81,6 +82,7 @@ void MapServerNode::fix_map() {
 }
 
 ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& payload) {
+  const StageClock clock("map_server.receive");
   const double start_s = thread_cpu_s();
   submap_update_t update;
   if (payload.kind != chunk_t::SUBMAP_UPDATE || !Bus::decode(payload.bytes, &update)) {
@@ -117,6 +119,7 @@ void MapServerNode::on_track(const track_t& track) {
 }
 
 std::string MapServerNode::save() {
+  const StageClock clock("map_server.store");
   last_save_us_ = bus_.now_us();
   std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()});
   if (reason.empty()) unsaved_frames_.clear();
@@ -126,6 +129,7 @@ std::string MapServerNode::save() {
 }
 
 void MapServerNode::write_snapshot() {
+  const StageClock clock("map_server.store");
   last_snapshot_us_ = bus_.now_us();
   if (!unsaved_frames_.empty()) save();
   const int64_t changes = store_.changes();
@@ -239,6 +243,7 @@ void MapServerNode::publish_map_status() {
 }
 
 void MapServerNode::on_request(const map_request_t& request) {
+  const StageClock clock("map_server.answer");
   if (request.requester.empty()) {
     ++rejected_;
     return;

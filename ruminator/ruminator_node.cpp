@@ -9,6 +9,7 @@
 
 #include "base/due.h"
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
@@ -46,6 +47,7 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
 }
 
 void RuminatorNode::on_image(const image_t& image) {
+  const StageClock clock("ruminator.sample");
   make_room(image);
   ring_.add(image);
   ring_.limit_unsettled(kMaxUnsettled);
@@ -53,6 +55,7 @@ void RuminatorNode::on_image(const image_t& image) {
 }
 
 void RuminatorNode::on_track(const track_t& track) {
+  const StageClock clock("ruminator.sample");
   const bool has_bad_pose = track.submap_id != kNoSubmap && !from_wire(track.cam_from_submap);
   if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST || has_bad_pose) {
     ++rejected_;

@@ -12,6 +12,7 @@
 #include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
+#include "base/stage_clock.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -87,6 +88,7 @@ void ViewerNode::on_map_status(const map_status_t& status) {
 }
 
 ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payload) {
+  const StageClock clock("viewer_offscreen.receive");
   Copy* copy = nullptr;
   for (auto& [key, candidate] : copies_)
     if (candidate.request_id == payload.request_id && payload.request_id != 0) copy = &candidate;
@@ -194,6 +196,7 @@ MapPicture ViewerNode::picture() const {
 }
 
 void ViewerNode::draw() {
+  const StageClock clock("viewer_offscreen.draw");
   const auto start = std::chrono::steady_clock::now();
   changed_ = false;
   try {

@@ -2,7 +2,6 @@
 #include "bus/process/process.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,9 +12,11 @@
 #include <utility>
 
 #include "base/command_line.h"
+#include "base/cpu_clock.h"
 #include "base/due.h"
 #include "base/log.h"
 #include "base/process_name.h"
+#include "base/stage_clock.h"
 #include "bus/transport/lcm_bus.h"
 #include "bus/transport/receive_losses.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
@@ -65,15 +66,6 @@ void catch_stop_signals() {
   action.sa_handler = on_stop_signal;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
 int64_t resident_bytes() {
@@ -238,7 +230,9 @@ void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
   }
   message.nchannels = static_cast<int32_t>(message.channels.size());
   message.processing_ms = static_cast<float>(node_status.processing_ms);
-  message.cpu_s = cpu_seconds();
+  message.cpu_s = process_cpu_s();
+  for (const auto& [stage, cpu_s] : stage_cpu_s(name_)) message.stages.push_back({stage, cpu_s});
+  message.nstages = static_cast<int32_t>(message.stages.size());
   message.rss_bytes = resident_bytes();
   bus_.publish(channels::kStatus, message);
   last_us_ = now_us;

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/stage_clock.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi::front_tracker {
@@ -67,7 +68,10 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
   }
 }
 
-bool LocalBundle::solve() { return solve_bundle(camera_, {options_.bundle_iterations}, &problem_).usable; }
+bool LocalBundle::solve() {
+  const StageClock clock("front_tracker.adjust");
+  return solve_bundle(camera_, {options_.bundle_iterations}, &problem_).usable;
+}
 
 void LocalBundle::apply(FrontSubmap& submap) const {
   Submap& map = submap.map;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/stage_clock.h"
 #include "front_tracker/mapping/local_bundle.h"
 #include "front_tracker/matching/projection_search.h"
 #include "front_tracker/patches/align_keypoints.h"
@@ -14,6 +15,7 @@ namespace rumi::front_tracker {
 Mapper::Mapper(const Camera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
 
 void Mapper::process(FrontSubmap& submap, int keyframe_id, std::mutex& mutex) const {
+  const StageClock clock("front_tracker.map");
   LocalBundle bundle(camera_, options_);
   {
     const std::scoped_lock lock(mutex);

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "front_tracker/frame/certainty.h"
 #include "front_tracker/patches/patch_tracking.h"
 #include "slam/map/landmark_view.h"
@@ -35,6 +36,7 @@ Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t se
 
 std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
   if (utime_us <= last_utime_us_) return std::nullopt;
+  const StageClock clock("front_tracker.track");
   if (last_utime_us_ == INT64_MIN) first_utime_us_ = utime_us;
   last_utime_us_ = utime_us;
   const bool keep = options_.mapping.keyframe_images > 0;
@@ -46,10 +48,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   if (follow(utime_us, images, &result)) return result;
 
   const bool tracking = state_ == TrackingState::kTracking;
-  Frame frame = make_frame(
-      utime_us, extractor_.extract(*images, tracking ? options_.orb.keypoints : options_.initializer.keypoints),
-      camera_);
-  if (static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2) frame.corners = Corners::kFew;
+  Frame frame = find_corners(utime_us, *images, tracking ? options_.orb.keypoints : options_.initializer.keypoints);
   last_corners_us_ = utime_us;
   motion_since_corners_ = 0;
   if (keep) frame.images = images;
@@ -66,6 +65,13 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   for (const auto& [submap, keyframe] : tasks_) mapping_.post(submap, keyframe);
   tasks_.clear();
   return result;
+}
+
+Frame Tracker::find_corners(int64_t utime_us, const ImagePyramid& images, int keypoints) {
+  const StageClock clock("front_tracker.corners");
+  Frame frame = make_frame(utime_us, extractor_.extract(images, keypoints), camera_);
+  if (static_cast<int>(frame.features->size()) < options_.orb.keypoints / 2) frame.corners = Corners::kFew;
+  return frame;
 }
 
 // In slow motion, soon after an image with corners: without looking for any. Such an image becomes no keyframe; so
@@ -143,6 +149,7 @@ void Tracker::end() {
 
 // Finds the camera again: first where it was last seen, then wherever it looks alike.
 bool Tracker::recover(Frame* frame) {
+  const StageClock clock("front_tracker.find_again");
   if (submaps_.empty()) return false;
   if (state_ == TrackingState::kRecentlyLost) {
     if (relocalize(active_, last_.reference_keyframe, frame)) return true;
@@ -253,6 +260,7 @@ FrontSubmap& Tracker::open_submap(Submap known) {
 }
 
 bool Tracker::begin_submap(Frame* frame) {
+  const StageClock clock("front_tracker.begin_submap");
   if (state_ == TrackingState::kRecentlyLost) {
     initializer_.buffer(*frame);
     return false;

@@ -76,6 +76,7 @@ class Tracker {
     double log_scale_variance = 0;  // see PoseCertainty
   };
 
+  Frame find_corners(int64_t utime_us, const ImagePyramid& images, int keypoints);
   bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
   bool track(Frame* frame);
   bool look_again(Frame* frame);

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/stage_clock.h"
 #include "slam/numeric/median.h"
 #include "slam/numeric/union_find.h"
 
@@ -113,6 +114,7 @@ void MapBuilder::fix(std::set<SubmapKey> submaps) {
 }
 
 void MapBuilder::find_links(const Submaps& submaps) {
+  const StageClock clock("map_server.links");
   for (auto a = submaps.begin(); a != submaps.end(); ++a)
     for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
       if (fixed_.contains(a->first) && fixed_.contains(b->first)) continue;
@@ -345,6 +347,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
 }
 
 BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
+  const StageClock clock("map_server.place");
   std::set<SubmapKey> members = choose_members(submaps, placed);
   if (scope != Scope::kWeld) members = search_beside(members, submaps, placed);
   BuiltMap built;
@@ -404,6 +407,7 @@ std::vector<int> MapBuilder::window_of(Scope scope, const MapModel& model) const
 }
 
 MapBuildReport MapBuilder::adjust(Scope scope, MapModel* model) const {
+  const StageClock clock("map_server.adjust");
   MapBuildReport report;
   const std::vector<int> window = window_of(scope, *model);
   if (window.empty() && !fixed_.empty()) return report;  // no image is new

@@ -2,6 +2,7 @@
 // What post-culling leaves out of a map that has been built.
 #include <algorithm>
 
+#include "base/stage_clock.h"
 #include "map_server/merging/map_builder.h"
 
 namespace rumi::map_server {
@@ -60,6 +61,7 @@ void MapBuilder::note_culled(const Submap& culled) {
 }
 
 CulledSubmaps MapBuilder::cull(const Submaps& submaps, Placed* placed, MapModel* model, Placements* placements) {
+  const StageClock clock("map_server.cull");
   CulledSubmaps culled;
   if (!options_.culling.enabled) return culled;
   const KeyframeSets redundant = find_redundant(*model, *placed, common_images(submaps), options_.culling);

@@ -11,6 +11,7 @@
 
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/stage_clock.h"
 
 namespace rumi::map_server {
 namespace {
@@ -95,6 +96,7 @@ std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
 
 // Only what has changed.
 void MapMerger::copy(const Atlas& atlas) {
+  const StageClock clock("map_server.copy");
   for (const auto& [key, owner] : atlas.submaps()) {
     if (fixed_.contains(key) && !owner.in_map) continue;
     std::shared_ptr<const Submap>& copy = copies_[key];

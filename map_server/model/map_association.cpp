@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/stage_clock.h"
 #include "map_server/model/point_cells.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/features/matching.h"
@@ -121,6 +122,7 @@ class Associator {
 }  // namespace
 
 AssociationReport associate(const AssociationOptions& options, const std::vector<int>& views, MapModel* model) {
+  const StageClock clock("map_server.associate");
   std::vector<int> all(views.empty() ? model->views.size() : 0);
   std::iota(all.begin(), all.end(), 0);
   return Associator(options, model).run(views.empty() ? all : views);

@@ -85,7 +85,8 @@ class WindowOutput {
   std::string error_;  // the first
 };
 
-// All that differs from run to run is under cpu_ms_per_frame, cpu_s, wall_s and peak_rss_mb.
+// All that differs from run to run is under cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s and
+// peak_rss_mb.
 ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, double run_cpu_s,
                         double wall_s) {
   const int64_t frames = replay.progress().frames;
@@ -112,6 +113,10 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
     run["cpu_ms_per_frame"][name] =
         frames > 0 ? ordered_json(cpu_s * 1e3 / static_cast<double>(frames)) : ordered_json();
   }
+  run["cpu_ms_per_frame_by_stage"] = ordered_json::object();
+  for (const auto& [name, stages] : replay.cpu_s_by_stage())
+    for (const auto& [stage, cpu_s] : stages)
+      if (frames > 0) run["cpu_ms_per_frame_by_stage"][name][stage] = cpu_s * 1e3 / static_cast<double>(frames);
   run["cpu_s"] = run_cpu_s;
   run["wall_s"] = wall_s;
   if (what.is_only_one) run["peak_rss_mb"] = peak_rss_mb();

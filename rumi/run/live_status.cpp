@@ -36,6 +36,22 @@ double quantile(std::vector<double> values, double q) {
   return rounded(values[static_cast<size_t>(q * static_cast<double>(values.size() - 1))]);
 }
 
+// What takes most, in a line.
+std::string stages_text(const Json& cpu_ms) {
+  constexpr size_t kLongest = 100;
+  std::vector<std::pair<double, std::string>> stages;
+  for (const auto& [stage, ms] : cpu_ms.items())
+    if (ms.get<double>() > 0) stages.emplace_back(-ms.get<double>(), stage);
+  std::sort(stages.begin(), stages.end());
+  std::string line;
+  for (const auto& [ms, stage] : stages) {
+    const std::string next = fmt::format("{}{} {:.1f}", line.empty() ? "  CPU ms/frame: " : ", ", stage, -ms);
+    if (line.size() + next.size() > kLongest) break;
+    line += next;
+  }
+  return line.empty() ? line : line + '\n';
+}
+
 }  // namespace
 
 LiveStatus::LiveStatus(Bus& bus) : bus_(bus) {
@@ -49,22 +65,43 @@ void LiveStatus::on_status(const process_status_t& status) {
   Process& process = processes_[status.process];
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
   if (same_run) process.before = std::move(process.latest);
-  if (!same_run) process.before.reset();
+  if (!same_run) {
+    process.before.reset();
+    process.first = status;
+    process.frames_at_first = frames_;
+  }
   process.latest = status;
+  process.frames_at_latest = frames_;
 }
 
 void LiveStatus::on_track(const track_t& track) {
   const bool told_again = !tracks_.empty() && track.session == tracks_.back().track.session &&
                           track.sequence <= tracks_.back().track.sequence;
   if (told_again) return;
+  ++frames_;
   tracks_.push_back({bus_.now_us(), track});
   while (tracks_.back().at_us - tracks_.front().at_us > kRecentUs) tracks_.pop_front();
+}
+
+// CPU ms a frame of each stage; nothing while no frame was tracked.
+Json LiveStatus::stages_json(const Process& process) const {
+  const int64_t frames = process.frames_at_latest - process.frames_at_first;
+  Json stages = Json::object();
+  if (frames <= 0) return stages;
+  for (const stage_cost_t& stage : process.latest.stages) {
+    double cpu_s = stage.cpu_s;
+    for (const stage_cost_t& first : process.first.stages)
+      if (first.stage == stage.stage) cpu_s -= first.cpu_s;
+    stages[stage.stage] = rounded(1e3 * cpu_s / static_cast<double>(frames));
+  }
+  return stages;
 }
 
 Json LiveStatus::process_json(const Process& process) const {
   const process_status_t& now = process.latest;
   const process_status_t& before = process.before.value_or(now);
   const int64_t span_us = now.utime - before.utime, silent_us = bus_.now_us() - now.utime;
+  const auto frames = static_cast<double>(process.frames_at_latest - process.frames_at_first);
   int64_t dropped = 0, undecodable = 0, waiting = 0;
   for (const channel_count_t& channel : now.channels) {
     dropped += channel.dropped;
@@ -79,6 +116,8 @@ Json LiveStatus::process_json(const Process& process) const {
           {"waiting", waiting},
           {"processing_ms", rounded(now.processing_ms)},
           {"cpu_percent", per_second(100 * (now.cpu_s - before.cpu_s), span_us)},
+          {"cpu_ms_per_frame", frames > 0 ? Json(rounded(1e3 * (now.cpu_s - process.first.cpu_s) / frames)) : Json()},
+          {"cpu_ms_per_frame_by_stage", stages_json(process)},
           {"memory_mb", rounded(static_cast<double>(now.rss_bytes) / 1e6)},
           {"running_s", rounded(static_cast<double>(now.utime - now.started_utime) * 1e-6)},
           {"detail", now.detail}};
@@ -156,12 +195,15 @@ Json LiveStatus::to_json() const {
 
 std::string LiveStatus::to_text() const {
   const Json json = to_json();
-  std::string text = fmt::format("{:<18}{:<10}{:>8}{:>8}{:>9}{:>9}{:>8}{:>9}\n", "process", "state", "in/s", "out/s",
-                                 "dropped", "waiting", "CPU %", "MB");
+  std::string text = fmt::format("{:<18}{:<10}{:>8}{:>8}{:>9}{:>9}{:>8}{:>10}{:>9}\n", "process", "state", "in/s",
+                                 "out/s", "dropped", "waiting", "CPU %", "ms/frame", "MB");
   for (const auto& [name, p] : json["processes"].items()) {
-    text += fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>9.1f}\n", name, p["state"].get<std::string>(),
-                        p["in_hz"].get<double>(), p["out_hz"].get<double>(), p["dropped"].get<int64_t>(),
-                        p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(), p["memory_mb"].get<double>());
+    text +=
+        fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
+                    p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
+                    p["dropped"].get<int64_t>(), p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(),
+                    p["cpu_ms_per_frame"].is_null() ? "-" : p["cpu_ms_per_frame"].dump(), p["memory_mb"].get<double>());
+    text += stages_text(p["cpu_ms_per_frame_by_stage"]);
     const bool says_why = p["state"] == "degraded" || name == "camera_driver";
     if (says_why) text += fmt::format("  {}\n", p["detail"].get<std::string>());
   }

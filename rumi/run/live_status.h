@@ -22,7 +22,7 @@ class LiveStatus {
   explicit LiveStatus(Bus& bus);
 
   // "processes": by name, "tracking", "map", "windows". Parts that nothing was heard of are missing. Rates are those of
-  // the latest seconds that were heard.
+  // the latest seconds that were heard; CPU time a frame is that of all that was.
   nlohmann::ordered_json to_json() const;
   // The same for a person, in lines of at most 100 characters but for what processes say of themselves.
   std::string to_text() const;
@@ -31,10 +31,14 @@ class LiveStatus {
   struct Process {
     process_status_t latest;
     std::optional<process_status_t> before;
+    // When this run of it was heard of first: its status, and frames that had been tracked.
+    process_status_t first;
+    int64_t frames_at_first = 0, frames_at_latest = 0;
   };
   void on_status(const process_status_t& status);
   void on_track(const track_t& track);
   nlohmann::ordered_json process_json(const Process& process) const;
+  nlohmann::ordered_json stages_json(const Process& process) const;
   nlohmann::ordered_json tracking_json() const;
   nlohmann::ordered_json map_json() const;
   nlohmann::ordered_json windows_json() const;
@@ -46,6 +50,7 @@ class LiveStatus {
     track_t track;
   };
   std::deque<Heard> tracks_;  // of the latest seconds
+  int64_t frames_ = 0;        // heard of
   std::optional<map_status_t> map_;
   std::map<std::pair<int64_t, int32_t>, window_t> windows_;  // by session and id
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/stage_clock.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/open_source.h"
 #include "front_tracker/front_tracker_node.h"
@@ -24,6 +25,7 @@ template <class NodeType, class... Arguments>
 NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
   auto component = std::make_unique<Component>();
   component->name = name;
+  component->stages_before = stage_cpu_s(name);
   component->bus = std::make_unique<MeteredBus>(bus_, &component->cpu_s);
   auto node = std::make_unique<NodeType>(*component->bus, arguments...);
   NodeType* result = node.get();
@@ -131,6 +133,15 @@ ReplayProgress Replay::progress() {
 }
 
 const camera_driver::SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }
+
+std::map<std::string, std::map<std::string, double>> Replay::cpu_s_by_stage() const {
+  std::map<std::string, std::map<std::string, double>> cpu_s;
+  for (const auto& component : components_) {
+    std::map<std::string, double>& stages = cpu_s[component->name] = stage_cpu_s(component->name);
+    for (const auto& [stage, before_s] : component->stages_before) stages[stage] -= before_s;
+  }
+  return cpu_s;
+}
 
 std::map<std::string, double> Replay::cpu_s() const {
   std::map<std::string, double> cpu_s;

@@ -63,6 +63,8 @@ class Replay {
   map_server::MapStore& store() { return map_server_->store(); }
   // CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
+  // The same by stage.
+  std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
   const camera_driver::SkippedFrames& skipped() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
 
@@ -70,6 +72,7 @@ class Replay {
   struct Component {
     std::string name;
     double cpu_s = 0;
+    std::map<std::string, double> stages_before;  // of earlier replays by this process
     std::unique_ptr<MeteredBus> bus;
     std::unique_ptr<Node> node;
   };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/stage_clock.h"
 #include "ruminator/model/model_refinement.h"
 #include "slam/features/descriptor.h"
 #include "slam/geometry/epipolar.h"
@@ -114,6 +115,7 @@ void add_landmarks(const std::vector<SparseModel::Point>& points, const std::vec
 
 void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, const std::vector<int64_t>& utimes_us,
                       const SparseModel& model, Submap* submap) {
+  const StageClock clock("ruminator.landmarks");
   const double unit = median_depth(model);
   const OrbOptions orb;
   OrbExtractor extractor(orb);

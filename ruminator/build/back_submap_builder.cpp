@@ -10,6 +10,7 @@
 #include <set>
 
 #include "base/cpu_clock.h"
+#include "base/stage_clock.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/build/back_landmarks.h"
 #include "ruminator/build/window_look.h"
@@ -52,6 +53,7 @@ struct WindowImages {
 WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options,
                      const std::map<size_t, SiftFeatures>& seen, const Progress& progress,
                      const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.sift");
   WindowImages images;
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
     progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <optional>
 
+#include "base/stage_clock.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
 #include "slam/numeric/union_find.h"
@@ -96,6 +97,7 @@ class Looker {
 
 WindowLook look_at_motion(const WindowJob& job, const Camera& camera, const BuildOptions& options,
                           const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.look");
   WindowLook look;
   Looker looker(job, camera, options, cancel, &look);
   const size_t images = job.images.size(), looks = std::min(images, kFirstLooks);

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "ruminator/build/model_completion.h"
 #include "ruminator/colmap/write_model.h"
 
@@ -121,6 +122,7 @@ class Attempts {
     command.nice = o_.nice;
     MapperOutcome outcome = mapper_.run(command, settings, cancel_);
     result.child_cpu_s += outcome.cpu_s;
+    add_stage_cpu("ruminator.colmap", outcome.cpu_s);
     if (!outcome.failure.empty()) result.warning = outcome.failure;
     result.retryable = result.retryable || outcome.retryable();
     return outcome;
@@ -255,6 +257,7 @@ bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
                                      const std::string& work_folder, const std::function<void(double)>& progress,
                                      const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.model");
   WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
   if (!is_adrift(input, first)) return first;
   // Between sharp images and blurred ones noise severs more than among either. It is told from a tear by less, but a

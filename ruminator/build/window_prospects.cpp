@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <map>
 
+#include "base/stage_clock.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
 
@@ -59,6 +60,7 @@ std::vector<size_t> telling_pairs(const Camera& camera, const std::vector<SiftFe
 std::string find_no_depth(const Camera& camera, const std::vector<SiftFeatures>& images,
                           const std::vector<ImagePair>& pairs, const std::set<int>& which,
                           const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.look");
   std::set<int> with_depth;
   for (const size_t p : telling_pairs(camera, images, pairs, which)) {
     const auto& [first, second, matches] = pairs[p];

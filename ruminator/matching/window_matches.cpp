@@ -6,6 +6,7 @@
 #include <numeric>
 #include <set>
 
+#include "base/stage_clock.h"
 #include "slam/numeric/median.h"
 #include "slam/numeric/union_find.h"
 
@@ -47,6 +48,7 @@ PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const PairSele
 std::vector<ImagePair> match_window(const Camera& camera, const std::vector<SiftFeatures>& images,
                                     const PairSelection& selection, const std::function<void(double)>& progress,
                                     const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.match");
   PairSet selected = select_far_pairs(images, selection, cancel);
   const int count = static_cast<int>(images.size());
   for (int i = 0; i < count; ++i)

@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "base/log.h"
+#include "base/stage_clock.h"
 #include "base/whole_file.h"
 
 namespace rumi::ruminator {
@@ -148,6 +149,7 @@ void Spool::forget_old_ids() {
 }
 
 Spool::Added Spool::add(const WindowJob& job, std::string* error) {
+  const StageClock clock("ruminator.store");
   const JobName name = name_of(job.window);
   const std::string id = file(name, kId);
   const int fd = ::open(id.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -209,6 +211,7 @@ void Spool::forget_try(JobName name) {
 }
 
 std::string Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
+  const StageClock clock("ruminator.store");
   WholeFile stored(file(name, kSubmap));
   stored.write({reinterpret_cast<const char*>(submap.data()), submap.size()});
   if (std::string error = stored.commit(); !error.empty()) return error;

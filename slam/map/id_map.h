@@ -115,9 +115,8 @@ class IdMap {
       if (leaves_.size() <= static_cast<size_t>(id) / kLeaf) leaves_.resize(id / kLeaf + 1);
       std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
       if (!leaf) leaf = std::make_unique<Leaf>();
-      leaf->values[id % kLeaf] =
-          std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
-                                       std::forward_as_tuple(std::forward<Values>(values)...));
+      leaf->values[id % kLeaf] = std::make_unique<value_type>(std::piecewise_construct, std::forward_as_tuple(id),
+                                                              std::forward_as_tuple(std::forward<Values>(values)...));
       leaf->used |= bit(id);
       ++size_;
     }

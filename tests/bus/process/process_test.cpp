@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/process_name.h"
+#include "base/stage_clock.h"
 #include "bus/transport/lcm_bus.h"
 #include "bus/transport/memory_bus.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
@@ -67,6 +68,8 @@ TEST_F(StatusTest, SaysWhatWasLostBeforeItWasReceivedAndWhatHelps) {
 }
 
 TEST_F(StatusTest, SaysWhatTheNodeAndTheBusSay) {
+  add_stage_cpu("tester.draw", 2);
+  add_stage_cpu("test.draw", 3);
   tick(1'000'000);
   node_.degraded = true;
   tick(2'000'000);
@@ -87,6 +90,9 @@ TEST_F(StatusTest, SaysWhatTheNodeAndTheBusSay) {
   ASSERT_EQ(s.nchannels, 1);
   EXPECT_EQ(s.channels[0].channel, channels::kStatus);
   EXPECT_GT(s.cpu_s, 0);
+  ASSERT_EQ(s.nstages, 1);
+  EXPECT_EQ(s.stages[0].stage, "draw");
+  EXPECT_EQ(s.stages[0].cpu_s, 2);
   EXPECT_GT(s.rss_bytes, 1'000'000);
 }
 

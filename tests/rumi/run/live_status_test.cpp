@@ -81,6 +81,29 @@ TEST_F(LiveStatusTest, RatesAreDifferencesOfOneRun) {
   EXPECT_EQ(status_.to_json()["processes"]["front_tracker"]["state"], "silent");
 }
 
+TEST_F(LiveStatusTest, CpuTimeAFrameByStageOfAllThatWasHeard) {
+  process_status_t status = process(10'000'000, 300, 5.0);
+  status.stages = {{"corners", 2.0}};
+  status.nstages = 1;
+  send(10'000'000, channels::kStatus, status);
+  auto json = status_.to_json()["processes"]["front_tracker"];
+  EXPECT_TRUE(json["cpu_ms_per_frame"].is_null());
+  EXPECT_TRUE(json["cpu_ms_per_frame_by_stage"].empty());
+  for (int i = 0; i < 20; ++i) send(10'000'001 + i, channels::kTrack, track(i, 1));
+  status.cpu_s = 5.2;
+  status.stages = {{"corners", 2.05}, {"track", 0.1}};
+  status.nstages = 2;
+  send(11'000'000, channels::kStatus, status);
+  json = status_.to_json()["processes"]["front_tracker"];
+  EXPECT_EQ(json["cpu_ms_per_frame"], 10.0);
+  EXPECT_EQ(json["cpu_ms_per_frame_by_stage"]["corners"], 2.5);
+  EXPECT_EQ(json["cpu_ms_per_frame_by_stage"]["track"], 5.0);
+  EXPECT_THAT(status_.to_text(), HasSubstr("\n  CPU ms/frame: track 5.0, corners 2.5\n"));
+  status.pid = 8;  // another run
+  send(12'000'000, channels::kStatus, status);
+  EXPECT_TRUE(status_.to_json()["processes"]["front_tracker"]["cpu_ms_per_frame"].is_null());
+}
+
 TEST_F(LiveStatusTest, ADegradedProcessSaysWhy) {
   process_status_t status = process(10'000'000, 1, 1);
   status.state = process_status_t::DEGRADED;
