@@ -15,7 +15,6 @@
 namespace rumi {
 namespace {
 
-constexpr int kMaxId = IdMap<Landmark>::kMaxId;
 
 class IdSet {
  public:
@@ -60,27 +59,28 @@ class Validator {
 
   // Fills the sets and refuses negative, repeated and contradictory ids.
   std::string check_ids() {
-    const auto take_id = [](const char* what, int32_t id, IdSet* into) -> std::string {
+    const auto take_id = [](const char* what, int32_t id, int most, IdSet* into) -> std::string {
       if (id < 0) return fmt::format("{} id {}: must not be negative", what, id);
-      if (id > kMaxId) return fmt::format("{} id {}: ids count up from 0, {} at most", what, id, kMaxId);
+      if (id > most) return fmt::format("{} id {}: ids count up from 0, {} at most", what, id, most);
       return into->insert(id) ? "" : fmt::format("{} id {}: twice in one update", what, id);
     };
     // Also refused here: an element that is both changed and removed.
-    const auto take_removed = [&](const char* what, int32_t id, const IdSet& changed, IdSet* into) {
+    const auto take_removed = [&](const char* what, int32_t id, int most, const IdSet& changed, IdSet* into) {
       if (changed.contains(id)) return fmt::format("{} id {}: twice in one update", what, id);
-      return take_id(what, id, into);
+      return take_id(what, id, most, into);
     };
+    constexpr int kMost = kMaxKeyframeId, kMostLandmarks = IdMap<Landmark>::kMaxId;
     std::string wrong;
     for (const auto& k : update_.keyframes)
-      if (wrong.empty()) wrong = take_id("keyframe", k.id, &keyframes_);
+      if (wrong.empty()) wrong = take_id("keyframe", k.id, kMost, &keyframes_);
     for (const auto& f : update_.features)
-      if (wrong.empty()) wrong = take_id("features of keyframe", f.keyframe_id, &features_);
+      if (wrong.empty()) wrong = take_id("features of keyframe", f.keyframe_id, kMost, &features_);
     for (const auto& l : update_.landmarks)
-      if (wrong.empty()) wrong = take_id("landmark", l.id, &landmarks_);
+      if (wrong.empty()) wrong = take_id("landmark", l.id, kMostLandmarks, &landmarks_);
     for (int32_t id : update_.removed_keyframes)
-      if (wrong.empty()) wrong = take_removed("removed keyframe", id, keyframes_, &removed_keyframes_);
+      if (wrong.empty()) wrong = take_removed("removed keyframe", id, kMost, keyframes_, &removed_keyframes_);
     for (int32_t id : update_.removed_landmarks)
-      if (wrong.empty()) wrong = take_removed("removed landmark", id, landmarks_, &removed_landmarks_);
+      if (wrong.empty()) wrong = take_removed("removed landmark", id, kMostLandmarks, landmarks_, &removed_landmarks_);
     return wrong;
   }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 
 #include "base/stage_clock.h"
@@ -21,25 +20,32 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
     if (static_cast<int>(free.size()) >= most_free) break;
     free.insert(id);
   }
-  std::set<int> points;
+  std::vector<int> points;
   for (int id : free)
     for (int lm : map.keyframe(id)->landmark_ids)
-      if (lm != kNone) points.insert(lm);
+      if (lm != kNone) points.push_back(lm);
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
 
   // Those that see most of the points hold the window in place; at least two, lest position or scale drift.
-  std::map<int, int> seen_by_others;
+  const int ids = map.keyframes.rbegin()->first + 1;
+  std::vector<int> seen(ids, 0);
   for (int id : points)
-    for (const Observation& o : map.landmark(id)->observations)
-      if (!free.contains(o.keyframe_id)) ++seen_by_others[o.keyframe_id];
-  std::vector<std::pair<int, int>> anchors(seen_by_others.begin(), seen_by_others.end());
+    for (const Observation& o : map.landmark(id)->observations) ++seen[o.keyframe_id];
+  std::vector<std::pair<int, int>> anchors;
+  for (int id = 0; id < ids; ++id)
+    if (seen[id] > 0 && !free.contains(id)) anchors.emplace_back(id, seen[id]);
   std::stable_sort(anchors.begin(), anchors.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   if (static_cast<int>(anchors.size()) > most_fixed) anchors.resize(most_fixed);
 
-  std::map<int, int> view;
+  std::vector<int> view_of(ids, kNone);
+  std::vector<const Features*> features_of;  // by view
   const auto add_view = [&](int id, bool fixed) {
-    view[id] = static_cast<int>(problem_.views.size());
-    problem_.views.push_back({map.keyframe(id)->cam_from_submap, fixed});
+    const Keyframe& kf = *map.keyframe(id);
+    view_of[id] = static_cast<int>(problem_.views.size());
+    problem_.views.push_back({kf.cam_from_submap, fixed});
     keyframe_ids_.push_back(id);
+    features_of.push_back(kf.features.get());
   };
   size_t to_fix = anchors.size() >= 2 ? 0 : 2 - anchors.size();
   for (int id : free) {
@@ -55,12 +61,12 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
     problem_.points.push_back(lm.position);
     landmark_ids_.push_back(id);
     for (const Observation& o : lm.observations) {
-      const auto at = view.find(o.keyframe_id);
-      if (at == view.end()) continue;
-      const Features& features = *map.keyframe(o.keyframe_id)->features;
-      const BundleProblem::Observation observation{
-          at->second, point, features.undistorted[o.keypoint_index].cast<double>(),
-          submap.octave_scales[features.keypoints[o.keypoint_index].octave], features.whitening(o.keypoint_index)};
+      const int view = view_of[o.keyframe_id];
+      if (view == kNone) continue;
+      const Features& features = *features_of[view];
+      const BundleProblem::Observation observation{view, point, features.undistorted[o.keypoint_index].cast<double>(),
+                                                   submap.octave_scales[features.keypoints[o.keypoint_index].octave],
+                                                   features.whitening(o.keypoint_index)};
       // From behind the camera nothing leads back, and the solver would refuse to begin.
       const bool behind = std::isinf(reprojection_chi2(camera_, problem_, observation));
       (behind ? impossible_ : problem_.observations).push_back(observation);

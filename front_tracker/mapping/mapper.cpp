@@ -111,6 +111,8 @@ void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids
 void Mapper::cull_keyframes(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   if (!map.keyframe(keyframe_id)) return;
+  std::vector<const Features*> features_of(map.keyframes.rbegin()->first + 1, nullptr);
+  for (const auto& [id, kf] : map.keyframes) features_of[id] = kf.features.get();
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     // The first keyframe carries the gauge; the newest ones are still in use by the tracker.
     if (id == map.keyframes.begin()->first || id + 2 >= map.keyframes.rbegin()->first) continue;
@@ -123,7 +125,7 @@ void Mapper::cull_keyframes(FrontSubmap& submap, int keyframe_id) const {
       int others = 0;
       for (const Observation& o : lm->observations) {
         if (o.keyframe_id == id) continue;
-        const int octave = map.keyframe(o.keyframe_id)->features->keypoints[o.keypoint_index].octave;
+        const int octave = features_of[o.keyframe_id]->keypoints[o.keypoint_index].octave;
         if (octave <= kf.features->keypoints[i].octave + 1 && ++others >= 3) break;
       }
       redundant += others >= 3;

@@ -18,8 +18,9 @@ const PatchTemplate* PatchTemplates::find(const ImagePyramid& keyframe_images, c
                        static_cast<uint32_t>(patch.seen.keypoint_index) << 8 | patch.octave;
   const auto [at, is_new] = entries_.try_emplace(key);
   Entry& entry = at->second;
+  const bool is_forgotten = is_new || entry.used + kKeptFrames < frame_;
   entry.used = frame_;
-  if (is_new || !looks_the_same(entry.patch, patch)) {
+  if (is_forgotten || !looks_the_same(entry.patch, patch)) {
     entry.patch = patch;
     entry.made = make_patch_template(keyframe_images, patch.pixel, patch.frame_from_keyframe,
                                      keyframe_images.pixel_size(patch.octave).x());
@@ -28,7 +29,9 @@ const PatchTemplate* PatchTemplates::find(const ImagePyramid& keyframe_images, c
 }
 
 void PatchTemplates::end_frame() {
-  std::erase_if(entries_, [this](const auto& entry) { return entry.second.used + kKeptFrames <= frame_; });
+  // Of thousands: not after every frame.
+  if (frame_ % kKeptFrames == 0)
+    std::erase_if(entries_, [this](const auto& entry) { return entry.second.used + kKeptFrames <= frame_; });
   ++frame_;
 }
 

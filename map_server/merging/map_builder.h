@@ -38,7 +38,7 @@ struct MapBuilderOptions {
   int joined_points = 15;      // that two views share, for there to be no need to look for their similarity
   int weld_neighbours = 30;    // views around what is new that are adjusted with it
   int weld_keyframes = 500;    // of the submaps around what is new that are bent with it, about
-  int association_rounds = 4;  // of Scope::kAll: association, then bundle adjustment; the radius is halved each time
+  int association_rounds = 2;  // of Scope::kAll: association, then bundle adjustment; the radius is halved each time
 };
 
 struct MapBuildReport {

@@ -12,6 +12,12 @@
 namespace rumi::map_server {
 namespace {
 
+// A number that one of ours never wrote would be an index out of all bounds.
+int checked_id(int64_t id, int most) {
+  if (id < 0 || id > most) throw std::runtime_error(fmt::format("id {} is not one of 0 to {}", id, most));
+  return static_cast<int>(id);
+}
+
 std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Camera& camera) {
   const auto keypoints = vector_from_blob<float>(row.blob(first_column));
   const auto octaves = vector_from_blob<uint8_t>(row.blob(first_column + 1));
@@ -97,7 +103,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
   Statement landmarks(db_, "SELECT id, position, descriptor, revision FROM landmarks WHERE submap = ? ORDER BY id");
   for (landmarks.bind(row); landmarks.step();) {
     Landmark landmark;
-    landmark.id = static_cast<int>(landmarks.integer(0));
+    landmark.id = checked_id(landmarks.integer(0), IdMap<Landmark>::kMaxId);
     const auto position = array_from_blob<std::array<double, 3>>(landmarks.blob(1));
     landmark.position = {position[0], position[1], position[2]};
     landmark.descriptor = array_from_blob<Descriptor>(landmarks.blob(2));
@@ -111,7 +117,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
                       "WHERE k.submap = ? ORDER BY k.id");
   for (keyframes.bind(row); keyframes.step();) {
     Keyframe keyframe;
-    keyframe.id = static_cast<int>(keyframes.integer(0));
+    keyframe.id = checked_id(keyframes.integer(0), kMaxKeyframeId);
     keyframe.utime_us = keyframes.integer(1);
     keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
     keyframe.revision = keyframes.integer(3);

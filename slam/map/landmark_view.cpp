@@ -58,7 +58,8 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& scale
   landmark->information = information;
   landmark->view_direction = direction.normalized();
   landmark->octave0_distance = distance;
-  landmark->descriptor = median_descriptor(descriptors);
+  if (!landmark->is_described) landmark->descriptor = median_descriptor(descriptors);
+  landmark->is_described = true;
 }
 
 int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& scales) {

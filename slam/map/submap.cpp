@@ -29,6 +29,7 @@ bool Submap::add_observation(int landmark_id, int keyframe_id, int keypoint_inde
   const int previous = kf->landmark_ids[keypoint_index];
   if (previous != kNone) remove_observation(previous, keyframe_id);
   lm->observations.insert(lm->observations.begin() + position, {keyframe_id, keypoint_index});
+  lm->is_described = false;
   kf->landmark_ids[keypoint_index] = landmark_id;
   touch(*lm);
   touch(*kf);
@@ -44,6 +45,7 @@ void Submap::remove_observation(int landmark_id, int keyframe_id) {
     if (kf) kf->landmark_ids[o.keypoint_index] = kNone;
     return true;
   });
+  lm->is_described = false;
   touch(*lm);
   if (kf) touch(*kf);
 }
@@ -69,6 +71,7 @@ void Submap::remove_keyframe(int id, int heir) {
     Landmark* lm = landmark_id == kNone ? nullptr : landmark(landmark_id);
     if (!lm) continue;
     std::erase_if(lm->observations, [id](const Observation& o) { return o.keyframe_id == id; });
+    lm->is_described = false;
     touch(*lm);
   }
   const SE3 keyframe_from_heir = kf->cam_from_submap * next->cam_from_submap.inverse();
@@ -98,14 +101,15 @@ SE3 Submap::cam_from_submap(const FramePose& frame) const {
 std::vector<std::pair<int, int>> Submap::covisible_keyframes(int keyframe_id) const {
   const Keyframe* kf = keyframe(keyframe_id);
   if (!kf) return {};
-  std::map<int, int> shared;
+  std::vector<int> shared(keyframes.rbegin()->first + 1, 0);
   for (int landmark_id : kf->landmark_ids) {
     const Landmark* lm = landmark_id == kNone ? nullptr : landmark(landmark_id);
     if (!lm) continue;
-    for (const Observation& o : lm->observations)
-      if (o.keyframe_id != keyframe_id) ++shared[o.keyframe_id];
+    for (const Observation& o : lm->observations) ++shared[o.keyframe_id];
   }
-  std::vector<std::pair<int, int>> sorted(shared.begin(), shared.end());
+  std::vector<std::pair<int, int>> sorted;
+  for (int id = 0; id < static_cast<int>(shared.size()); ++id)
+    if (id != keyframe_id && shared[id] > 0) sorted.emplace_back(id, shared[id]);
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return sorted;
 }

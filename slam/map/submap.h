@@ -25,6 +25,9 @@ namespace rumi {
 
 inline constexpr int kNoSubmap = 0;  // submap ids count up from 1 (front) and down from -1 (back)
 
+// Keyframes are counted up from 0: vectors are indexed by their ids.
+inline constexpr int kMaxKeyframeId = (1 << 24) - 1;
+
 struct Keyframe {
   int id = kNone;
   int64_t utime_us = 0;
@@ -48,6 +51,7 @@ struct Landmark {
   int64_t revision = 0;
 
   // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never on the wire.
+  bool is_described = false;                                 // the descriptor is that of these observations
   Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras to it
   int visible = 0, found = 0;  // frames in which it should have been seen, and was; kept by whoever tracks with it
   // Inverse covariance of the position, the cameras being where they are and a keypoint's noise a pixel at octave 0.

@@ -180,6 +180,7 @@ std::vector<Damage> damages() {
       {"twice", [](U u) { u.removed_keyframes.push_back(u.keyframes[0].id), ++u.nremoved_keyframes; }},
       {"negative", [](U u) { u.keyframes[0].id = -1; }},
       {"negative", [](U u) { u.landmarks[0].id = -5; }},
+      {"at most", [](U u) { u.keyframes[0].id = kMaxKeyframeId + 1; }},
       {"at most", [](U u) { u.landmarks[0].id = IdMap<Landmark>::kMaxId + 1; }},
       {"no such keyframe", [](U u) { u.features[0].keyframe_id = 9999; }},
       {"its features are missing", [](U u) { u.features.erase(u.features.begin()), --u.nfeatures; }},

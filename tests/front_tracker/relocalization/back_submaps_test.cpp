@@ -102,8 +102,8 @@ TEST_F(BackSubmapsTest, IdsAreMadeSmallAndInOrderOfTime) {
   shuffled.keyframes.clear();
   shuffled.landmarks.clear();
   shuffled.frames.clear();
-  const auto keyframe_id = [](int id) { return 2'000'000'000 - id; };
-  const auto landmark_id = [](int id) { return 2'100'000'000 + id; };
+  const auto keyframe_id = [](int id) { return kMaxKeyframeId - id; };
+  const auto landmark_id = [](int id) { return IdMap<Landmark>::kMaxId - 100'000 + id; };
   for (const auto& [id, kf] : submap.keyframes) {
     Keyframe& other = shuffled.keyframes[keyframe_id(id)] = kf;
     other.id = keyframe_id(id);
