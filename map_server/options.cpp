@@ -4,7 +4,7 @@
 namespace rumi::map_server {
 
 void describe(OptionTable& table, MergeOptions& o) {
-  AlignmentOptions& a = o.builder.alignment;
+  AlignmentOptions& a = o.builder.pairs.alignment;
   PlaceSearchOptions& p = o.builder.places;
   table.group("merging");
   table.add("map_server.merge", &o.enabled,

@@ -17,11 +17,6 @@
 namespace rumi::map_server {
 namespace {
 
-bool may_share_images(const Submap& a, const Submap& b) {
-  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
-         b.frames.begin()->first <= a.frames.rbegin()->first;
-}
-
 // The same similarity at every keyframe.
 Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
   Placement placement;
@@ -70,44 +65,6 @@ void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, std::map<Su
 
 }  // namespace
 
-MapBuilder::Pair MapBuilder::compare(const Submap& a, const Submap& b) const {
-  Pair pair;
-  pair.revision_a = a.revision;
-  pair.revision_b = b.revision;
-  if (!may_share_images(a, b)) return pair;
-  const Correspondences common = find_correspondences(a, b);
-  if (common.keyframes.empty()) return pair;
-  const Alignment alignment = align_submaps(a, b, common, options_.alignment);
-  pair.link = Link{.a = a.key,
-                   .b = b.key,
-                   .kind = Link::Kind::kSameImages,
-                   .b_from_a = alignment.b_from_a,
-                   .keyframes = alignment.keyframes,
-                   .keyframe_inliers = alignment.keyframe_inliers,
-                   .landmarks = alignment.landmarks,
-                   .landmark_inliers = alignment.landmark_inliers,
-                   .rmse_px = alignment.rmse_px,
-                   .doubt = alignment.doubt};
-  if (!pair.link->accepted()) return pair;
-  std::vector<int64_t> where;
-  for (size_t k = 0; k < common.keyframes.size(); ++k) {
-    if (!alignment.keyframe_inlier[k]) continue;  // one of the two is bent there
-    const SharedKeyframe& shared = common.keyframes[k];
-    const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options_.alignment.min_landmarks / 4);
-    where.push_back(shared.utime_us);
-    if (!std::isfinite(ratio.sigma)) continue;
-    // One camera, in the units of two submaps.
-    pair.joints.push_back({{a.key, shared.a},
-                           {b.key, shared.b},
-                           Sim3(std::exp(ratio.log_b_over_a), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()),
-                           options_.joint_sigma_rotation_deg * M_PI / 180,
-                           options_.joint_sigma_translation * ratio.depth_b,
-                           std::max(ratio.sigma, options_.joint_sigma_log_scale)});
-  }
-  pair.utime_us = where[where.size() / 2];
-  return pair;
-}
-
 void MapBuilder::fix(std::set<SubmapKey> submaps) {
   built_ = fixed_ = std::move(submaps);
   options_.culling.enabled = false;
@@ -120,7 +77,7 @@ void MapBuilder::find_links(const Submaps& submaps) {
       if (fixed_.contains(a->first) && fixed_.contains(b->first)) continue;
       Pair& pair = pairs_[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
-      pair = compare(*a->second, *b->second);
+      pair = compare_submaps(*a->second, *b->second, options_.pairs);
     }
   for (const SubmapKey& key : fixed_) places_.add(*submaps.at(key));
   places_.search(submaps, [this](const Place& a, const Place& b) { return cancelled() || is_joined(a, b); });
@@ -135,7 +92,7 @@ bool MapBuilder::is_joined(const Place& a, const Place& b) const {
   if (link.accepted())
     return static_cast<double>(std::abs(a.utime_us - b.utime_us)) <= options_.places.min_apart_s * 1e6;
   // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
-  return link.keyframes >= kMinSharedKeyframes && link.landmarks >= options_.alignment.min_landmarks;
+  return link.keyframes >= kMinSharedKeyframes && link.landmarks >= options_.pairs.alignment.min_landmarks;
 }
 
 std::vector<Link> MapBuilder::links() const {

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "map_server/alignment/submap_alignment.h"
 #include "map_server/links/link.h"
 #include "map_server/merging/map_part.h"
+#include "map_server/merging/submap_pair.h"
 #include "map_server/model/map_association.h"
 #include "map_server/model/map_bundle.h"
 #include "map_server/model/map_graph.h"
@@ -25,12 +25,9 @@
 namespace rumi::map_server {
 
 struct MapBuilderOptions {
-  AlignmentOptions alignment;
+  PairOptions pairs;
   MapGraphOptions graph;
-  double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
-  double joint_sigma_translation = 0.01;  // the same, of the median depth
-  double joint_sigma_log_scale = 0.02;    // at least
-  double max_joint_chi2 = 100;            // in the bent map; what is farther out is a mistake, and taken out
+  double max_joint_chi2 = 100;  // in the bent map; what is farther out is a mistake, and taken out
   MapBundleOptions bundle;
   AssociationOptions association;
   PlaceSearchOptions places;
@@ -91,13 +88,7 @@ class MapBuilder {
   BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll);
 
  private:
-  // Two submaps made of some of the same images.
-  struct Pair {
-    int64_t revision_a = 0, revision_b = 0;
-    std::optional<Link> link;  // nothing: they have no image in common
-    int64_t utime_us = 0;      // of an image in the middle of those in common
-    std::vector<KeyframeJoint> joints;
-  };
+  using Pair = SubmapPair;
   // What hangs one submap on another.
   struct Tie {
     const Link* link = nullptr;
@@ -106,7 +97,6 @@ class MapBuilder {
   using Placed = std::map<SubmapKey, PlacedSubmap>;
   using Placements = std::map<SubmapKey, Placement>;
 
-  Pair compare(const Submap& a, const Submap& b) const;
   std::vector<Tie> ties(const Submaps& submaps) const;
   // No need, or no use, to compare how the two look.
   bool is_joined(const Place& a, const Place& b) const;

@@ -47,7 +47,8 @@ bool MapBuilder::stays_joined(const Submap& culled, const Submaps& submaps) cons
     if (!item.second.link || !item.second.link->accepted() || (a != culled.key && b != culled.key)) return true;
     const auto other = submaps.find(a == culled.key ? b : a);
     if (other == submaps.end()) return true;
-    const Pair again = a == culled.key ? compare(culled, *other->second) : compare(*other->second, culled);
+    const Pair again = a == culled.key ? compare_submaps(culled, *other->second, options_.pairs)
+                                       : compare_submaps(*other->second, culled, options_.pairs);
     return again.link && again.link->accepted();
   });
 }

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/merging/submap_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "map_server/alignment/correspondences.h"
+
+namespace rumi::map_server {
+namespace {
+
+bool may_share_images(const Submap& a, const Submap& b) {
+  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
+         b.frames.begin()->first <= a.frames.rbegin()->first;
+}
+
+}  // namespace
+
+SubmapPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options) {
+  SubmapPair pair;
+  pair.revision_a = a.revision;
+  pair.revision_b = b.revision;
+  if (!may_share_images(a, b)) return pair;
+  const Correspondences common = find_correspondences(a, b);
+  if (common.keyframes.empty()) return pair;
+  const Alignment alignment = align_submaps(a, b, common, options.alignment);
+  pair.link = Link{.a = a.key,
+                   .b = b.key,
+                   .kind = Link::Kind::kSameImages,
+                   .b_from_a = alignment.b_from_a,
+                   .keyframes = alignment.keyframes,
+                   .keyframe_inliers = alignment.keyframe_inliers,
+                   .landmarks = alignment.landmarks,
+                   .landmark_inliers = alignment.landmark_inliers,
+                   .rmse_px = alignment.rmse_px,
+                   .doubt = alignment.doubt};
+  if (!pair.link->accepted()) return pair;
+  std::vector<int64_t> where;
+  for (size_t k = 0; k < common.keyframes.size(); ++k) {
+    if (!alignment.keyframe_inlier[k]) continue;  // one of the two is bent there
+    const SharedKeyframe& shared = common.keyframes[k];
+    const ScaleRatio ratio = scale_ratio(a, b, common, static_cast<int>(k), options.alignment.min_landmarks / 4);
+    where.push_back(shared.utime_us);
+    if (!std::isfinite(ratio.sigma)) continue;
+    // One camera, in the units of two submaps.
+    pair.joints.push_back({{a.key, shared.a},
+                           {b.key, shared.b},
+                           Sim3(std::exp(ratio.log_b_over_a), Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()),
+                           options.joint_sigma_rotation_deg * M_PI / 180,
+                           options.joint_sigma_translation * ratio.depth_b,
+                           std::max(ratio.sigma, options.joint_sigma_log_scale)});
+  }
+  pair.utime_us = where[where.size() / 2];
+  return pair;
+}
+
+}  // namespace rumi::map_server

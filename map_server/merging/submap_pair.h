@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two submaps made of some of the same images: whether they agree, and what that says of where they lie.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "map_server/alignment/submap_alignment.h"
+#include "map_server/links/joint.h"
+#include "map_server/links/link.h"
+#include "slam/map/submap.h"
+
+namespace rumi::map_server {
+
+struct SubmapPair {
+  int64_t revision_a = 0, revision_b = 0;
+  std::optional<Link> link;  // nothing: they have no image in common
+  int64_t utime_us = 0;      // of an image in the middle of those in common
+  std::vector<KeyframeJoint> joints;
+};
+
+struct PairOptions {
+  AlignmentOptions alignment;
+  double joint_sigma_rotation_deg = 0.2;  // between the poses of an image in two submaps
+  double joint_sigma_translation = 0.01;  // the same, of the median depth
+  double joint_sigma_log_scale = 0.02;    // at least
+};
+
+SubmapPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);
+
+}  // namespace rumi::map_server
