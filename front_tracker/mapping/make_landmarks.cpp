@@ -12,6 +12,39 @@
 namespace rumi::front_tracker {
 namespace {
 
+// What has been seen on three visits is a place that is known: it gets no more landmarks beside those that it has, or
+// it would grow with every visit.
+constexpr int kVisits = 3;
+constexpr int64_t kBetweenVisits_us = 10'000'000;  // at least
+constexpr float kBeside = 0.05F;                   // of the image's width
+
+bool is_known(const Submap& map, const Landmark& landmark) {
+  int visits = 0;
+  int64_t last_us = INT64_MIN;
+  for (const Observation& o : landmark.observations) {
+    const int64_t utime_us = map.keyframe(o.keyframe_id)->utime_us;
+    if (last_us <= utime_us - kBetweenVisits_us) ++visits;
+    last_us = utime_us;
+  }
+  return visits >= kVisits;
+}
+
+// Of the keyframe's keypoints those beside one that sees a known landmark.
+std::vector<char> beside_known(const FrontSubmap& submap, const Keyframe& kf) {
+  const float radius = kBeside * static_cast<float>(submap.map.camera.width);
+  const KeypointGrid& grid = submap.grids.at(kf.id);
+  std::vector<char> beside(kf.landmark_ids.size(), 0);
+  for (size_t i = 0; i < kf.landmark_ids.size(); ++i) {
+    const Landmark* lm = kf.landmark_ids[i] == kNone ? nullptr : submap.map.landmark(kf.landmark_ids[i]);
+    if (!lm || !is_known(submap.map, *lm)) continue;
+    const Eigen::Vector2f& pixel = kf.features->undistorted[i];
+    grid.for_each_near(pixel, radius, [&](int k) {
+      if ((kf.features->undistorted[k] - pixel).norm() < radius) beside[k] = 1;
+    });
+  }
+  return beside;
+}
+
 std::vector<int> free_keypoints(const Keyframe& kf) {
   std::vector<int> free;
   for (size_t i = 0; i < kf.landmark_ids.size(); ++i)
@@ -67,11 +100,12 @@ bool agrees(const Camera& camera, const Eigen::Vector3d& point_cam, const Eigen:
 void Mapper::make_landmarks(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   Keyframe& kf = *map.keyframe(keyframe_id);
+  const std::vector<char> known = beside_known(submap, kf);
   int used = 0;
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
     if (used++ == options_.neighbours) break;
     if (log_baseline_variance(submap, keyframe_id, id) <= options_.max_log_baseline * options_.max_log_baseline)
-      make_landmarks_between(submap, kf, *map.keyframe(id));
+      make_landmarks_between(submap, kf, *map.keyframe(id), known);
   }
 }
 
@@ -96,13 +130,15 @@ std::optional<Eigen::Vector3d> Mapper::triangulate_between(const FrontSubmap& su
   return point;
 }
 
-void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b) const {
+void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& b,
+                                    const std::vector<char>& known) const {
   const std::vector<double>& scales = submap.octave_scales;
   const Eigen::Matrix3f f = fundamental_matrix(camera_, b.cam_from_submap * a.cam_from_submap.inverse()).cast<float>();
   Candidates candidates(b, scales);
   const double scale_variance = log_scale_variance_between(submap, a.id, b.id);
   KeyframeAligner aligner(submap, a.id);
   for (int i : free_keypoints(a)) {
+    if (known[i]) continue;
     const Eigen::Vector2f pa = a.features->undistorted[i];
     Eigen::Vector3f line = f * Eigen::Vector3f(pa.x(), pa.y(), 1);
     line /= line.head<2>().norm();

@@ -20,7 +20,9 @@ class Mapper {
  private:
   void cull_landmarks(FrontSubmap& submap, int keyframe_id) const;
   void make_landmarks(FrontSubmap& submap, int keyframe_id) const;
-  void make_landmarks_between(FrontSubmap& submap, Keyframe& keyframe, Keyframe& neighbour) const;
+  // `known`: keypoints of the keyframe that get none.
+  void make_landmarks_between(FrontSubmap& submap, Keyframe& keyframe, Keyframe& neighbour,
+                              const std::vector<char>& known) const;
   std::optional<Eigen::Vector3d> triangulate_between(const FrontSubmap& submap, const Keyframe& a, int keypoint_a,
                                                      const Keyframe& b, int keypoint_b) const;
   void fuse_landmarks(FrontSubmap& submap, int keyframe_id) const;

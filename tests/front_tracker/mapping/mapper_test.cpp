@@ -92,6 +92,44 @@ TEST(Mapper, MakesTrueLandmarksAndImprovesWhatIsThere) {
   EXPECT_LT(wrong, 0.02 * static_cast<double>(s->map.landmarks.size()));
 }
 
+// On the third visit, ten seconds and more after the second.
+TEST(Mapper, AKnownPlaceGrowsOnlyWhereItIsNew) {
+  constexpr int kNewest = 5;
+  MappingOptions options;
+  options.redundant_ratio = 1.0;  // every keyframe stays
+  const Mapper mapper(test_camera(), options);
+  std::mutex mutex;
+  // How many are made in the left and in the right half of the newest image, if every third landmark is gone, or all
+  // of those in the right half.
+  const auto made = [&](int64_t pause_us, bool right_is_unknown) {
+    FeatureScene scene(3);
+    auto s = scene.submap(walk(kNewest + 1));
+    Keyframe& newest = *s->map.keyframe(kNewest);
+    for (auto& [id, kf] : s->map.keyframes) kf.utime_us += id / 2 * pause_us;  // three visits
+    const auto is_right = [&](const Eigen::Vector3d& position) {
+      return test_camera().project_undistorted(newest.cam_from_submap * position).x() > 0.5 * test_camera().width;
+    };
+    std::vector<int> gone;
+    for (const auto& [id, lm] : s->map.landmarks)
+      if (right_is_unknown ? is_right(lm.position) : id % 3 == 0) gone.push_back(id);
+    for (int id : gone) s->map.remove_landmark(id);
+    const int before = s->map.landmarks.rbegin()->first;
+    mapper.process(*s, kNewest, mutex);
+    std::pair<int, int> count;
+    for (const auto& [id, lm] : s->map.landmarks)
+      if (id > before) ++(is_right(lm.position) ? count.second : count.first);
+    return count;
+  };
+  const auto [left, right] = made(0, false);
+  EXPECT_GT(left, 30);
+  EXPECT_GT(right, 30);
+  const auto [known_left, known_right] = made(20'000'000, false);
+  EXPECT_LT(known_left, left / 5);
+  EXPECT_LT(known_right, right / 5);
+  EXPECT_GT(made(20'000'000, true).second, 100);
+  EXPECT_GT(made(9'000'000, false).first, 30) << "one long visit";
+}
+
 // A point behind a camera that is said to see it: the solver would not begin, in this and every later adjustment.
 TEST(Mapper, PointBehindACameraIsPutRightAndStopsNothing) {
   FeatureScene scene(6);
