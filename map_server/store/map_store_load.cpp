@@ -12,9 +12,9 @@
 namespace rumi::map_server {
 namespace {
 
-// A number that one of ours never wrote would be an index out of all bounds.
-int checked_id(int64_t id, int most) {
-  if (id < 0 || id > most) throw std::runtime_error(fmt::format("id {} is not one of 0 to {}", id, most));
+// Vectors are indexed by it.
+int checked_keyframe_id(int64_t id) {
+  if (id < 0 || id > kMaxKeyframeId) throw std::runtime_error(fmt::format("keyframe {}: ids count up from 0", id));
   return static_cast<int>(id);
 }
 
@@ -103,7 +103,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
   Statement landmarks(db_, "SELECT id, position, descriptor, revision FROM landmarks WHERE submap = ? ORDER BY id");
   for (landmarks.bind(row); landmarks.step();) {
     Landmark landmark;
-    landmark.id = checked_id(landmarks.integer(0), IdMap<Landmark>::kMaxId);
+    landmark.id = static_cast<int>(landmarks.integer(0));
     const auto position = array_from_blob<std::array<double, 3>>(landmarks.blob(1));
     landmark.position = {position[0], position[1], position[2]};
     landmark.descriptor = array_from_blob<Descriptor>(landmarks.blob(2));
@@ -117,7 +117,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
                       "WHERE k.submap = ? ORDER BY k.id");
   for (keyframes.bind(row); keyframes.step();) {
     Keyframe keyframe;
-    keyframe.id = checked_id(keyframes.integer(0), kMaxKeyframeId);
+    keyframe.id = checked_keyframe_id(keyframes.integer(0));
     keyframe.utime_us = keyframes.integer(1);
     keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
     keyframe.revision = keyframes.integer(3);

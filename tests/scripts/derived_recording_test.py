@@ -35,7 +35,17 @@ class Derived(unittest.TestCase):
         self.assertEqual((self.out / "calibration.yaml").read_text(), "width: 640\n")
         self.assertEqual(self.derive("--every", "2").returncode, 0, "again")
 
+    def test_to_and_fro(self):
+        self.assertEqual(self.derive("--passes", "3").returncode, 0)
+        rows = [line.split() for line in (self.out / "rgb.txt").read_text().splitlines()]
+        self.assertEqual([name[4] for t, name in rows], [*"012344321001234"])
+        self.assertEqual([float(t) for t, name in rows], [10.5 + i for i in range(15)])
+        truth = [line.split()[:2] for line in (self.out / "groundtruth.txt").read_text().splitlines()]
+        self.assertEqual([x for t, x in truth], ["1", "2", "2", "1", "1", "2"])
+        self.assertEqual(truth[3], ["19.500000", "1"], "of the image at 19.5 s, which is the first one")
+
     def test_bad_input(self):
+        self.assertIn("--passes is 0", self.derive("--passes", "0").stderr)
         self.assertIn("--every is 0", self.derive("--every", "0").stderr)
         (self.source / "rgb.txt").write_text("# nothing\n")
         self.assertIn("rgb.txt: no images", self.derive().stderr)

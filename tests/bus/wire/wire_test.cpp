@@ -55,7 +55,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);
   PIN(channel_count_t, 0xc064025a9c303bc9u);
-  PIN(process_status_t, 0x71193cdc44304569u);
+  PIN(process_status_t, 0xfe7d3c50228adaafu);
 #undef PIN
 }
 

@@ -331,9 +331,12 @@ TEST(MapStore, DamageIsFoundAtTheStart) {
 TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
   for (const char* sql :
        {"UPDATE observations SET pairs = x'FFFFFF7F00000000'", "UPDATE observations SET pairs = x'00'",
-        "UPDATE frame_poses SET reference_keyframe = 4711", "UPDATE landmarks SET id = -2 WHERE id = 1",
-        "UPDATE landmarks SET id = 2000000000 WHERE id = 1", "UPDATE features SET octaves = x''",
-        "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras",
+        "UPDATE frame_poses SET reference_keyframe = 4711",
+        "UPDATE landmarks SET id = -2 WHERE id = (SELECT min(id) FROM landmarks)",
+        "UPDATE keyframes SET id = id + 20000000; UPDATE observations SET keyframe = keyframe + 20000000;"
+        "UPDATE features SET keyframe = keyframe + 20000000;"
+        "UPDATE frame_poses SET reference_keyframe = reference_keyframe + 20000000",
+        "UPDATE features SET octaves = x''", "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras",
         "UPDATE placed_keyframes SET map_from_submap = x'00'",
         "UPDATE placed_keyframes SET map_from_submap = zeroblob(64)",
         "UPDATE placed_landmarks SET position = x'000000000000F87F000000000000F87F000000000000F87F'",
