@@ -16,6 +16,7 @@ constexpr int kMostKeyframes = 12;
 Submap back_submap(unsigned seed, int id, int64_t begin_us = 0) {
   FeatureScene scene(seed);
   std::vector<SE3> poses;
+  poses.reserve(5);
   for (int i = 0; i < 5; ++i) poses.push_back(SyntheticScene::pose(0.12 * i, 0.02 * i, 0.03 * i, -0.02 * i));
   Submap submap = scene.submap(poses)->map;
   submap.key = {1, id};

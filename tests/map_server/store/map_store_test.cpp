@@ -327,15 +327,18 @@ TEST(MapStore, DamageIsFoundAtTheStart) {
   EXPECT_THAT(open_error(folder / "map.db"), HasSubstr("damaged"));
 }
 
+constexpr const char* kKeyframeIdsOutOfBounds = R"(
+    UPDATE keyframes SET id = id + 20000000;
+    UPDATE observations SET keyframe = keyframe + 20000000;
+    UPDATE features SET keyframe = keyframe + 20000000;
+    UPDATE frame_poses SET reference_keyframe = reference_keyframe + 20000000)";
+
 // Pages are sound, but what they say would crash whoever follows it.
 TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
   for (const char* sql :
        {"UPDATE observations SET pairs = x'FFFFFF7F00000000'", "UPDATE observations SET pairs = x'00'",
         "UPDATE frame_poses SET reference_keyframe = 4711",
-        "UPDATE landmarks SET id = -2 WHERE id = (SELECT min(id) FROM landmarks)",
-        "UPDATE keyframes SET id = id + 20000000; UPDATE observations SET keyframe = keyframe + 20000000;"
-        "UPDATE features SET keyframe = keyframe + 20000000;"
-        "UPDATE frame_poses SET reference_keyframe = reference_keyframe + 20000000",
+        "UPDATE landmarks SET id = -2 WHERE id = (SELECT min(id) FROM landmarks)", kKeyframeIdsOutOfBounds,
         "UPDATE features SET octaves = x''", "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras",
         "UPDATE placed_keyframes SET map_from_submap = x'00'",
         "UPDATE placed_keyframes SET map_from_submap = zeroblob(64)",
