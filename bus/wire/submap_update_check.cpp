@@ -15,7 +15,6 @@
 namespace rumi {
 namespace {
 
-
 class IdSet {
  public:
   // False: it is in it already.

@@ -85,7 +85,7 @@ void LiveStatus::on_track(const track_t& track) {
 
 // CPU ms a frame of each stage; nothing while no frame was tracked.
 Json LiveStatus::stages_json(const Process& process) const {
-  const int64_t frames = process.frames_at_latest - process.frames_at_first;
+  const int64_t frames = process.frames();
   Json stages = Json::object();
   if (frames <= 0) return stages;
   for (const stage_cost_t& stage : process.latest.stages) {
@@ -101,7 +101,7 @@ Json LiveStatus::process_json(const Process& process) const {
   const process_status_t& now = process.latest;
   const process_status_t& before = process.before.value_or(now);
   const int64_t span_us = now.utime - before.utime, silent_us = bus_.now_us() - now.utime;
-  const auto frames = static_cast<double>(process.frames_at_latest - process.frames_at_first);
+  const auto frames = static_cast<double>(process.frames());
   int64_t dropped = 0, undecodable = 0, waiting = 0;
   for (const channel_count_t& channel : now.channels) {
     dropped += channel.dropped;

@@ -34,6 +34,7 @@ class LiveStatus {
     // When this run of it was heard of first: its status, and frames that had been tracked.
     process_status_t first;
     int64_t frames_at_first = 0, frames_at_latest = 0;
+    int64_t frames() const { return frames_at_latest - frames_at_first; }
   };
   void on_status(const process_status_t& status);
   void on_track(const track_t& track);

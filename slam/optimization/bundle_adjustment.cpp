@@ -209,8 +209,7 @@ void damp(double damping, Matrix* hessian) {
 
 // result -= a * b^T, a quarter faster than as one product: a column of it is made of whole columns of a.
 void subtract_product(const Matrix63d& a, const Matrix63d& b, Matrix6d* result) {
-  for (int c = 0; c < 6; ++c)
-    result->col(c).noalias() -= a.col(0) * b(c, 0) + a.col(1) * b(c, 1) + a.col(2) * b(c, 2);
+  for (int c = 0; c < 6; ++c) result->col(c).noalias() -= a.col(0) * b(c, 0) + a.col(1) * b(c, 1) + a.col(2) * b(c, 2);
 }
 
 bool is_before(const BlockMatrix::Entry& entry, int column) { return entry.column < column; }
