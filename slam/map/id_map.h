@@ -95,22 +95,26 @@ class IdMap {
   auto rbegin() const { return std::reverse_iterator(end()); }
   auto rend() const { return std::reverse_iterator(begin()); }
 
-  iterator find(int id) { return {this, has(id) ? static_cast<size_t>(id) : end_id()}; }
-  const_iterator find(int id) const { return {this, has(id) ? static_cast<size_t>(id) : end_id()}; }
+  iterator find(int id) { return {this, contains(id) ? static_cast<size_t>(id) : end_id()}; }
+  const_iterator find(int id) const { return {this, contains(id) ? static_cast<size_t>(id) : end_id()}; }
   iterator lower_bound(int id) { return {this, next(id < 0 ? 0 : id)}; }
   const_iterator lower_bound(int id) const { return {this, next(id < 0 ? 0 : id)}; }
-  bool contains(int id) const { return has(id); }
+  bool contains(int id) const {
+    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative one is beyond all
+    return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
+  }
   // Nothing where there is no such id.
-  T* get(int id) { return has(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
-  const T* get(int id) const { return has(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
+  T* get(int id) { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
+  const T* get(int id) const { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
   T& at(int id) { return *found(id, get(id)); }
   const T& at(int id) const { return *found(id, get(id)); }
 
   // Of an id that is not there. std::out_of_range: it is negative or above kMaxId.
   template <typename... Values>
   std::pair<iterator, bool> emplace(int id, Values&&... values) {
-    if (id < 0 || id > kMaxId) throw std::out_of_range("id " + std::to_string(id) + " is not one of 0 to 268435455");
-    const bool is_new = !has(id);
+    if (id < 0 || id > kMaxId)
+      throw std::out_of_range("id " + std::to_string(id) + " is not one of 0 to " + std::to_string(kMaxId));
+    const bool is_new = !contains(id);
     if (is_new) {
       if (leaves_.size() <= static_cast<size_t>(id) / kLeaf) leaves_.resize(id / kLeaf + 1);
       std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
@@ -125,7 +129,7 @@ class IdMap {
   T& operator[](int id) { return emplace(id).first->second; }
 
   size_t erase(int id) {
-    if (!has(id)) return 0;
+    if (!contains(id)) return 0;
     std::unique_ptr<Leaf>& leaf = leaves_[id / kLeaf];
     leaf->values[id % kLeaf].reset();
     leaf->used &= ~bit(id);
@@ -151,10 +155,6 @@ class IdMap {
     return value;
   }
   size_t end_id() const { return kLeaf * leaves_.size(); }
-  bool has(int id) const {
-    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative one is beyond all
-    return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
-  }
   // The first id that is used, from this one on; the end's if there is none.
   size_t next(size_t id) const {
     if (id >= end_id()) return end_id();
