@@ -45,14 +45,17 @@ wait_for() { # WHAT COMMAND...: until the command succeeds
 of_all() { echo $(systemctl show -P "$1" $services); }
 all_are() { [ "$(systemctl is-active $services | sort -u)" = "$1" ]; }
 # /run/status has a line of JSON for each second.
-status_of() { tail -n 1 /run/status | sed -n "s/.*\"$1\":{\([^}]*\)}.*/\1/p"; }
+status() { # PATH, as in tracking.frames
+  tail -n 1 /run/status >/run/last_status
+  sqlite3 :memory: "SELECT json_extract(CAST(readfile('/run/last_status') AS TEXT), '\$.$1')"
+}
 five_run() { [ "$(tail -n 1 /run/status | grep -o '"state":"running"' | wc -l)" -eq 5 ]; }
 listen() {
   rumi status --json --follow >/run/status 2>&1 &
   listener=$!
 }
 query() { sqlite3 -readonly "$map" "$1"; }
-published() { status_of camera_driver | sed 's/.*"detail":"\([0-9]*\) images.*/\1/'; }
+published() { status processes.camera_driver.detail | sed 's/ images.*//'; }
 # Frames by their number: the recording begins at 1000 s and has 30 Hz.
 number="(utime - 1000000000 + 16666) * 30 / 1000000"
 is_tracked_up_to() { [ -f "$map" ] && [ "$(query "SELECT ifnull(max($number), -1) FROM frames WHERE submap >= 0")" -ge "$1" ]; }
@@ -109,7 +112,7 @@ echo "$ended $asked" | awk '{ for (i = 2; i <= 4; ++i) if ($(5 + i) < $1 || $10 
   fail "not in order: $services were asked to end at $asked us, and ended at $ended us"
 last_is_there() { [ "$(query "SELECT max($number) + 1 FROM frames")" -eq "$(published)" ]; }
 wait_for "the camera's last image is in the map" last_is_there
-told=$(status_of tracking | sed 's/.*"frames":\([0-9]*\).*/\1/')
+told=$(status tracking.frames)
 stored=$(query 'SELECT count(*) FROM frames WHERE session = (SELECT max(session) FROM frames)')
 [ "$told" -eq "$stored" ] || fail "front_tracker told of $told frames since it was started again, the map has $stored"
 
@@ -119,7 +122,7 @@ configure /dev/video0
 option rate 5
 systemctl start rumi.target || fail "systemctl start rumi.target"
 listen
-images_flow() { status_of tracking | grep -q '"rate_hz":[0-9.]*[1-9]'; }
+images_flow() { status tracking.rate_hz | grep -q '[1-9]'; }
 wait_for "the camera's images flow" images_flow
 pid=$(systemctl show -P MainPID rumi-camera-driver)
 grep -q '^Uid:.*[[:space:]]0' "/proc/$pid/status" && fail "camera_driver runs as root"
