@@ -40,7 +40,7 @@ struct Recording {
   std::vector<tool::TimedPose> truth;
 };
 
-Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options) {
+Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options, bool needs_truth) {
   Recording r;
   camera_driver::OpenedSource opened = camera_driver::open_image_source(folder, options);
   if (!opened.ok()) throw std::runtime_error(opened.error);
@@ -51,6 +51,7 @@ Recording read_recording(const std::string& folder, const camera_driver::CameraO
     if (r.grey.back().empty()) throw std::runtime_error(error);
     r.utime_us.push_back(image->utime);
   }
+  if (!needs_truth) return r;
   tool::TrajectoryFile truth = tool::read_groundtruth(folder + "/groundtruth.txt");
   if (!truth.ok()) throw std::runtime_error(truth.error);
   r.truth = std::move(truth.poses);
@@ -264,7 +265,7 @@ int main_of(int argc, char** argv) {
   std::string folder;
   int starts = 0, jumps = 0;
   size_t frames = 120;
-  bool verbose = false;
+  bool verbose = false, only_orb = false;
   front_tracker::FrontTrackerOptions options;
   camera_driver::CameraOptions part;
   OptionTable table;
@@ -276,6 +277,7 @@ int main_of(int argc, char** argv) {
   app.add_option("--starts", starts, "begin at so many random frames instead of running the whole");
   app.add_option("--frames", frames, "of each start")->capture_default_str();
   app.add_option("--kidnap", jumps, "map the whole, then jump to so many random places of it");
+  app.add_flag("--orb", only_orb, "cv::ORB(1000) alone; needs no groundtruth.txt");
   app.add_option("--set", settings, "key=value of an option");
   app.add_flag("-v", verbose, "say every start, and what the tracker does");
   CLI11_PARSE(app, argc, argv);
@@ -283,8 +285,10 @@ int main_of(int argc, char** argv) {
     if (const std::string error = table.set(setting); !error.empty()) throw std::runtime_error(error);
   spdlog::set_level(verbose ? spdlog::level::debug : spdlog::level::warn);
   cv::setNumThreads(1);
-  const Recording recording = folder.empty() ? rendered_recording() : read_recording(folder, part);
-  if (starts > 0)
+  const Recording recording = folder.empty() ? rendered_recording() : read_recording(folder, part, !only_orb);
+  if (only_orb)
+    fmt::print("cv::ORB(1000) {:.2f} ms\n", orb_ms_per_frame(recording));
+  else if (starts > 0)
     bench_starts(recording, options, starts, frames, verbose);
   else if (jumps > 0)
     bench_kidnaps(recording, options, jumps);
