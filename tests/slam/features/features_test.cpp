@@ -168,5 +168,32 @@ TEST(KeyframeIndex, RecallsThePlaceAmongMany) {
   EXPECT_TRUE(index.query({}, 5).empty());
 }
 
+TEST(KeyframeIndex, AnswersLikeAFreshOneAfterKeyframesHaveComeAndGone) {
+  std::mt19937_64 rng(6);
+  std::vector<std::vector<Descriptor>> places(60, std::vector<Descriptor>(40));
+  for (auto& descriptors : places) {
+    for (Descriptor& d : descriptors) d = random_descriptor(rng);
+    descriptors.back() = descriptors.front();  // a word twice
+    descriptors[1] = places[0][1];             // a word that all have
+  }
+  KeyframeIndex index;
+  for (int round = 0; round < 5; ++round)
+    for (int place = 0; place < 60; ++place) {
+      if (place % 4 == round) index.remove(place);
+      if (place % 3 != round) index.add(place, places[(place + 4 - round) % 60]);
+    }
+  KeyframeIndex fresh;
+  for (int place = 0; place < 60; ++place) fresh.add(place, places[place]);
+  ASSERT_EQ(index.size(), fresh.size());
+  for (const auto& query : places) {
+    const auto found = index.query(query, 60), wanted = fresh.query(query, 60);
+    ASSERT_EQ(found.size(), wanted.size());
+    for (size_t i = 0; i < wanted.size(); ++i) {
+      EXPECT_EQ(found[i].keyframe, wanted[i].keyframe);
+      EXPECT_EQ(found[i].score, wanted[i].score);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rumi
