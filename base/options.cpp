@@ -89,10 +89,16 @@ std::string flatten(const YAML::Node& node, const std::string& key, std::vector<
 
 void OptionTable::insert(Entry entry) {
   if (entry.key.find('.') == std::string::npos) throw std::logic_error("option key without a section: " + entry.key);
-  if (find(entry.key)) throw std::logic_error("option declared twice: " + entry.key);
-  entry.default_text = value_text(entry.field);
-  const bool is_text = std::holds_alternative<std::string*>(entry.field);
-  entry.initial = is_text ? *std::get<std::string*>(entry.field) : entry.default_text;
+  const Field& field = entry.fields.front();
+  entry.default_text = value_text(field);
+  const bool is_text = std::holds_alternative<std::string*>(field);
+  entry.initial = is_text ? *std::get<std::string*>(field) : entry.default_text;
+  const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == entry.key; });
+  if (known != entries_.end()) {
+    const bool alike = describe(*known) == describe(entry) && known->initial == entry.initial;
+    if (!alike) throw std::logic_error("option declared twice, and not alike: " + entry.key);
+    return known->fields.push_back(field);
+  }
   const std::string problem = assign(entry, entry.initial, false);
   if (!problem.empty()) throw std::logic_error("default of an option: " + problem);
   entry.group = group_;
@@ -113,21 +119,21 @@ bool OptionTable::is_meant(const Entry& entry, Which which) {
 
 void OptionTable::add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min,
                       int max) {
-  insert({key, unit, help, field, static_cast<double>(min), static_cast<double>(max), {}, {}, {}, {}});
+  insert({key, unit, help, {field}, static_cast<double>(min), static_cast<double>(max), {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, double* field, const std::string& unit, const std::string& help,
                       double min, double max) {
-  insert({key, unit, help, field, min, max, {}, {}, {}, {}});
+  insert({key, unit, help, {field}, min, max, {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, bool* field, const std::string& help) {
-  insert({key, "", help, field, 0, 0, {}, {}, {}, {}});
+  insert({key, "", help, {field}, 0, 0, {}, {}, {}, {}});
 }
 
 void OptionTable::add(const std::string& key, std::string* field, const std::string& help,
                       const std::vector<std::string>& choices) {
-  insert({key, "", help, field, 0, 0, choices, {}, {}, {}});
+  insert({key, "", help, {field}, 0, 0, choices, {}, {}, {}});
 }
 
 const OptionTable::Entry* OptionTable::find(const std::string& key) const {
@@ -135,7 +141,13 @@ const OptionTable::Entry* OptionTable::find(const std::string& key) const {
   return it == entries_.end() ? nullptr : &*it;
 }
 
-std::string OptionTable::assign(const Entry& entry, const std::string& text, bool apply) const {
+std::string OptionTable::assign(const Entry& entry, const std::string& text, bool apply) {
+  std::string problem;
+  for (const Field& field : entry.fields) problem = assign_to(field, entry, text, apply);
+  return problem;
+}
+
+std::string OptionTable::assign_to(const Field& to, const Entry& entry, const std::string& text, bool apply) {
   const auto number = [&](auto* field) -> std::string {
     auto value = *field;
     constexpr bool is_int = std::is_same_v<decltype(value), int>;
@@ -148,9 +160,9 @@ std::string OptionTable::assign(const Entry& entry, const std::string& text, boo
                        is_int ? "whole number" : "number", entry.min, entry.max, entry.unit.empty() ? "" : " ",
                        entry.unit);
   };
-  if (const auto* field = std::get_if<int*>(&entry.field)) return number(*field);
-  if (const auto* field = std::get_if<double*>(&entry.field)) return number(*field);
-  if (const auto* field = std::get_if<bool*>(&entry.field)) {
+  if (const auto* field = std::get_if<int*>(&to)) return number(*field);
+  if (const auto* field = std::get_if<double*>(&to)) return number(*field);
+  if (const auto* field = std::get_if<bool*>(&to)) {
     const bool yes = text == "true" || text == "yes" || text == "on";
     if (!yes && text != "false" && text != "no" && text != "off")
       return fmt::format("{} = {}: expected true or false", entry.key, quoted(text));
@@ -161,7 +173,7 @@ std::string OptionTable::assign(const Entry& entry, const std::string& text, boo
       entry.choices.empty() || std::find(entry.choices.begin(), entry.choices.end(), text) != entry.choices.end();
   if (!chosen)
     return fmt::format("{} = {}: expected one of {}", entry.key, quoted(text), fmt::join(entry.choices, ", "));
-  if (apply) *std::get<std::string*>(entry.field) = text;
+  if (apply) *std::get<std::string*>(to) = text;
   return "";
 }
 
@@ -226,7 +238,8 @@ void OptionTable::reset() {
 
 std::string OptionTable::range_text(const Entry& entry) const {
   if (!entry.choices.empty()) return fmt::format("{}", fmt::join(entry.choices, " | "));
-  const bool is_number = std::holds_alternative<int*>(entry.field) || std::holds_alternative<double*>(entry.field);
+  const bool is_number =
+      std::holds_alternative<int*>(entry.fields.front()) || std::holds_alternative<double*>(entry.fields.front());
   return is_number ? fmt::format("{} .. {}", entry.min, entry.max) : "";
 }
 
@@ -260,7 +273,7 @@ std::string OptionTable::to_yaml(Which which) const {
       group = entry.group;
       // What is below the section may have dots of its own; load_yaml puts the key together again.
       const std::string name = entry.key.substr(section.size() + 1);
-      text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.field)), kHelpColumn,
+      text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.fields.front())), kHelpColumn,
                           describe(entry));
     }
   }

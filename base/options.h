@@ -16,7 +16,8 @@ namespace rumi {
 class OptionTable {
  public:
   // key is "section.name"; the value that *field has now is the default. The field must outlive the table. Numbers
-  // outside [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "".
+  // outside [min, max] and NaN are refused. unit is "px", "s", "frames", ... or "". A key that is added again, all
+  // alike, has one more field: what two components must have the same.
   void add(const std::string& key, int* field, const std::string& unit, const std::string& help, int min, int max);
   void add(const std::string& key, double* field, const std::string& unit, const std::string& help, double min,
            double max);
@@ -45,9 +46,10 @@ class OptionTable {
   std::string to_yaml(Which which) const;
 
  private:
+  using Field = std::variant<int*, double*, bool*, std::string*>;
   struct Entry {
     std::string key, unit, help;
-    std::variant<int*, double*, bool*, std::string*> field;
+    std::vector<Field> fields;  // all have the same value
     double min = 0, max = 0;
     std::vector<std::string> choices;
     std::string default_text;  // for a person
@@ -55,7 +57,8 @@ class OptionTable {
     std::string group;
     bool is_for_users = false;
   };
-  std::string assign(const Entry& entry, const std::string& text, bool apply) const;
+  static std::string assign(const Entry& entry, const std::string& text, bool apply);
+  static std::string assign_to(const Field& field, const Entry& entry, const std::string& text, bool apply);
   const Entry* find(const std::string& key) const;
   std::string unknown(const std::string& key) const;
   std::string range_text(const Entry& entry) const;

@@ -169,9 +169,9 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track.processing_ms = static_cast<float>(cpu_ms);
   track.latency_ms = latency_ms(image, bus_.now_us());
   bus_.publish(channels::kTrack, track);
-  if (r.submap_id == kNoSubmap) return remember(track, options_.initializer.max_frames, &without_pose_);
+  if (r.submap_id == kNoSubmap) return remember(track, kMostRetoldFrames, &without_pose_);
   without_pose_.clear();
-  remember(track, Tracker::kMostWithdrawn, &with_pose_);
+  remember(track, kMostRetoldFrames, &with_pose_);
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
   const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
   if (map_from_submap == map_from_submap_.end()) return;
@@ -193,7 +193,7 @@ void FrontTrackerNode::publish_posed_afterwards() {
     track_t track = told->second;  // sequence, state and times stay what they were
     set_pose(r, &track);
     bus_.publish(channels::kTrack, track);
-    remember(track, Tracker::kMostWithdrawn, &with_pose_);
+    remember(track, kMostRetoldFrames, &with_pose_);
   }
 }
 

@@ -2,11 +2,14 @@
 #include "front_tracker/options.h"
 
 #include "base/options.h"
+#include "bus/wire/image_options.h"
 
 namespace rumi::front_tracker {
 
 void describe(OptionTable& t, FrontTrackerOptions& o) {
   const std::string s = "front_tracker.";
+  describe_image(t, &o.max_image_side, &o.orb.pyramid);
+
   t.group("frame");
   t.add(s + "keypoints", &o.orb.keypoints, "", "ORB keypoints per image", 100, 20000);
 
@@ -67,10 +70,8 @@ void describe(OptionTable& t, FrontTrackerOptions& o) {
         0, 1000);
 
   t.group("front_tracker");
-  t.add(s + "max_image_side", &o.max_image_side, "px",
-        "larger images are worked on at this size; 0: never; ruminator's must be the same", 0, 100000);
   t.add(s + "publish_interval_s", &o.publish_interval_s, "s", "between two updates of a submap, at least", 0.0, 60.0);
-  t.for_users({"front_tracker.keypoints", "front_tracker.max_image_side"});
+  t.for_users({"front_tracker.keypoints"});
 }
 
 }  // namespace rumi::front_tracker

@@ -22,11 +22,10 @@ void SubmapPublisher::publish(Tracker& tracker, int64_t now_us, bool all) {
     if (progress.in_flight) continue;
     if (all && !submap->map.closed) {
       submap->map.closed = true;
-      ++submap->map.revision;
+      submap->map.stamp();
       submap->keep_images(0);
     }
-    // The revision rises after every update that is made: an unchanged submap is one ahead of what is stored.
-    if (submap->map.revision <= progress.stored_revision + 1 && progress.stored_revision > 0) continue;
+    if (submap->map.revision <= progress.stored_revision) continue;
     if (!all && !is_due(now_us, progress.last_sent_us, std::llround(1e6 * interval_s_))) continue;
     progress.last_sent_us = now_us;
     send(*submap, &progress);
@@ -38,14 +37,13 @@ bool SubmapPublisher::complete(Tracker& tracker) const {
   return std::all_of(tracker.submaps().begin(), tracker.submaps().end(), [this](const auto& submap) {
     const auto progress = progress_.find(submap->map.key);
     return submap->map.closed && progress != progress_.end() && !progress->second.in_flight &&
-           submap->map.revision <= progress->second.stored_revision + 1;
+           submap->map.revision <= progress->second.stored_revision;
   });
 }
 
 void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
   const submap_update_t update = make_submap_update(submap.map, progress->stored_revision);
-  // What changes from now on is newer than what was sent.
-  ++submap.map.revision;
+  submap.map.hand_out();
   progress->in_flight = true;
   sender_.send("", chunk_t::SUBMAP_UPDATE, 0, encode_message(update), [this, progress](const TransferResult& result) {
     progress->in_flight = false;

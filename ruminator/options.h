@@ -41,8 +41,8 @@ inline void describe(OptionTable& table, RuminatorOptions& o) {
             1000);
   table.add("ruminator.retry_s", &o.retry_s, "s", "to the next try of rebuilding, or of sending to map_server", 0.1,
             86400);
-  table.for_users({"ruminator.max_image_side", "ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild",
-                   "ruminator.spool", "ruminator.ring_mb", "ruminator.failed_mb"});
+  table.for_users({"ruminator.colmap", "ruminator.camera_file", "ruminator.rebuild", "ruminator.spool",
+                   "ruminator.ring_mb", "ruminator.failed_mb"});
 }
 
 }  // namespace rumi::ruminator

@@ -161,6 +161,8 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
   u.base_revision = base_revision;
   u.revision = submap.revision;
   u.calibration = camera_to_yaml(submap.camera);
+  u.levels = static_cast<int8_t>(submap.pyramid.levels);
+  u.scale_factor = submap.pyramid.scale_factor;
   for (const auto& [id, keyframe] : submap.keyframes) {
     if (keyframe.created_revision > base_revision) u.features.push_back(features_to_wire(keyframe));
     if (keyframe.revision > base_revision) u.keyframes.push_back(keyframe_to_wire(keyframe));
@@ -199,17 +201,21 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   CameraFileResult calibration;
   const bool is_whole = update.base_revision == 0;
   const Submap nothing;
-  if (wrong.empty()) wrong = check_update_elements(update, is_whole ? nothing : std::as_const(*submap));
   if (wrong.empty()) {
     calibration = parse_camera(update.calibration, "calibration");
     wrong = calibration.error;
   }
+  if (wrong.empty() && !is_whole && camera_to_yaml(calibration.camera) != camera_to_yaml(submap->camera))
+    wrong = "its calibration is not that of the submap";
+  if (wrong.empty())
+    wrong = check_update_elements(update, calibration.camera, is_whole ? nothing : std::as_const(*submap));
   if (!wrong.empty()) return fmt::format("update of submap {}: {}", update.submap_id, wrong);
 
   if (is_whole) start_over(update.revision, submap);
   submap->key = {update.session, update.submap_id};
   submap->kind = static_cast<SubmapKind>(update.kind);
   submap->camera = calibration.camera;
+  submap->pyramid = {update.levels, update.scale_factor};
   submap->closed = update.closed;
   submap->revision = update.revision;
   apply_removals(update, submap);

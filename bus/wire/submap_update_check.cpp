@@ -32,7 +32,8 @@ class IdSet {
 
 class Validator {
  public:
-  Validator(const submap_update_t& update, const Submap& submap) : update_(update), submap_(submap) {}
+  Validator(const submap_update_t& update, const Camera& camera, const Submap& submap)
+      : update_(update), camera_(camera), submap_(submap) {}
 
   std::string problem() {
     for (const auto& check :
@@ -91,10 +92,21 @@ class Validator {
       if (!sizes) return fmt::format("features of keyframe {}: the arrays do not have the same length", f.keyframe_id);
       if (!keyframes_.contains(f.keyframe_id))
         return fmt::format("features of keyframe {}: no such keyframe in the update", f.keyframe_id);
-      for (int i = 0; i < f.n; ++i)
-        if (!std::isfinite(f.x[i]) || !std::isfinite(f.y[i]) || !std::isfinite(f.angle[i]))
-          return fmt::format("features of keyframe {}: keypoint {} is not finite", f.keyframe_id, i);
+      if (const std::string wrong = check_keypoints(f); !wrong.empty())
+        return fmt::format("features of keyframe {}: {}", f.keyframe_id, wrong);
       new_features_[f.keyframe_id] = &f;
+    }
+    return "";
+  }
+
+  std::string check_keypoints(const keyframe_features_t& f) const {
+    for (int i = 0; i < f.n; ++i) {
+      if (!std::isfinite(f.x[i]) || !std::isfinite(f.y[i]) || !std::isfinite(f.angle[i]))
+        return fmt::format("keypoint {} is not finite", i);
+      if (f.octave[i] >= update_.levels)
+        return fmt::format("keypoint {} is of octave {}, there are {}", i, f.octave[i], update_.levels);
+      if (!camera_.contains(Eigen::Vector2d(f.x[i], f.y[i]), -1))
+        return fmt::format("keypoint {} at {}, {} is outside the image", i, f.x[i], f.y[i]);
     }
     return "";
   }
@@ -178,6 +190,7 @@ class Validator {
   }
 
   const submap_update_t& update_;
+  const Camera& camera_;
   const Submap& submap_;
   IdSet keyframes_, features_, landmarks_, removed_keyframes_, removed_landmarks_;
   std::set<int64_t> frames_;
@@ -202,11 +215,18 @@ std::string check_update_header(const submap_update_t& update, const Submap& sub
   if (update.base_revision > submap.revision)
     return fmt::format("base_revision {} is beyond revision {}, the one we have", update.base_revision,
                        submap.revision);
+  const Pyramid pyramid{update.levels, update.scale_factor};
+  if (!pyramid.is_possible())
+    return fmt::format("levels {}, scale_factor {}: must be 1 to {}, and {} to {}", update.levels, update.scale_factor,
+                       Pyramid::kMostLevels, Pyramid::kLeastFactor, Pyramid::kMostFactor);
+  if (update.base_revision > 0 && pyramid != submap.pyramid)
+    return fmt::format("levels {}, scale_factor {}: the submap has {}, {}", update.levels, update.scale_factor,
+                       submap.pyramid.levels, submap.pyramid.scale_factor);
   return "";
 }
 
-std::string check_update_elements(const submap_update_t& update, const Submap& submap) {
-  return Validator(update, submap).problem();
+std::string check_update_elements(const submap_update_t& update, const Camera& camera, const Submap& submap) {
+  return Validator(update, camera, submap).problem();
 }
 
 }  // namespace rumi

@@ -11,7 +11,7 @@ namespace rumi {
 
 // The submap's identity and the revisions.
 std::string check_update_header(const submap_update_t& update, const Submap& submap);
-// Everything else; the header must be right.
-std::string check_update_elements(const submap_update_t& update, const Submap& submap);
+// Everything else; the header must be right, and the camera is that of its calibration.
+std::string check_update_elements(const submap_update_t& update, const Camera& camera, const Submap& submap);
 
 }  // namespace rumi

@@ -7,8 +7,7 @@
 
 namespace rumi::front_tracker {
 
-FrontSubmap::FrontSubmap(Submap known, SubmapKey key, const std::vector<double>& scales)
-    : map(std::move(known)), octave_scales(scales) {
+FrontSubmap::FrontSubmap(Submap known, SubmapKey key) : map(std::move(known)), octave_scales(map.pyramid.scales()) {
   map.key = key;
   map.kind = SubmapKind::kFront;
   map.closed = false;
@@ -34,7 +33,7 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   kf.cam_from_submap = frame->cam_from_submap;
   kf.features = frame->features;
   kf.landmark_ids.assign(frame->features->size(), kNone);
-  kf.revision = kf.created_revision = map.revision;
+  kf.revision = kf.created_revision = map.stamp();
   grids[id] = frame->grid;
   if (frame->images) images[id] = frame->images;
   for (size_t i = 0; i < frame->landmark_ids.size(); ++i) {
@@ -42,7 +41,7 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
     if (!map.add_observation(frame->landmark_ids[i], id, static_cast<int>(i))) frame->landmark_ids[i] = kNone;
   }
   for (int landmark_id : kf.landmark_ids)
-    if (landmark_id != kNone) update_landmark_view(map, octave_scales, map.landmark(landmark_id));
+    if (landmark_id != kNone) update_landmark_view(map, map.landmark(landmark_id));
   frame->reference_keyframe = id;
   frame->cam_from_keyframe = SE3();
   return kf;
@@ -53,7 +52,7 @@ Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {
   Landmark& lm = map.landmarks[id];
   lm.id = id;
   lm.position = position;
-  lm.revision = map.revision;
+  map.touch(lm);
   return lm;
 }
 
@@ -75,7 +74,7 @@ void FrontSubmap::cut_end(int64_t utime_us) {
     if (lm.observations.size() < 2) unseen.push_back(id);
   for (int id : unseen) map.remove_landmark(id);
   // An update does not say which frames go: copies get the submap as a whole.
-  map.removed_keyframes.forget(map.revision);
+  map.removed_keyframes.forget(map.stamp());
   map.removed_landmarks.forget(map.revision);
 }
 
@@ -91,7 +90,7 @@ void FrontSubmap::keep_images(size_t n) {
     if (moved_.erase(id) == 0) continue;
     Keyframe& kf = *map.keyframe(id);
     map.touch(kf);
-    kf.created_revision = map.revision;  // its features are sent again
+    kf.created_revision = kf.revision;  // its features are sent again
   }
 }
 

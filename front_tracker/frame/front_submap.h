@@ -23,10 +23,10 @@ struct KeyframeCertainty {
 struct FrontSubmap {
   FrontSubmap() = default;
   // One that goes on from what another submap knows, as front submap `key`. Everything is new in it.
-  FrontSubmap(Submap known, SubmapKey key, const std::vector<double>& octave_scales);
+  FrontSubmap(Submap known, SubmapKey key);
 
   Submap map;
-  std::vector<double> octave_scales;
+  std::vector<double> octave_scales;           // of the map's pyramid
   std::map<int, KeyframeCertainty> certainty;  // of the keyframes
   std::map<int, KeypointGrid> grids;           // of the keyframes, over undistorted pixels
   // Of the latest keyframes, while they may still be aligned with each other.

@@ -104,7 +104,7 @@ void LocalBundle::apply(FrontSubmap& submap) const {
     if (lm->observations.size() < 2)
       map.remove_landmark(id);
     else
-      update_landmark_view(map, submap.octave_scales, lm);
+      update_landmark_view(map, lm);
   }
 }
 

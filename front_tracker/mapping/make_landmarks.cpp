@@ -161,7 +161,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     submap.map.add_observation(lm.id, a.id, i);
     submap.map.add_observation(lm.id, b.id, keypoint);
     candidates.take(best);
-    update_landmark_view(submap.map, scales, &lm);
+    update_landmark_view(submap.map, &lm);
     submap.recent_landmarks.emplace_back(lm.id, a.id);
     lm.log_scale_variance = scale_variance;
   }

@@ -63,8 +63,7 @@ void Mapper::fuse_landmarks(FrontSubmap& submap, int keyframe_id) const {
     for (int id : landmarks_of(neighbours[i].first)) theirs.insert(id);
   }
   fuse_into(submap, {theirs.begin(), theirs.end()}, keyframe_id);
-  for (int id : landmarks_of(keyframe_id))
-    update_landmark_view(submap.map, submap.octave_scales, submap.map.landmark(id));
+  for (int id : landmarks_of(keyframe_id)) update_landmark_view(submap.map, submap.map.landmark(id));
 }
 
 // Looks for each landmark in the keyframe: a free keypoint becomes an observation of it, a keypoint of another landmark

@@ -16,24 +16,15 @@ namespace {
 // In units of the submap, whose scenes are about one away: nothing real is there, and squares must not overflow.
 constexpr double kFarthest = 1e9;
 
-std::string wrong_keypoint(const Keyframe& kf, const Camera& camera, size_t octaves) {
-  for (size_t i = 0; i < kf.features->size(); ++i) {
-    const Keypoint& keypoint = kf.features->keypoints[i];
-    if (keypoint.octave >= octaves)
-      return fmt::format("keyframe {}: keypoint {} is of octave {}, there are {}", kf.id, i, keypoint.octave, octaves);
-    if (!camera.contains(keypoint.pixel.cast<double>(), -1))
-      return fmt::format("keyframe {}: keypoint {} at {}, {} is outside the image", kf.id, i, keypoint.pixel.x(),
-                         keypoint.pixel.y());
-  }
-  return {};
-}
-
 // What the checks of every update (bus/wire/submap_update.h) leave open, and a tracker relies on.
-std::string problem_of(const Submap& submap, const Camera& camera, size_t octaves, int max_keyframes) {
+std::string problem_of(const Submap& submap, const Camera& camera, const Pyramid& pyramid, int max_keyframes) {
   if (submap.kind != SubmapKind::kBack) return "it is not a back submap";
   if (camera_to_yaml(submap.camera) != camera_to_yaml(camera))
     return fmt::format("it is of another camera: {} x {} px, fx {}, and not {} x {} px, fx {}", submap.camera.width,
                        submap.camera.height, submap.camera.fx, camera.width, camera.height, camera.fx);
+  if (submap.pyramid != pyramid)
+    return fmt::format("it is of another pyramid: {} levels, each {} of the last, and not {}, {}",
+                       submap.pyramid.levels, submap.pyramid.scale_factor, pyramid.levels, pyramid.scale_factor);
   if (submap.keyframes.size() > static_cast<size_t>(max_keyframes))
     return fmt::format("it has {} keyframes, {} are kept at most", submap.keyframes.size(), max_keyframes);
   std::map<int64_t, int> at;
@@ -42,7 +33,6 @@ std::string problem_of(const Submap& submap, const Camera& camera, size_t octave
       return fmt::format("keyframes {} and {} are both of utime {}", other->second, id, kf.utime_us);
     if (!(kf.cam_from_submap.translation.norm() < kFarthest))
       return fmt::format("keyframe {}: {} is too far away", id, kf.cam_from_submap.translation.norm());
-    if (const std::string wrong = wrong_keypoint(kf, camera, octaves); !wrong.empty()) return wrong;
   }
   for (const auto& [id, lm] : submap.landmarks)
     if (!(lm.position.norm() < kFarthest))
@@ -51,11 +41,12 @@ std::string problem_of(const Submap& submap, const Camera& camera, size_t octave
 }
 
 // Keyframes numbered in order of time, and the landmarks that at least two of them see from the front.
-Submap tidy(const Submap& received, const std::vector<double>& scales) {
+Submap tidy(const Submap& received) {
   Submap tidied;
   tidied.key = received.key;
   tidied.kind = received.kind;
   tidied.camera = received.camera;
+  tidied.pyramid = received.pyramid;
   tidied.revision = received.revision;
   std::map<int64_t, const Keyframe*> in_time;
   for (const auto& [id, kf] : received.keyframes) in_time[kf.utime_us] = &kf;
@@ -77,7 +68,7 @@ Submap tidy(const Submap& received, const std::vector<double>& scales) {
     lm.id = id;
     lm.position = old.position;
     for (const Observation& o : seen) tidied.add_observation(id, new_id.at(o.keyframe_id), o.keypoint_index);
-    update_landmark_view(tidied, scales, &lm);
+    update_landmark_view(tidied, &lm);
   }
   return tidied;
 }
@@ -86,15 +77,15 @@ int64_t first_utime_us(const Submap& submap) { return submap.frames.begin()->fir
 
 }  // namespace
 
-BackSubmaps::BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& scales)
-    : camera_(camera), options_(options), scales_(scales), relocalizer_(camera, options, scales) {}
+BackSubmaps::BackSubmaps(const Camera& camera, const TrackingOptions& options, const Pyramid& pyramid)
+    : camera_(camera), options_(options), pyramid_(pyramid), relocalizer_(camera, options, pyramid.scales()) {}
 
 std::string BackSubmaps::add(Submap submap) {
-  std::string problem = problem_of(submap, camera_, scales_.size(), options_.back_keyframes);
+  std::string problem = problem_of(submap, camera_, pyramid_, options_.back_keyframes);
   if (!problem.empty()) return fmt::format("back submap {}: {}", submap.key.id, problem);
   remove(submap.key.id);
   if (submap.keyframes.empty()) return {};
-  Entry entry{next_number_++, tidy(submap, scales_)};
+  Entry entry{next_number_++, tidy(submap)};
   for (const auto& [id, kf] : entry.submap.keyframes) relocalizer_.add_keyframe(entry.number, entry.submap, kf);
   const auto later = std::find_if(submaps_.begin(), submaps_.end(), [&](const Entry& other) {
     return first_utime_us(other.submap) > first_utime_us(entry.submap);

@@ -15,7 +15,7 @@ class BackSubmaps {
  public:
   // The camera is that of the frames, octave_scales those of their keypoints. At most options.back_keyframes keyframes
   // are kept; the submaps of the oldest images go first.
-  BackSubmaps(const Camera& camera, const TrackingOptions& options, const std::vector<double>& octave_scales);
+  BackSubmaps(const Camera& camera, const TrackingOptions& options, const Pyramid& pyramid);
 
   // Replaces the submap of the same id. Returns why it was refused, or an empty string.
   std::string add(Submap submap);
@@ -38,7 +38,7 @@ class BackSubmaps {
 
   Camera camera_;
   TrackingOptions options_;
-  std::vector<double> scales_;
+  Pyramid pyramid_;
   std::vector<Entry> submaps_;  // in order of time
   size_t next_number_ = 0;
   Relocalizer relocalizer_;

@@ -27,10 +27,10 @@ Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t se
       options_(options),
       session_(session),
       extractor_(options.orb),
-      scales_(octave_scales(options.orb)),
+      scales_(options.orb.pyramid.scales()),
       initializer_(camera, options.initializer, scales_),
       relocalizer_(camera, options.tracking, scales_),
-      back_submaps_(camera, options.tracking, scales_),
+      back_submaps_(camera, options.tracking, options.orb.pyramid),
       mapper_(camera, options.mapping),
       mapping_(mapper_, map_mutex_, options.mapping_thread) {}
 
@@ -55,7 +55,6 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   result.keypoints = static_cast<int>(frame.features->size());
   {
     const std::scoped_lock lock(map_mutex_);
-    if (tracking) ++active().map.revision;
     if (tracking && !track(&frame) && !look_again(&frame)) lose(frame);
     const bool found = state_ == TrackingState::kTracking || (!tracking && recover(&frame)) || begin_submap(&frame);
     if (found) accept(std::move(frame), &result);
@@ -100,7 +99,6 @@ bool Tracker::follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>
   if (frame.certainty.image_px > o.uncertain_px || drifts(frame)) return false;
   motion_since_corners_ += motion;
   note_motion(frame);
-  ++active().map.revision;
   result->state = state_;
   result->keypoints = static_cast<int>(frame.features->size());
   accept(std::move(frame), result);
@@ -188,16 +186,12 @@ bool Tracker::go_on_in_back_submap(Frame* frame) {
 void Tracker::activate(size_t submap_index) {
   recent_.clear();
   if (submap_index != active_) templates_.clear();
-  if (submap_index != active_ && !active().images.empty()) {
-    ++active().map.revision;  // keypoints that moved are sent again
-    active().keep_images(0);
-  }
+  if (submap_index != active_) active().keep_images(0);
   active_ = submap_index;
 }
 
 void Tracker::go_on_in(size_t submap_index, Frame* frame) {
   if (submap_index != active_) activate(submap_index);
-  ++active().map.revision;
   withdraw_torn_end(frame);
   track_back(*frame, initializer_.take_frames());
   if (state_ == TrackingState::kLost) found_us_ = frame->utime_us;
@@ -256,7 +250,8 @@ void Tracker::withdraw_torn_end(Frame* found) {
 FrontSubmap& Tracker::open_submap(Submap known) {
   const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
   known.camera = camera_;
-  return *submaps_.emplace_back(std::make_unique<FrontSubmap>(std::move(known), key, scales_));
+  known.pyramid = options_.orb.pyramid;
+  return *submaps_.emplace_back(std::make_unique<FrontSubmap>(std::move(known), key));
 }
 
 bool Tracker::begin_submap(Frame* frame) {
@@ -309,7 +304,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
       submap->map.add_observation(id, keyframe_of_view[view], keypoint);
       initial.frames[views[view].frame].landmark_ids[keypoint] = id;
     }
-    update_landmark_view(submap->map, scales_, submap->map.landmark(id));
+    update_landmark_view(submap->map, submap->map.landmark(id));
   }
   // Views that are no keyframes hang on the nearest one before them.
   int keyframe = kNone;
@@ -335,7 +330,7 @@ void Tracker::add_initial_map(InitialMap initial, FrontSubmap* submap) {
 
 void Tracker::record_pose(FrontSubmap* submap, const Frame& frame) {
   submap->map.frames[frame.utime_us] = {frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe,
-                                        submap->map.revision, sigmas_of(*submap, frame)};
+                                        submap->map.stamp(), sigmas_of(*submap, frame)};
 }
 
 bool Tracker::needs_keyframe(const Frame& frame) const {
@@ -398,7 +393,8 @@ void Tracker::accept(Frame frame, TrackResult* result) {
   }
   note_pose(submap, frame, result);
   recent_.push_back({frame.utime_us, result->inliers, frame.certainty.log_scale_variance});
-  while (frame.utime_us - recent_.front().utime_us > kMayBeWrong_us || recent_.size() > kMostWithdrawn)
+  while (frame.utime_us - recent_.front().utime_us > kMayBeWrong_us ||
+         static_cast<int>(recent_.size()) > kMostRetoldFrames)
     recent_.pop_front();
   last_ = std::move(frame);
 }

@@ -35,8 +35,6 @@ struct TrackResult {
 
 class Tracker {
  public:
-  static constexpr size_t kMostWithdrawn = 120;  // frames, see withdrawn()
-
   // The camera is that of the images given to process(). `session` goes into the submaps' keys.
   Tracker(const Camera& camera, const TrackerOptions& options, int64_t session);
 

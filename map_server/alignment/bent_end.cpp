@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "slam/features/orb_extractor.h"
-
 namespace rumi::map_server {
 namespace {
 
@@ -22,12 +20,11 @@ struct Span {
   }
 };
 
-bool observes(const Submap& submap, const Landmark& landmark, const Observation& o, const std::vector<double>& scales,
-              double max_error_px) {
+bool observes(const Submap& submap, const Landmark& landmark, const Observation& o, double max_error_px) {
   const Keyframe& keyframe = *submap.keyframe(o.keyframe_id);
   const Eigen::Vector3d in_cam = keyframe.cam_from_submap * landmark.position;
   if (!(in_cam.z() > 1e-9)) return false;
-  const double scale = scale_of(keyframe.features->keypoints[o.keypoint_index].octave, scales);
+  const double scale = submap.pyramid.scale(keyframe.features->keypoints[o.keypoint_index].octave);
   const Eigen::Vector2d seen = keyframe.features->undistorted[o.keypoint_index].cast<double>();
   return (submap.camera.project_undistorted(in_cam) - seen).norm() <= max_error_px * scale;
 }
@@ -35,14 +32,13 @@ bool observes(const Submap& submap, const Landmark& landmark, const Observation&
 // Does the submap hang together between the keyframes before `utime_us` and those from it on?
 bool hangs_together_at(int64_t utime_us, const Submap& submap, int min_landmarks, double min_ratio,
                        double max_error_px) {
-  const std::vector<double> scales = octave_scales({});
   int on_both_sides = 0, right_on_both = 0;
   for (const auto& [id, landmark] : submap.landmarks) {
     bool seen[2] = {false, false}, right[2] = {false, false};
     for (const Observation& o : landmark.observations) {
       const bool after = submap.keyframe(o.keyframe_id)->utime_us >= utime_us;
       seen[after] = true;
-      right[after] = right[after] || observes(submap, landmark, o, scales, max_error_px);
+      right[after] = right[after] || observes(submap, landmark, o, max_error_px);
     }
     on_both_sides += seen[0] && seen[1];
     right_on_both += right[0] && right[1];

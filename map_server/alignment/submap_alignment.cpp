@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "map_server/alignment/bent_end.h"
-#include "slam/features/orb_extractor.h"
 #include "slam/numeric/median.h"
 #include "slam/optimization/sim3_refinement.h"
 
@@ -39,7 +38,6 @@ class Aligner {
  public:
   Aligner(const Submap& a, const Submap& b, const Correspondences& common, const AlignmentOptions& options)
       : a_(a), b_(b), common_(common), o_(options) {
-    const std::vector<double> scales = octave_scales({});
     for (const LandmarkMatch& match : common.landmarks) {
       const SharedKeyframe& shared = common.keyframes[match.shared];
       const Keyframe& in_a = *a.keyframe(shared.a);
@@ -47,7 +45,7 @@ class Aligner {
       const Eigen::Vector3d point_a = a.landmark(match.a)->position, point_b = b.landmark(match.b)->position;
       pairs_.push_back({point_a, point_b, in_b.features->undistorted[match.keypoint_b].cast<double>(),
                         (in_a.cam_from_submap * point_a).z(), (in_b.cam_from_submap * point_b).z(),
-                        scale_of(in_b.features->keypoints[match.keypoint_b].octave, scales), &in_a.cam_from_submap,
+                        b.pyramid.scale(in_b.features->keypoints[match.keypoint_b].octave), &in_a.cam_from_submap,
                         &in_b.cam_from_submap});
     }
   }

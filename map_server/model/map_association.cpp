@@ -9,7 +9,6 @@
 #include "map_server/model/point_cells.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/features/matching.h"
-#include "slam/features/orb_extractor.h"
 
 namespace rumi::map_server {
 namespace {
@@ -25,11 +24,13 @@ struct Look {
 class Associator {
  public:
   Associator(const AssociationOptions& options, MapModel* model)
-      : o_(options), model_(*model), scales_(octave_scales({})), looks_(model->points.size()) {
+      : o_(options), model_(*model), looks_(model->points.size()) {
+    double factor = 1;  // of the coarsest pyramid
+    for (const MapModel::View& view : model_.views) factor = std::max(factor, view.pyramid.scale_factor);
     std::vector<double> reach(looks_.size());
     for (size_t p = 0; p < looks_.size(); ++p) {
       looks_[p] = look_of(model_.points[p]);
-      reach[p] = looks_[p].octave0_distance * std::pow(scales_[1], -kMinOctave);
+      reach[p] = looks_[p].octave0_distance * std::pow(factor, -kMinOctave);
     }
     cells_ = PointCells(model_.points, reach);
   }
@@ -50,7 +51,7 @@ class Associator {
       const MapModel::View& view = model_.views[o.view];
       const Eigen::Vector3d ray = point.position - view.cam_from_map.center();
       look.direction += ray.normalized();
-      const double scale = scale_of(view.features->keypoints[o.keypoint].octave, scales_);
+      const double scale = view.pyramid.scale(view.features->keypoints[o.keypoint].octave);
       look.octave0_distance = std::max(look.octave0_distance, ray.norm() * scale);
     }
     if (!point.observations.empty()) look.direction.normalize();
@@ -74,8 +75,8 @@ class Associator {
     const double distance = in_cam.norm();
     const Eigen::Vector3d direction = view.cam_from_map.rotation.conjugate() * in_cam / distance;
     if (direction.dot(looks_[p].direction) < std::cos(o_.max_view_angle_deg * M_PI / 180)) return;
-    const double octave = std::log(looks_[p].octave0_distance / distance) / std::log(scales_[1]);
-    if (octave < kMinOctave || octave > static_cast<double>(scales_.size()) + 0.5 || sees(view, p)) return;
+    const double octave = std::log(looks_[p].octave0_distance / distance) / std::log(view.pyramid.scale_factor);
+    if (octave < kMinOctave || octave > view.pyramid.levels + 0.5 || sees(view, p)) return;
     const int keypoint = find(point.descriptor, view, grid, pixel, octave);
     if (keypoint == kNone) return;
     const int there = view.points[keypoint];
@@ -89,8 +90,8 @@ class Associator {
 
   int find(const Descriptor& descriptor, const MapModel::View& view, const KeypointGrid& grid,
            const Eigen::Vector2d& pixel, double octave) const {
-    const int nearest = std::clamp(static_cast<int>(std::lround(octave)), 0, static_cast<int>(scales_.size()) - 1);
-    const double radius = o_.radius_px * scales_[nearest];
+    const int nearest = std::clamp(static_cast<int>(std::lround(octave)), 0, view.pyramid.levels - 1);
+    const double radius = o_.radius_px * view.pyramid.scale(nearest);
     BestMatch best;
     grid.for_each_near(pixel.cast<float>(), static_cast<float>(radius), [&](int i) {
       if (std::abs(view.features->keypoints[i].octave - octave) > 1.6) return;
@@ -113,7 +114,6 @@ class Associator {
 
   const AssociationOptions& o_;
   MapModel& model_;
-  std::vector<double> scales_;
   std::vector<Look> looks_;
   PointCells cells_;
   AssociationReport report_;

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "map_server/model/covisible_pieces.h"
-#include "slam/features/orb_extractor.h"
 #include "slam/optimization/bundle_adjustment.h"
 
 namespace rumi::map_server {
@@ -20,7 +19,7 @@ constexpr int kLeastToPlace = 15;
 
 class Bundle {
  public:
-  Bundle(const std::vector<int>& views, MapModel* model) : model_(*model), scales_(octave_scales({})) {
+  Bundle(const std::vector<int>& views, MapModel* model) : model_(*model) {
     index_of_view_.assign(model_.views.size(), kNone);
     for (int view : views) add_view(view, model_.views[view].fixed);
     std::vector<char> wanted(model_.points.size(), 0);
@@ -77,7 +76,7 @@ class Bundle {
       // All in the pixels of one camera.
       const Eigen::Vector2d in_camera(camera_.fx * (pixel.x() - view.camera.cx) / view.camera.fx + camera_.cx,
                                       camera_.fy * (pixel.y() - view.camera.cy) / view.camera.fy + camera_.cy);
-      const double sigma_px = scale_of(keypoint.octave, scales_);
+      const double sigma_px = view.pyramid.scale(keypoint.octave);
       problem_.observations.push_back(
           {index_of_view_[o.view], index, in_camera, sigma_px * camera_.fx / view.camera.fx});
     }
@@ -138,7 +137,6 @@ class Bundle {
   }
 
   MapModel& model_;
-  std::vector<double> scales_;
   Camera camera_;
   BundleProblem problem_;
   std::vector<int> views_, points_;  // of the model, by index in the problem

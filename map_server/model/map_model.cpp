@@ -81,6 +81,7 @@ class Joiner {
       view.utime_us = utime_us;
       view.cam_from_map = first.placement.cam_from_map(chosen);
       view.camera = first.submap->camera;
+      view.pyramid = first.submap->pyramid;
       view.features = chosen.features;
       for (const KeyframeRef& ref : keyframes) {
         const auto& features = submaps_.at(ref.submap).submap->keyframe(ref.id)->features;

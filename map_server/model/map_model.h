@@ -21,6 +21,7 @@ struct MapModel {
     SE3 cam_from_map;
     bool fixed = false;
     Camera camera;
+    Pyramid pyramid;  // of the features
     std::shared_ptr<const Features> features;
     std::vector<int> points;             // per keypoint, kNone where it observes nothing
     std::vector<KeyframeRef> keyframes;  // of this image, back submaps first

@@ -100,7 +100,7 @@ KeyframeSets find_redundant(const MapModel& model, const std::map<SubmapKey, Pla
 
 Submap without_keyframes(const Submap& submap, const Placement& placement, const std::set<int>& keyframes) {
   Submap left = submap;
-  ++left.revision;
+  left.hand_out();
   std::set<int> seen_less;
   for (int id : keyframes) {
     const Keyframe& keyframe = *left.keyframe(id);

@@ -70,7 +70,7 @@ class PlaceAligner {
       refuse(fmt::format("{} landmarks look alike, {} wanted", result_.proposed, o_.min_proposed));
       return std::nullopt;
     }
-    equations_ = make_equations(a_, b_, matches, o_.matching.octave_scale);
+    equations_ = make_equations(a_, b_, matches);
     auto best = consensus(all());
     result_.consensus = best ? static_cast<int>(best->members.size()) : 0;
     const double wanted = std::max<double>(least, least_ratio * result_.proposed);
@@ -96,7 +96,7 @@ class PlaceAligner {
     for (const double radius : {2 * o_.guided_radius_px, o_.guided_radius_px}) {
       matches_ = guided_matches(a_, b_, result_.b_from_a, radius, o_.matching);
       result_.guided = static_cast<int>(matches_.size());
-      equations_ = make_equations(a_, b_, matches_, o_.matching.octave_scale);
+      equations_ = make_equations(a_, b_, matches_);
       inliers_ = all();
       if (!refine()) return false;
     }

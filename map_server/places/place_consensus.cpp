@@ -90,14 +90,15 @@ class Ransac {
 }  // namespace
 
 std::vector<PlaceEquation> make_equations(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
-                                          const std::vector<PlaceMatch>& matches, double octave_scale) {
+                                          const std::vector<PlaceMatch>& matches) {
   std::vector<PlaceEquation> equations;
   equations.reserve(matches.size());
+  const double factor_a = a.submap->pyramid.scale_factor, factor_b = b.submap->pyramid.scale_factor;
   for (const PlaceMatch& m : matches)
     equations.push_back({a.landmarks[m.a].position, b.landmarks[m.b].position,
                          a.views[m.in_a.view].keyframe->cam_from_submap, b.views[m.in_b.view].keyframe->cam_from_submap,
-                         a.pixel(m.in_a), b.pixel(m.in_b), std::pow(octave_scale, a.octave(m.in_a)),
-                         std::pow(octave_scale, b.octave(m.in_b))});
+                         a.pixel(m.in_a), b.pixel(m.in_b), std::pow(factor_a, a.octave(m.in_a)),
+                         std::pow(factor_b, b.octave(m.in_b))});
   return equations;
 }
 

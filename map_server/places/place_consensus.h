@@ -19,7 +19,7 @@ struct PlaceEquation {
 };
 
 std::vector<PlaceEquation> make_equations(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b,
-                                          const std::vector<PlaceMatch>& matches, double octave_scale);
+                                          const std::vector<PlaceMatch>& matches);
 
 // The greater of the two reprojection errors (a's point in b's view and back) over sigma; infinite behind a camera.
 double reprojection_error_px(const PlaceEquation& equation, const Camera& camera_a, const Camera& camera_b,

@@ -49,8 +49,10 @@ class Projector {
     if (!(ray.dot(ray_here) >= options_.min_view_cosine * ray.norm() * ray_here.norm())) return std::nullopt;
     const double size_ratio = to_from_from_.scale * ray.norm() * to_.camera.fx /
                               (ray_here.norm() * from_.submap->camera.fx);  // in pixels, here over there
-    const double octave = from_.octave(seen) + std::log(size_ratio) / std::log(options_.octave_scale);
-    if (octave < -options_.octave_tolerance || octave > kMostOctaves + options_.octave_tolerance) return std::nullopt;
+    const double log_from = std::log(from_.submap->pyramid.scale_factor), log_to = std::log(to_.pyramid.scale_factor);
+    const double octave = from_.octave(seen) * (log_from / log_to) + std::log(size_ratio) / log_to;
+    if (octave < -options_.octave_tolerance || octave > to_.pyramid.levels - 1 + options_.octave_tolerance)
+      return std::nullopt;
     return Prediction{pixel.cast<float>(), octave};
   }
 
@@ -59,11 +61,11 @@ class Projector {
   void search(const PlaceLandmark& landmark, const Prediction& at, const PlaceView& view, double radius_px,
               Visit visit) const {
     const Features& features = *view.keyframe->features;
-    const double widest = radius_px * std::pow(options_.octave_scale, at.octave + options_.octave_tolerance);
+    const double widest = radius_px * std::pow(to_.pyramid.scale_factor, at.octave + options_.octave_tolerance);
     view.grid.for_each_near(at.pixel, static_cast<float>(widest), [&](int k) {
       const int octave = features.keypoints[k].octave;
       if (std::abs(octave - at.octave) > options_.octave_tolerance) return;
-      const double radius = radius_px * std::pow(options_.octave_scale, octave);
+      const double radius = radius_px * std::pow(to_.pyramid.scale_factor, octave);
       if ((features.undistorted[k] - at.pixel).squaredNorm() > radius * radius) return;
       int best = options_.max_distance + 1;
       PlaceSighting like;
@@ -78,7 +80,6 @@ class Projector {
   }
 
  private:
-  static constexpr double kMostOctaves = 7;  // of the pyramid, counted from 0
   const PlaceNeighbourhood& from_;
   const Submap& to_;
   const Sim3& to_from_from_;
@@ -123,7 +124,7 @@ std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceN
     const Eigen::Vector3d in_cam =
         a.views[in_a.view].keyframe->cam_from_submap * (a_from_b * b.landmarks[landmark_b].position);
     if (!(in_cam.z() > 1e-9)) return false;
-    const double radius = radius_px * std::pow(options.octave_scale, a.octave(in_a));
+    const double radius = radius_px * std::pow(a.submap->pyramid.scale_factor, a.octave(in_a));
     return (a.submap->camera.project_undistorted(in_cam) - a.pixel(in_a)).norm() <= radius;
   };
   std::vector<PlaceMatch> found;

@@ -14,7 +14,6 @@ namespace rumi::map_server {
 struct PlaceMatchOptions {
   int max_distance = 60;          // Hamming, of 256 bits
   double max_ratio = 0.8;         // best over second best, where nothing but the descriptor decides
-  double octave_scale = 1.2;      // size of a pixel of one octave over that of the one below
   double octave_tolerance = 1.6;  // octaves between where a landmark should appear and where it does
   double min_view_cosine = 0.5;   // between the rays of the two places to a landmark
 };

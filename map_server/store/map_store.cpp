@@ -133,7 +133,8 @@ void MapStore::open() {
       db_.execute(kMapSchemaFrom1To2);
     }
     if (version <= 2) db_.execute(kMapSchemaFrom2To3);
-    db_.execute(kMapSchemaFrom3To4);
+    if (version <= 3) db_.execute(kMapSchemaFrom3To4);
+    db_.execute(kMapSchemaFrom4To5);
     log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(

@@ -3,6 +3,7 @@
 // it.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <stdexcept>
 
@@ -18,16 +19,26 @@ int checked_keyframe_id(int64_t id) {
   return static_cast<int>(id);
 }
 
-std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Camera& camera) {
+Pyramid checked_pyramid(int64_t levels, double scale_factor) {
+  const Pyramid pyramid{static_cast<int>(std::clamp<int64_t>(levels, 0, Pyramid::kMostLevels + 1)), scale_factor};
+  if (!pyramid.is_possible())
+    throw std::runtime_error(fmt::format("a pyramid of {} levels, each {} of the last", levels, scale_factor));
+  return pyramid;
+}
+
+std::shared_ptr<const Features> features_from_row(const Statement& row, int first_column, const Submap& submap) {
   const auto keypoints = vector_from_blob<float>(row.blob(first_column));
   const auto octaves = vector_from_blob<uint8_t>(row.blob(first_column + 1));
   auto features = std::make_shared<Features>();
   features->descriptors = vector_from_blob<Descriptor>(row.blob(first_column + 2));
   if (keypoints.size() != octaves.size() * 3 || features->descriptors.size() != octaves.size())
     throw std::runtime_error("keypoints, octaves and descriptors do not have the same length");
-  for (size_t i = 0; i < octaves.size(); ++i)
+  for (size_t i = 0; i < octaves.size(); ++i) {
+    if (octaves[i] >= submap.pyramid.levels)
+      throw std::runtime_error(fmt::format("keypoint of octave {}, there are {}", octaves[i], submap.pyramid.levels));
     features->keypoints.push_back({{keypoints[3 * i], keypoints[3 * i + 1]}, keypoints[3 * i + 2], octaves[i]});
-  features->undistort(camera);
+  }
+  features->undistort(submap.camera);
   return features;
 }
 
@@ -67,7 +78,8 @@ Atlas MapStore::load() {
 void MapStore::load_submaps(Atlas* atlas) {
   std::map<int64_t, SubmapKey> keys;
   Statement rows(db_,
-                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision FROM submaps");
+                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision, levels, "
+                 "scale_factor FROM submaps");
   while (rows.step()) {
     AtlasSubmap owner;
     Submap& s = owner.submap;
@@ -76,6 +88,7 @@ void MapStore::load_submaps(Atlas* atlas) {
     s.closed = rows.integer(4) != 0;
     s.revision = rows.integer(5);
     s.camera = load_camera(rows.integer(6));
+    s.pyramid = checked_pyramid(rows.integer(9), rows.real(10));
     owner.in_map = rows.integer(7) != 0;
     load_elements(rows.integer(0), &s);
     stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8)};
@@ -122,7 +135,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
     keyframe.revision = keyframes.integer(3);
     keyframe.created_revision = keyframes.integer(4);
-    keyframe.features = features_from_row(keyframes, 6, s->camera);
+    keyframe.features = features_from_row(keyframes, 6, *s);
     keyframe.landmark_ids.assign(keyframe.features->keypoints.size(), kNone);
     restore_observations(vector_from_blob<int32_t>(keyframes.blob(5)), &keyframe, s);
     s->keyframes.emplace_hint(s->keyframes.end(), keyframe.id, std::move(keyframe));

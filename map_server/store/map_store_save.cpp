@@ -59,10 +59,13 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame
 MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
   const Submap& s = owner.submap;
   Statement upsert(db_,
-                   "INSERT INTO submaps (session, id, kind, closed, revision, camera) VALUES (?, ?, ?, ?, ?, ?) "
+                   "INSERT INTO submaps (session, id, kind, closed, revision, camera, levels, scale_factor) "
+                   "VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
                    "ON CONFLICT (session, id) DO UPDATE SET kind = excluded.kind, closed = excluded.closed, "
-                   "revision = excluded.revision, camera = excluded.camera RETURNING submap");
-  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera));
+                   "revision = excluded.revision, camera = excluded.camera, "
+                   "levels = excluded.levels, scale_factor = excluded.scale_factor RETURNING submap");
+  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera),
+              s.pyramid.levels, s.pyramid.scale_factor);
   upsert.step();
   Stored since = before;
   since.row = upsert.integer(0);

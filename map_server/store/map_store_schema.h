@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 4. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 5. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 4;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 5;           // PRAGMA user_version; raise it with every change of the schema
 
 // What version 2 added to version 1: where the submaps of the map lie in it.
 inline constexpr const char* kMapSchemaPlacements = R"sql(
@@ -75,6 +75,8 @@ CREATE TABLE submaps (
   camera INTEGER NOT NULL REFERENCES cameras,
   in_map INTEGER NOT NULL DEFAULT 0,      -- 1: part of the served map
   placement_revision INTEGER NOT NULL DEFAULT 0,  -- of the map when its place there last changed; 0: never placed
+  levels INTEGER NOT NULL DEFAULT 8,      -- of the pyramid that octaves are levels of,
+  scale_factor REAL NOT NULL DEFAULT 1.2, -- and the size of a level's pixels over that of the level below
   UNIQUE (session, id)
 );
 
@@ -155,6 +157,12 @@ inline constexpr const char* kMapSchemaFrom3To4 = R"sql(
 ALTER TABLE frame_poses ADD COLUMN position_sigma REAL;
 ALTER TABLE frame_poses ADD COLUMN rotation_sigma_rad REAL;
 ALTER TABLE frame_poses ADD COLUMN log_scale_sigma REAL;
+)sql";
+
+// Version 4 knew one pyramid only.
+inline constexpr const char* kMapSchemaFrom4To5 = R"sql(
+ALTER TABLE submaps ADD COLUMN levels INTEGER NOT NULL DEFAULT 8;
+ALTER TABLE submaps ADD COLUMN scale_factor REAL NOT NULL DEFAULT 1.2;
 )sql";
 
 }  // namespace rumi::map_server

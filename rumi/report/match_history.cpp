@@ -9,14 +9,13 @@
 #include "map_server/alignment/correspondences.h"
 #include "map_server/places/place_consensus.h"
 #include "rumi/report/plot_axes.h"
-#include "slam/features/orb_extractor.h"
 
 namespace rumi::tool {
 namespace {
 
 // What a landmark of both is to be scored by, as seen in the keyframe that they share.
 map_server::PlaceEquation equation_of(const Submap& a, const Submap& b, const map_server::SharedKeyframe& shared,
-                                      const map_server::LandmarkMatch& match, const std::vector<double>& scales) {
+                                      const map_server::LandmarkMatch& match) {
   const Keyframe &in_a = *a.keyframe(shared.a), &in_b = *b.keyframe(shared.b);
   return {.point_a = a.landmark(match.a)->position,
           .point_b = b.landmark(match.b)->position,
@@ -24,8 +23,8 @@ map_server::PlaceEquation equation_of(const Submap& a, const Submap& b, const ma
           .cam_from_b = in_b.cam_from_submap,
           .pixel_a = in_a.features->undistorted[match.keypoint_a].cast<double>(),
           .pixel_b = in_b.features->undistorted[match.keypoint_b].cast<double>(),
-          .sigma_a_px = scale_of(in_a.features->keypoints[match.keypoint_a].octave, scales),
-          .sigma_b_px = scale_of(in_b.features->keypoints[match.keypoint_b].octave, scales)};
+          .sigma_a_px = a.pyramid.scale(in_a.features->keypoints[match.keypoint_a].octave),
+          .sigma_b_px = b.pyramid.scale(in_b.features->keypoints[match.keypoint_b].octave)};
 }
 
 const map_server::Link* link_of(const map_server::Atlas& atlas, SubmapKey a, SubmapKey b) {
@@ -60,7 +59,6 @@ MatchHistory match_history(const map_server::Atlas& atlas, double max_reprojecti
   history.first_us = atlas.frames().begin()->first;
   history.last_us = atlas.frames().rbegin()->first;
   history.untracked = untracked_spans(atlas);
-  const std::vector<double> scales = octave_scales({});
   const auto& submaps = atlas.submaps();
   for (auto one = submaps.begin(); one != submaps.end(); ++one)
     for (auto other = std::next(one); other != submaps.end(); ++other) {
@@ -75,7 +73,7 @@ MatchHistory match_history(const map_server::Atlas& atlas, double max_reprojecti
         const map_server::SharedKeyframe& shared = common.keyframes[match.shared];
         ++images[shared.utime_us].matched;
         images[shared.utime_us].verified +=
-            link && reprojection_error_px(equation_of(a, b, shared, match, scales), a.camera, b.camera, link->b_from_a,
+            link && reprojection_error_px(equation_of(a, b, shared, match), a.camera, b.camera, link->b_from_a,
                                           a_from_b) <= max_reprojection_px;
       }
     }

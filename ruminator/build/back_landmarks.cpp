@@ -99,7 +99,7 @@ void adjust_points(const Camera& camera, const std::vector<WindowImage>& images,
   for (size_t p = 0; p < model->points.size(); ++p) model->points[p].position = problem.points[p];
 }
 
-void add_landmarks(const std::vector<SparseModel::Point>& points, const std::vector<double>& scales, Submap* submap) {
+void add_landmarks(const std::vector<SparseModel::Point>& points, Submap* submap) {
   for (const SparseModel::Point& point : points) {
     Landmark landmark;
     landmark.id = static_cast<int>(submap->landmarks.size());
@@ -107,7 +107,7 @@ void add_landmarks(const std::vector<SparseModel::Point>& points, const std::vec
     landmark.revision = submap->revision;
     submap->landmarks.emplace(landmark.id, landmark);
     for (const auto& [keyframe, keypoint] : point.track) submap->add_observation(landmark.id, keyframe, keypoint);
-    update_landmark_view(*submap, scales, submap->landmark(landmark.id));
+    update_landmark_view(*submap, submap->landmark(landmark.id));
   }
 }
 
@@ -117,9 +117,10 @@ void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, 
                       const SparseModel& model, Submap* submap) {
   const StageClock clock("ruminator.landmarks");
   const double unit = median_depth(model);
-  const OrbOptions orb;
+  OrbOptions orb;
+  orb.pyramid = submap->pyramid;
   OrbExtractor extractor(orb);
-  const std::vector<double> scales = octave_scales(orb);
+  const std::vector<double> scales = submap->pyramid.scales();
   std::map<int, int> keyframe_of;  // image -> keyframe
   std::vector<WindowImage> keypoints;
   SparseModel posed;
@@ -144,7 +145,7 @@ void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, 
         match_along_lines(camera, *submap->keyframe(keyframe_of.at(a)), *submap->keyframe(keyframe_of.at(b)), scales));
   triangulate_tracks(camera, keypoints, join_tracks(keypoints, pairs), ModelRefinementOptions(), &posed);
   adjust_points(camera, keypoints, &posed);
-  add_landmarks(posed.points, scales, submap);
+  add_landmarks(posed.points, submap);
 }
 
 }  // namespace rumi::ruminator

@@ -140,6 +140,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   submap.key = {job.window.session, -job.window.id};
   submap.kind = SubmapKind::kBack;
   submap.camera = camera;
+  submap.pyramid = options.pyramid;
   submap.closed = true;
   submap.revision = 1;
   fill_back_submap(camera, images.grey, images.utimes_us, model.best.model, &submap);

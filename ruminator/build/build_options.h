@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/options.h"
+#include "bus/wire/image_options.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/sift_features.h"
 #include "ruminator/matching/window_matches.h"
@@ -20,6 +21,7 @@ struct BuildOptions {
   int nice = 19;                              // of COLMAP's processes and of our own building thread
   double mapper_cpu_limit_s = 120;            // of one mapper run
   int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller, as by front_tracker
+  Pyramid pyramid;                            // of the back submap's keypoints, as of front_tracker's
   int sift_keypoints = kSiftKeypoints;        // of an image, the strongest
   PairSelection pairs;
   ModelRefinementOptions refinement;
@@ -33,13 +35,12 @@ struct BuildOptions {
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {
+  describe_image(table, &o.max_image_side, &o.pyramid);
   table.group("colmap");
   table.add("ruminator.colmap", &o.colmap, "COLMAP's program: a name found in PATH, or a path");
   table.add("ruminator.nice", &o.nice, "", "niceness of rebuilding, COLMAP's processes included", 0, 19);
   table.add("ruminator.mapper_cpu_limit_s", &o.mapper_cpu_limit_s, "s",
             "CPU time of one run of COLMAP's mapper; on the wall clock 30 times that", 1, 86400);
-  table.add("ruminator.max_image_side", &o.max_image_side, "px",
-            "larger images are worked on at this size; 0: never; front_tracker's must be the same", 0, 100000);
   table.group("matching");
   table.add("ruminator.sift_keypoints", &o.sift_keypoints, "", "per image, the strongest", 100, 20000);
   table.add("ruminator.match_near", &o.pairs.near, "images",

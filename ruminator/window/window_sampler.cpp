@@ -7,13 +7,14 @@
 #include <limits>
 #include <utility>
 
+#include "slam/map/tracking_state.h"
+
 namespace rumi::ruminator {
 namespace {
 
-// Frames that may yet get a pose: well more than front_tracker buffers while it tries to begin a submap.
+// Frames that may yet get a pose, and some more: what is said of others is counted as late.
 constexpr size_t kMaxUntracked = 1000;
-// Samples before a loss that front_tracker may yet withdraw: it goes back some seconds.
-constexpr int kMayBeWithdrawn = 40;
+static_assert(kMaxUntracked >= kMostRetoldFrames);
 // Samples after resuming that complete the window anyway, for a camera that stands still.
 constexpr int kMaxDeparture = 40;
 
@@ -78,7 +79,7 @@ std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& fram
   if (open_ && open_->is_lost()) resume(frame);
   const GapFrame measured_frame = measured(frame);
   approach_.add(measured_frame.sample, frame.has_image);
-  approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
+  approach_.keep_newest(options_.window_length + kMostRetoldFrames, options_.shared_keyframes + kMostRetoldFrames);
   if (frame.has_image) last_tracked_ = measured_frame.sample;
   known_submaps_.insert(frame.submap_id);
 

@@ -91,10 +91,10 @@ std::vector<cv::KeyPoint> spread(const std::vector<cv::KeyPoint>& corners, int w
 
 // How many keypoints each level gets: in proportion to its area.
 std::vector<int> quotas(const OrbOptions& options, int keypoints) {
-  const double ratio = 1.0 / (options.scale_factor * options.scale_factor);
-  double share = (1 - ratio) / (1 - std::pow(ratio, options.levels));
-  if (options.levels == 1) share = 1;
-  std::vector<int> wanted(options.levels);
+  const double factor = options.pyramid.scale_factor, ratio = 1.0 / (factor * factor);
+  double share = (1 - ratio) / (1 - std::pow(ratio, options.pyramid.levels));
+  if (options.pyramid.levels == 1) share = 1;
+  std::vector<int> wanted(options.pyramid.levels);
   for (int& n : wanted) {
     n = static_cast<int>(std::lround(keypoints * share));
     share *= ratio;
@@ -104,17 +104,11 @@ std::vector<int> quotas(const OrbOptions& options, int keypoints) {
 
 }  // namespace
 
-std::vector<double> octave_scales(const OrbOptions& options) {
-  std::vector<double> scales(options.levels, 1.0);
-  for (int i = 1; i < options.levels; ++i) scales[i] = scales[i - 1] * options.scale_factor;
-  return scales;
-}
-
 OrbExtractor::OrbExtractor(const OrbOptions& options)
     : options_(options),
-      lacks_clear_(options.levels, false),
-      describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.scale_factor), 1, kOrbBorder_px, 0, 2,
-                                 cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
+      lacks_clear_(options.pyramid.levels, false),
+      describer_(cv::ORB::create(options.keypoints, static_cast<float>(options.pyramid.scale_factor), 1, kOrbBorder_px,
+                                 0, 2, cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
 
 // Clear ones where there is plenty of them: the faint ones would be left over in the end, and finding them costs most.
 std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int octave, int wanted) {
@@ -147,7 +141,7 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int octave,
   return corners;
 }
 
-ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, octave_scales(options_)}; }
+ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, options_.pyramid.scales()}; }
 
 Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
   Features features;

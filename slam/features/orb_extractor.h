@@ -3,13 +3,13 @@
 // spread evenly over the image: the strongest corners of every grid cell rather than the strongest of all.
 #pragma once
 
-#include <algorithm>
 #include <opencv2/core/mat.hpp>
 #include <opencv2/features2d.hpp>
 #include <vector>
 
 #include "slam/features/features.h"
 #include "slam/features/image_pyramid.h"
+#include "slam/features/pyramid.h"
 
 namespace rumi {
 
@@ -17,19 +17,11 @@ namespace rumi {
 inline constexpr int kOrbBorder_px = 19;
 
 struct OrbOptions {
-  int keypoints = 1000;       // wanted per image; fewer where the image has no more
-  int levels = 8;             // pyramid levels
-  double scale_factor = 1.2;  // between levels
-  int fast_threshold = 7;     // grey levels; the grid keeps the strongest, so a low one costs little
-  int cell_px = 24;           // side of a grid cell, at every level
+  int keypoints = 1000;  // wanted per image; fewer where the image has no more
+  Pyramid pyramid;
+  int fast_threshold = 7;  // grey levels; the grid keeps the strongest, so a low one costs little
+  int cell_px = 24;        // side of a grid cell, at every level
 };
-
-// Size of a pixel of each pyramid level in pixels of the full image: the standard deviation of a keypoint there, too.
-std::vector<double> octave_scales(const OrbOptions& options);
-// The same of one level; keypoints from elsewhere may have more levels than we: then of our highest.
-inline double scale_of(int octave, const std::vector<double>& scales) {
-  return scales[std::min<size_t>(static_cast<size_t>(octave), scales.size() - 1)];
-}
 
 class OrbExtractor {
  public:

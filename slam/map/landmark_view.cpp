@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "slam/features/orb_extractor.h"
 #include "slam/geometry/triangulation.h"
 #include "slam/numeric/median.h"
 
@@ -34,7 +33,7 @@ Descriptor median_descriptor(const std::vector<const Descriptor*>& seen) {
 
 }  // namespace
 
-void update_landmark_view(const Submap& submap, const std::vector<double>& scales, Landmark* landmark) {
+void update_landmark_view(const Submap& submap, Landmark* landmark) {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();
   std::vector<const Descriptor*> descriptors;
   double distance = 0;
@@ -49,9 +48,9 @@ void update_landmark_view(const Submap& submap, const std::vector<double>& scale
     if (!(d > 0)) continue;
     direction += ray / d;
     if (information.isZero()) information = ray * ray.transpose() / (d * d * d * d);  // it is not infinitely far
-    information += sight_information(ray, scale_of(kf->features->keypoints[o->keypoint_index].octave, scales) / f);
-    distance = d * scale_of(kf->features->keypoints[o->keypoint_index].octave,
-                            scales);  // in the end that of the oldest observation, which made the landmark
+    const double scale = submap.pyramid.scale(kf->features->keypoints[o->keypoint_index].octave);
+    information += sight_information(ray, scale / f);
+    distance = d * scale;  // in the end that of the oldest observation, which made the landmark
     if (descriptors.size() < kMostDescriptors) descriptors.push_back(&kf->features->descriptors[o->keypoint_index]);
   }
   if (descriptors.empty()) return;

@@ -8,10 +8,10 @@
 namespace rumi {
 
 // Recomputes what is derived from a landmark's observations: viewing direction, distance of octave 0 and the descriptor
-// (the observed one with the least median distance to the others). octave_scales: size of a pixel per octave.
-void update_landmark_view(const Submap& submap, const std::vector<double>& octave_scales, Landmark* landmark);
+// (the observed one with the least median distance to the others).
+void update_landmark_view(const Submap& submap, Landmark* landmark);
 
-// The octave at which a landmark should appear from this distance, clamped to the pyramid.
+// The octave at which a landmark should appear from this distance, clamped to the pyramid (Pyramid::scales()).
 int predict_octave(const Landmark& landmark, double distance, const std::vector<double>& octave_scales);
 
 // Of the landmarks (kNone and unknown ones are passed over) as the camera sees them; 1 if there is none.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam/map/submap.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <stdexcept>
 
 namespace rumi {
 namespace {
@@ -60,7 +63,7 @@ void Submap::remove_landmark(int id) {
     touch(*kf);
   }
   landmarks.erase(id);
-  removed_landmarks.add(id, revision);
+  removed_landmarks.add(id, stamp());
 }
 
 void Submap::remove_keyframe(int id, int heir) {
@@ -79,10 +82,10 @@ void Submap::remove_keyframe(int id, int heir) {
     if (frame.reference_keyframe != id) continue;
     frame.reference_keyframe = heir;
     frame.cam_from_keyframe = frame.cam_from_keyframe * keyframe_from_heir;
-    frame.revision = revision;
+    frame.revision = stamp();
   }
   keyframes.erase(id);
-  removed_keyframes.add(id, revision);
+  removed_keyframes.add(id, stamp());
 }
 
 void Submap::fuse_landmarks(int into, int from) {
@@ -95,7 +98,10 @@ void Submap::fuse_landmarks(int into, int from) {
 
 SE3 Submap::cam_from_submap(const FramePose& frame) const {
   const Keyframe* kf = keyframe(frame.reference_keyframe);
-  return kf ? frame.cam_from_keyframe * kf->cam_from_submap : frame.cam_from_keyframe;
+  if (!kf)
+    throw std::logic_error(fmt::format("submap {}: frame {} hangs on keyframe {}, which does not exist", key.id,
+                                       frame.utime_us, frame.reference_keyframe));
+  return frame.cam_from_keyframe * kf->cam_from_submap;
 }
 
 std::vector<std::pair<int, int>> Submap::covisible_keyframes(int keyframe_id) const {

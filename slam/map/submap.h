@@ -3,11 +3,12 @@
 // that keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and
 // others.
 //
-// Revisions: every change raises `revision` and stamps the changed element with it, so that what changed since any
-// earlier revision can be sent (see bus/wire/submap_update.h).
+// Revisions: a change stamps the changed element with the submap's revision, which the first change after an update was
+// made raises, so that what changed since any earlier revision can be sent (see bus/wire/submap_update.h).
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "slam/features/features.h"
+#include "slam/features/pyramid.h"
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
 #include "slam/map/id_map.h"
@@ -83,6 +85,7 @@ class Submap {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   Camera camera;
+  Pyramid pyramid;  // of the keyframes' keypoints
   bool closed = false;
   int64_t revision = 0;
 
@@ -109,13 +112,21 @@ class Submap {
 
   // cam_from_submap of a frame or nothing when it has no pose here.
   const FramePose* frame(int64_t utime_us) const;
+  // Throws std::logic_error if the frame hangs on a keyframe that does not exist.
   SE3 cam_from_submap(const FramePose& frame) const;
 
   // Keyframes that share landmarks with this one: id -> number shared, strongest first (ties by id).
   std::vector<std::pair<int, int>> covisible_keyframes(int keyframe_id) const;
 
-  void touch(Keyframe& keyframe) { keyframe.revision = revision; }
-  void touch(Landmark& landmark) { landmark.revision = revision; }
+  // The revision that a change belongs to.
+  int64_t stamp() { return revision = std::max(revision, handed_out_ + 1); }
+  void touch(Keyframe& keyframe) { keyframe.revision = stamp(); }
+  void touch(Landmark& landmark) { landmark.revision = stamp(); }
+  // Others know this revision now: what changes from here on is of a newer one.
+  void hand_out() { handed_out_ = revision; }
+
+ private:
+  int64_t handed_out_ = 0;
 };
 
 }  // namespace rumi

@@ -168,6 +168,24 @@ TEST_F(OptionsTest, UsersSeeTheirsAndExpertsTheOthersByRooms) {
   EXPECT_THROW(table.for_users({"part.nothing"}), std::logic_error);
 }
 
+TEST(OptionTable, WhatTwoComponentsAddIsOneOptionOfBoth) {
+  OptionTable table;
+  int one = 3, other = 3;
+  table.add("shared.value", &one, "px", "of both", 1, 9);
+  table.add("shared.value", &other, "px", "of both", 1, 9);
+  EXPECT_EQ(table.set("shared.value=5"), "");
+  EXPECT_EQ(std::pair(one, other), std::pair(5, 5));
+  EXPECT_NE(table.set("shared.value=10"), "");
+  table.reset();
+  EXPECT_EQ(std::pair(one, other), std::pair(3, 3));
+  const std::string yaml = table.to_yaml(OptionTable::Which::kAll);
+  EXPECT_EQ(yaml.find("value"), yaml.rfind("value")) << yaml;
+  int third = 4;
+  EXPECT_THROW(table.add("shared.value", &third, "px", "of both", 1, 9), std::logic_error) << "another default";
+  third = 3;
+  EXPECT_THROW(table.add("shared.value", &third, "px", "of both", 1, 8), std::logic_error) << "another range";
+}
+
 TEST_F(OptionsTest, WrongDeclarationsAreFoundAtOnce) {
   int field = 5;
   EXPECT_THROW(table_.add("tracker.keypoints", &field, "", "twice", 0, 10), std::logic_error);

@@ -11,7 +11,7 @@
 
 namespace rumi::front_tracker {
 
-inline std::vector<double> test_octave_scales() { return octave_scales({}); }
+inline std::vector<double> test_octave_scales() { return Pyramid().scales(); }
 
 class FeatureScene {
  public:
@@ -66,7 +66,7 @@ class FeatureScene {
       if (seen[p].size() < 2) continue;
       const int id = s->add_landmark(points_[p]).id;
       for (const auto& [kf, keypoint] : seen[p]) s->map.add_observation(id, kf, keypoint);
-      update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
+      update_landmark_view(s->map, s->map.landmark(id));
     }
     return s;
   }

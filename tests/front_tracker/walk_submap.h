@@ -34,7 +34,7 @@ inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images)
   auto s = std::make_unique<FrontSubmap>();
   s->map.camera = walk().camera;
   s->map.revision = 1;
-  s->octave_scales = octave_scales({});
+  s->octave_scales = s->map.pyramid.scales();
   for (size_t i : images) {
     Frame frame = frame_of(i);
     s->add_keyframe(&frame);
@@ -47,7 +47,7 @@ inline std::unique_ptr<FrontSubmap> submap_of(const std::vector<size_t>& images)
     const int id = s->add_landmark(*point).id;
     s->map.add_observation(id, 0, m.first);
     s->map.add_observation(id, 1, m.second);
-    update_landmark_view(s->map, s->octave_scales, s->map.landmark(id));
+    update_landmark_view(s->map, s->map.landmark(id));
   }
   return s;
 }

@@ -49,7 +49,7 @@ Sim3 distortion_at(const Distortion& distortion, int image) {
 class Film {
  public:
   Film(const World& world, const FilmOptions& options)
-      : world_(world), o_(options), dice_(options.seed), scales_(octave_scales({})) {}
+      : world_(world), o_(options), dice_(options.seed), scales_(options.pyramid.scales()) {}
 
   Image image(int64_t utime_us, const SE3& cam_from_world) {
     Image image{utime_us, cam_from_world, {}, {}};
@@ -96,6 +96,7 @@ class Maker {
     made_.submap_from_world = recipe.submap_from_world;
     made_.submap.key = recipe.key;
     made_.submap.kind = recipe.kind;
+    made_.submap.pyramid = recipe.pyramid;
     made_.submap.revision = 1;
   }
 
@@ -160,7 +161,7 @@ class Maker {
       if (made_.submap.keyframe(o.keyframe_id)->landmark_ids[keypoint] == kNone)
         made_.submap.add_observation(id, o.keyframe_id, keypoint);
     }
-    update_landmark_view(made_.submap, octave_scales({}), made_.submap.landmark(id));
+    update_landmark_view(made_.submap, made_.submap.landmark(id));
   }
 
   // Along the ray from one of the cameras that see it, as triangulation errs.

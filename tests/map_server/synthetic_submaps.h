@@ -46,6 +46,7 @@ struct Image {
 struct FilmOptions {
   Camera camera = rumi::test_camera();
   unsigned seed = 1;
+  Pyramid pyramid{};      // of whoever looks at the images
   double noise_px = 0.5;  // at octave 0
   int wrong_bits = 10;    // of a descriptor, at most
   int most_keypoints = 300;
@@ -69,6 +70,7 @@ struct SubmapRecipe {
   int keyframe_every = 3;   // image `first` is one; back submaps: usually 1
   int keyframe_offset = 0;  // the first keyframe
   Sim3 submap_from_world{};
+  Pyramid pyramid{};  // as that of the images
   unsigned seed = 1;
   double rotation_noise_deg = 0.05, center_noise_m = 0.003;
   double depth_noise = 0.01;      // of a landmark, of its depth

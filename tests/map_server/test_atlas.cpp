@@ -49,6 +49,7 @@ SubmapMaker::SubmapMaker(SubmapKey key, uint32_t seed, int64_t first_utime_us)
   submap_.key = key;
   submap_.kind = key.id > 0 ? SubmapKind::kFront : SubmapKind::kBack;
   submap_.camera = test_camera();
+  submap_.pyramid = {8, key.id == 2 ? 1.25 : 1.2};
 }
 
 SE3 SubmapMaker::random_pose() {
@@ -152,6 +153,7 @@ void expect_same(const Submap& a, const Submap& b) {
   EXPECT_EQ(a.key, b.key);
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.closed, b.closed);
+  EXPECT_EQ(a.pyramid, b.pyramid);
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.camera.k1, b.camera.k1);
   EXPECT_EQ(a.camera.cx, b.camera.cx);

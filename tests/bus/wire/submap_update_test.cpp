@@ -140,6 +140,24 @@ TEST(SubmapUpdateTest, WhatIsNotNewerChangesNothing) {
   EXPECT_EQ(contents(copy), before);
 }
 
+TEST(SubmapUpdateTest, AnotherCameraOrPyramidIsOfAnotherSubmap) {
+  SubmapEditor editor(4);
+  for (int i = 0; i < 50; ++i) editor.edit();
+  Submap copy;
+  ASSERT_EQ(send(editor.submap, 0, &copy), "");
+  EXPECT_EQ(copy.pyramid, editor.submap.pyramid);
+  const int64_t known = copy.revision;
+  editor.edit();
+  const Submap good = editor.submap;
+  editor.submap.pyramid = {8, 1.4};
+  EXPECT_THAT(send(editor.submap, known, &copy), HasSubstr("scale_factor 1.4: the submap has 8, 1.2"));
+  editor.submap = good;
+  editor.submap.camera.fx += 1;
+  EXPECT_THAT(send(editor.submap, known, &copy), HasSubstr("calibration is not that of the submap"));
+  EXPECT_EQ(copy.revision, known);
+  EXPECT_EQ(send(good, known, &copy), "");
+}
+
 TEST(SubmapUpdateTest, AGapIsRefused) {
   const Submap original = random_submap(4);
   Submap copy;
@@ -187,6 +205,14 @@ std::vector<Damage> damages() {
       {"same length", [](U u) { u.features[0].x.pop_back(); }},
       {"same length", [](U u) { u.features[0].descriptors.pop_back(), --u.features[0].descriptor_bytes; }},
       {"not finite", [](U u) { u.features[0].y[0] = static_cast<float>(kNan); }},
+      {"keypoint 1 is of octave 8, there are 8", [](U u) { u.features[0].octave[1] = 8; }},
+      {"keypoint 0 is of octave 255", [](U u) { u.features[0].octave[0] = 255; }},
+      {"outside the image", [](U u) { u.features[0].x[2] = 3e30F; }},
+      {"outside the image", [](U u) { u.features[0].y[2] = -2; }},
+      {"levels 0", [](U u) { u.levels = 0; }},
+      {"levels -3", [](U u) { u.levels = -3; }},
+      {"scale_factor 1,", [](U u) { u.scale_factor = 1; }},
+      {"scale_factor nan", [](U u) { u.scale_factor = kNan; }},
       {"utime", [](U u) { ++u.keyframes[0].utime; }},
       {"cam_from_submap", [](U u) { u.keyframes[0].cam_from_submap.trans[2] = kNan; }},
       {"cam_from_submap", [](U u) { u.keyframes[0].cam_from_submap.quat[0] += 0.01; }},

@@ -40,7 +40,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(keyframe_t, 0x267f4f227684cc17u);
   PIN(landmark_t, 0x4456b82dd7a35e00u);
   PIN(frame_t, 0xd5ada0b856872fd7u);
-  PIN(submap_update_t, 0x799315df5c145f98u);
+  PIN(submap_update_t, 0xd0aefc71ed552793u);
   PIN(window_t, 0x4056712316a0c018u);
   PIN(window_sample_t, 0x2023c02d415c880fu);
   PIN(window_job_t, 0x12d7b730ba16808au);

@@ -40,7 +40,7 @@ class BackSubmapsTest : public testing::Test {
   BackSubmapsTest() {
     TrackingOptions options;
     options.back_keyframes = kMostKeyframes;
-    back_ = std::make_unique<BackSubmaps>(test_camera(), options, test_octave_scales());
+    back_ = std::make_unique<BackSubmaps>(test_camera(), options, Pyramid());
   }
   std::string add(Submap submap) { return back_->add(std::move(submap)); }
   const SE3 truth_ = SyntheticScene::pose(0.2, 0.05, 0.05, -0.05);
@@ -141,11 +141,6 @@ TEST_F(BackSubmapsTest, WhatATrackerCannotUseIsRefusedByNameAndValue) {
     spoil(&submap);
     return add(std::move(submap));
   };
-  const auto change_features = [](Submap* s, const std::function<void(Features*)>& change) {
-    auto features = std::make_shared<Features>(*s->keyframe(2)->features);
-    change(features.get());
-    s->keyframe(2)->features = features;
-  };
   const auto expect = [](const std::string& refused, const std::string& words) {
     EXPECT_NE(refused.find(words), std::string::npos) << refused;
   };
@@ -158,10 +153,7 @@ TEST_F(BackSubmapsTest, WhatATrackerCannotUseIsRefusedByNameAndValue) {
   expect(
       refusal([](Submap* s) { s->landmarks.begin()->second.position.y() = std::numeric_limits<double>::quiet_NaN(); }),
       "landmark 0");
-  expect(refusal([&](Submap* s) { change_features(s, [](Features* f) { f->keypoints[7].octave = 200; }); }),
-         "keyframe 2: keypoint 7 is of octave 200");
-  expect(refusal([&](Submap* s) { change_features(s, [](Features* f) { f->keypoints[7].pixel.x() = 3e30f; }); }),
-         "keyframe 2: keypoint 7 at 3");
+  expect(refusal([](Submap* s) { s->pyramid = {4, 1.4}; }), "another pyramid: 4 levels, each 1.4 of the last");
   expect(refusal([](Submap* s) {
            for (int i = 5; i <= kMostKeyframes; ++i) {
              Keyframe& kf = s->keyframes[i] = *s->keyframe(0);

@@ -107,7 +107,7 @@ TEST(BackSubmapOfTheGap, NearlyEveryOtherViewOfItIsFoundWhereItIs) {
   const auto room_from_submap = umeyama(estimated, truth);
   ASSERT_TRUE(room_from_submap);
   const FrontTrackerOptions options = replay_options();
-  BackSubmaps back(walk.camera, options.tracking, octave_scales(options.orb));
+  BackSubmaps back(walk.camera, options.tracking, options.orb.pyramid);
   ASSERT_EQ(back.add(submap), "");
   OrbExtractor extractor(options.orb);
   int tried = 0, found = 0;

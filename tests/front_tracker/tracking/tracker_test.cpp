@@ -39,7 +39,7 @@ TEST(Tracker, TheFirstKeyframesHaveAllSizesOfTheirImages) {
   ASSERT_EQ(tracker.submaps().size(), 1u);
   const FrontSubmap& submap = *tracker.submaps()[0];
   EXPECT_EQ(submap.images.size(), submap.map.keyframes.size());
-  for (const auto& [keyframe, images] : submap.images) EXPECT_EQ(images->levels(), OrbOptions().levels) << keyframe;
+  for (const auto& [keyframe, images] : submap.images) EXPECT_EQ(images->levels(), Pyramid().levels) << keyframe;
 }
 
 TEST(Tracker, AligningKeypointsIsTruer) {

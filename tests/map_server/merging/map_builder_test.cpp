@@ -25,8 +25,9 @@ class MapBuilderTest : public ::testing::Test {
   const SubmapKey front1_{kSession, 1}, front2_{kSession, 2}, front3_{kSession, 3}, back1_{kSession, -1},
       back2_{kSession, -2};
 
-  explicit MapBuilderTest(double drift_per_image = 0.001) : world_(make_room(1)) {
-    images_ = film(world_, walk_round(150, 0.75), {.most_keypoints = 150, .every = 3});
+  explicit MapBuilderTest(double drift_per_image = 0.001, const Pyramid& pyramid = {})
+      : world_(make_room(1)), pyramid_(pyramid) {
+    images_ = film(world_, walk_round(150, 0.75), {.pyramid = pyramid, .most_keypoints = 150, .every = 3});
     add(front1_, 0, 39, drift_per_image);
     add(back1_, 24, 69, 0);
     add(front2_, 54, 99, -drift_per_image);
@@ -39,6 +40,7 @@ class MapBuilderTest : public ::testing::Test {
     recipe.kind = key.id < 0 ? SubmapKind::kBack : SubmapKind::kFront;
     recipe.keyframe_every = 3;
     recipe.submap_from_world = random_gauge(static_cast<unsigned>(key.id + 10));
+    recipe.pyramid = pyramid_;
     recipe.seed = static_cast<unsigned>(key.id + 20);
     recipe.wrong_observations = 0.02;
     recipe.wrong_landmarks = 0.03;
@@ -86,10 +88,34 @@ class MapBuilderTest : public ::testing::Test {
   }
 
   World world_;
+  Pyramid pyramid_;
   std::vector<Image> images_;
   std::map<SubmapKey, SubmapRecipe> recipes_;
   std::map<SubmapKey, SyntheticSubmap> made_;
 };
+
+// Octaves mean other sizes there: taken for the usual ones, observations would weigh wrongly.
+class OfAnotherPyramid : public MapBuilderTest {
+ protected:
+  OfAnotherPyramid() : MapBuilderTest(0.001, {4, 1.5}) {}
+};
+
+TEST_F(OfAnotherPyramid, JoinsAChainAndWeighsObservationsAsTheyWereMade) {
+  const auto rmse_of = [this](const Pyramid& pyramid) {
+    for (auto& [key, made] : made_) made.submap.pyramid = pyramid;
+    MapBuilder builder({});
+    builder.find_links(submaps());
+    const BuiltMap map = builder.build(submaps(), {});
+    const PathError e = error(map.placements);
+    print("another pyramid", map, e);
+    EXPECT_EQ(map.placements.size(), 5u);
+    EXPECT_LT(e.rmse, 0.04);
+    return map.report.rmse;
+  };
+  const double right = rmse_of(pyramid_), wrong = rmse_of({8, 1.2});
+  EXPECT_NEAR(right, 0.5 * std::sqrt(2), 0.1) << "the noise of the keypoints in x and y";
+  EXPECT_GT(wrong, right + 0.1);
+}
 
 TEST_F(MapBuilderTest, JoinsAChain) {
   MapBuilder builder({});

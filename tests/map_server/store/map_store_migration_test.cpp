@@ -133,13 +133,20 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   database.execute("PRAGMA application_id = 1381322057; PRAGMA user_version = 1");
 }
 
-// Versions before 4 had no deviations.
+// Versions before 4 had no deviations, and those before 5 one pyramid.
 Submap without_sigmas(Submap submap) {
+  submap.pyramid = {};
   for (auto& [utime_us, frame] : submap.frames) frame.sigmas = {};
   return submap;
 }
 
+void drop_pyramids(const std::string& file) {
+  for (const std::string column : {"levels", "scale_factor"})
+    Database(file).execute("ALTER TABLE submaps DROP COLUMN " + column);
+}
+
 void drop_sigmas(const std::string& file) {
+  drop_pyramids(file);
   for (const std::string column : {"position_sigma", "rotation_sigma_rad", "log_scale_sigma"})
     Database(file).execute("ALTER TABLE frame_poses DROP COLUMN " + column);
 }
@@ -234,6 +241,25 @@ TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
   { MapStore store(folder / "fresh.db"); }
   EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
   EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
+TEST(MapStoreMigration, AFileOfVersion4HasTheOnePyramidThatThereWas) {
+  const TemporaryFolder folder;
+  const Atlas atlas = old_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {500'000}), "");
+  }
+  drop_pyramids(folder / "map.db");
+  Database(folder / "map.db").execute("PRAGMA user_version = 4");
+  {
+    MapStore store(folder / "map.db");
+    const Atlas loaded = store.load();
+    expect_same(atlas, loaded);
+    EXPECT_EQ(loaded.find({7, 1})->submap.pyramid, Pyramid());
+  }
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
 }
 
 TEST(MapStoreMigration, ADeviationThatIsNoneIsNotKnown) {

@@ -47,7 +47,7 @@ cv::Mat take(const View& view) {
   return image;
 }
 
-ImagePyramid pyramid(const cv::Mat& image) { return {image, octave_scales({})}; }
+ImagePyramid pyramid(const cv::Mat& image) { return {image, Pyramid().scales()}; }
 
 std::optional<Eigen::Vector2f> align(const ImagePyramid& reference, const Eigen::Vector2f& pixel,
                                      const Eigen::Matrix2f& image_from_reference, const PatchPlace& at) {

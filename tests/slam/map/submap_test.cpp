@@ -110,12 +110,33 @@ TEST(Submap, CovisibilityCountsSharedLandmarks) {
   EXPECT_EQ(covisible[1], (std::pair{1, 1}));
 }
 
+// Who forgets to raise the revision before a change would see it never sent.
+TEST(Submap, TheFirstChangeAfterAnUpdateIsOfANewRevision) {
+  Submap map = small_submap();
+  map.hand_out();
+  const int64_t sent = map.revision;
+  map.add_observation(0, 0, 0);
+  EXPECT_EQ(map.revision, sent + 1);
+  EXPECT_EQ(map.landmark(0)->revision, sent + 1);
+  map.add_observation(0, 1, 0);
+  EXPECT_EQ(map.revision, sent + 1) << "more of the same";
+  map.hand_out();
+  map.remove_landmark(1);
+  EXPECT_EQ(map.revision, sent + 2);
+  EXPECT_EQ(map.removed_landmarks.since(sent + 1), std::vector<int>{1});
+}
+
+TEST(Submap, APoseOnAKeyframeThatDoesNotExistIsNone) {
+  const Submap map = small_submap();
+  EXPECT_THROW(map.cam_from_submap({.utime_us = 1500, .reference_keyframe = 99}), std::logic_error);
+}
+
 TEST(LandmarkView, PredictsTheOctaveItWasSeenAt) {
   Submap map = small_submap();
   map.add_observation(0, 0, 1);  // octave 1, from a distance of about 4
   const std::vector<double> scales{1.0, 1.2, 1.44, 1.728};
   Landmark* lm = map.landmark(0);
-  update_landmark_view(map, scales, lm);
+  update_landmark_view(map, lm);
   const double distance = lm->position.norm();
   EXPECT_NEAR(lm->view_direction.dot(lm->position) / distance, 1, 1e-9);
   EXPECT_EQ(lm->descriptor[0], 1u);
