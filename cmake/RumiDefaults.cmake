@@ -34,6 +34,11 @@ if(RUMI_SANITIZE)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
 endif()
 
+# One Eigen in all files, see there. It stands after the options: GCC takes no precompiled header but the first one, which
+# begins with it.
+set(RUMI_EIGEN_ASSERT ${PROJECT_SOURCE_DIR}/base/eigen_assert.h)
+string(REPLACE "<FLAGS>" "<FLAGS> -include ${RUMI_EIGEN_ASSERT}" CMAKE_CXX_COMPILE_OBJECT "${CMAKE_CXX_COMPILE_OBJECT}")
+
 include(Precompiled)
 
 add_custom_target(apps)             # every executable that is installed
