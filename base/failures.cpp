@@ -11,10 +11,9 @@ namespace rumi {
 
 constexpr int64_t kLogPeriodUs = 60'000'000;
 
-std::string thrown_by(const std::function<void()>& work) {
+std::string what_was_thrown() {
   try {
-    work();
-    return {};
+    throw;
   } catch (const std::exception& e) {
     const std::string reason = e.what();
     return reason.empty() ? "no reason given" : reason;

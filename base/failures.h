@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -11,8 +10,19 @@
 
 namespace rumi {
 
+// Of the exception that is being handled.
+std::string what_was_thrown();
+
 // Why it broke off; empty if it did not.
-std::string thrown_by(const std::function<void()>& work);
+template <class Work>
+std::string thrown_by(const Work& work) {
+  try {
+    work();
+    return {};
+  } catch (...) {
+    return what_was_thrown();
+  }
+}
 
 class Failures {
  public:

@@ -202,6 +202,44 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
   EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
 }
 
+// Every mapping job throws, with the submap in its hands.
+TEST_F(Fixture, GoesOnWhereMappingThrows) {
+  const testing::RenderedWalk& walk = testing::rendered_walk();
+  camera_ = walk.camera;
+  for (const bool threaded : {false, true}) {
+    tracks_.clear();
+    copies_.clear();
+    FrontTrackerOptions options;
+    options.mapping_thread = threaded;
+    options.mapping.bundle_fixed_keyframes = -1;
+    node_.reset();
+    node_ = std::make_unique<FrontTrackerNode>(bus_, options);
+    for (size_t i = 0; i < 50; ++i) {
+      give(image(walk.utime_us[i], walk.images[i]));
+      node_->tracker()->wait_for_mapping();
+    }
+    ASSERT_EQ(tracks_.back().utime, walk.utime_us[49]);
+    EXPECT_EQ(tracks_.back().state, track_t::TRACKING);
+    tick();
+    NodeStatus status = node_->status();
+    EXPECT_TRUE(status.degraded);
+    EXPECT_NE(status.detail.find("mapping of a keyframe broke off ("), std::string::npos) << status.detail;
+    tick();
+    status = node_->status();
+    EXPECT_FALSE(status.degraded) << "it did not happen since";
+    EXPECT_NE(status.detail.find("mapping of a keyframe broke off ("), std::string::npos) << status.detail;
+    // The lock is free, and who checks the submaps finds nothing wrong with them.
+    node_->finish();
+    for (int i = 0; i < 500 && !node_->finished(); ++i) {
+      bus_.set_now_us(bus_.now_us() + 100'000);
+      tick();
+    }
+    EXPECT_TRUE(node_->finished());
+    ASSERT_EQ(copies_.size(), 1u);
+    EXPECT_GT(copies_.begin()->second.keyframes.size(), 3u);
+  }
+}
+
 TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
   tool::SynthOptions options;
   options.seconds = 2;

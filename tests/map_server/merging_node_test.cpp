@@ -310,6 +310,41 @@ TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
   stop();
 }
 
+// It ended at each start, for good.
+TEST_F(MergingNodeTest, ServesTheMapOfADatabaseThatNoBuildCanUse) {
+  const TemporaryFolder folder;
+  options_.database = folder / "map.db";
+  start();
+  send_all();
+  settle();
+  const int64_t revision = side_->status.map_revision;
+  node_->atlas().change_submap(kBack2, [](Submap* submap) {
+    ++submap->revision;
+    submap->keyframes.erase(std::next(submap->keyframes.begin(), static_cast<long>(submap->keyframes.size() / 2)));
+    return std::string();
+  });
+  ASSERT_TRUE(send(make_submap_update(grow(chain_->submap(kFront1), 6).early, 0)).ok);  // and stores it all
+  start();
+  for (int i = 0; i < 2; ++i) {
+    pass(60);
+    for (const SubmapKey key : kAll) EXPECT_TRUE(in_map(key)) << key.id;
+    EXPECT_GE(side_->status.map_revision, revision);
+    const NodeStatus status = node_->status();
+    EXPECT_TRUE(status.degraded);
+    EXPECT_THAT(status.detail, HasSubstr("a build of the map broke off ("));
+    EXPECT_THAT(status.detail, HasSubstr("left out until changed: submap -2"));
+  }
+  // The map goes on without it.
+  SubmapKey other{Chain::kSession, 9};
+  Submap copy = chain_->submap(kFront3);
+  copy.key = other;
+  ASSERT_TRUE(send(make_submap_update(copy, 0)).ok);
+  settle();
+  EXPECT_TRUE(in_map(other));
+  EXPECT_TRUE(in_map(kBack2));
+  stop();
+}
+
 TEST_F(MergingNodeTest, KilledWhileItMergesItMakesTheSameMap) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";
