@@ -134,6 +134,7 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     note_places(atlas);
   }
   last_begin_us_ = now_us;
+  hurried_ = hurry_;
   if (scope != MapBuilder::Scope::kWeld) last_adjustment_us_ = now_us;
   if (scope == MapBuilder::Scope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
   // The first adjustment waits its turn from the first look on.
@@ -146,8 +147,14 @@ void MapMerger::run(MapBuilder::Scope scope) {
   const double start_s = thread_cpu_s();
   MapBuilder::Submaps submaps;
   for (const auto& [key, copy] : chosen_) submaps[key] = copy.get();
-  builder_.find_links(submaps);
-  BuiltMap built = builder_.build(submaps, placed_, scope);
+  BuiltMap built;
+  try {
+    builder_.find_links(submaps);
+    built = builder_.build(submaps, placed_, scope);
+  } catch (...) {
+    to_blame_ = find_those_to_blame();
+    throw;
+  }
   result_ = {.placements = std::move(built.placements),
              .unmoved = std::move(built.unmoved),
              .culled = std::move(built.culled),
@@ -155,6 +162,21 @@ void MapMerger::run(MapBuilder::Scope scope) {
              .report = built.report,
              .scope = scope,
              .cpu_s = thread_cpu_s() - start_s};
+}
+
+// Most likely something is wrong with one submap: then it is not to be built with by itself either.
+std::set<SubmapKey> MapMerger::find_those_to_blame() {
+  std::set<SubmapKey> found;
+  for (const SubmapKey& key : suspects_.fresh()) {
+    const MapBuilder::Submaps alone{{key, chosen_.at(key).get()}};
+    const std::string reason = thrown_by([&] {
+      MapBuilder builder(options_.builder, &cancel_);
+      builder.find_links(alone);
+      builder.build(alone, {}, MapBuilder::Scope::kOnTheWay);
+    });
+    if (!reason.empty()) found.insert(key);
+  }
+  return found;
 }
 
 std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
@@ -207,7 +229,9 @@ void MapMerger::give_up(const std::string& reason) {
   if (!fixed_in_map_.empty()) builder_.fix(fixed_in_map_);
   refused_.note(reason, now_us_);
   const std::set<SubmapKey> before = left_out();
-  if (!suspects_.broke_off(now_us_)) wants_adjustment_ = false;  // until something is new
+  const bool some_are_new = suspects_.broke_off(std::exchange(to_blame_, {}), now_us_);
+  wants_adjustment_ = wants_adjustment_ && some_are_new;  // until something is
+  hurry_ = hurry_ || hurried_;
   if (left_out() != before) log_warning("the map is built without {} until changed", describe(left_out()));
 }
 

@@ -74,6 +74,7 @@ class MapMerger {
   void choose(MapBuilder::Scope scope);
   void note_places(const Atlas& atlas);
   void run(MapBuilder::Scope scope);
+  std::set<SubmapKey> find_those_to_blame();
   std::optional<MergeResult> end(const Atlas& atlas);
   void keep_what_was_left_out();
   void give_up(const std::string& reason);
@@ -87,10 +88,11 @@ class MapMerger {
   std::map<SubmapKey, Placement> placed_;  // of those chosen
   std::set<SubmapKey> left_in_map_;        // not chosen
   Suspects suspects_;
+  std::set<SubmapKey> to_blame_;  // for that the last build threw
   Failures refused_{"a build of the map"};
   bool last_broke_off_ = false;
   int64_t now_us_ = 0;
-  bool running_ = false, hurry_ = false;
+  bool running_ = false, hurry_ = false, hurried_ = false;  // hurried_: the last build was
   bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (Scope::kAll)
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last

@@ -44,13 +44,13 @@ void Suspects::built() {
   for (int scope = static_cast<int>(scope_); scope >= 0; --scope) good_[scope] = chosen_;
 }
 
-bool Suspects::broke_off(int64_t now_us) {
-  if (new_.size() > 1) {
+bool Suspects::broke_off(const std::set<SubmapKey>& to_blame, int64_t now_us) {
+  for (const SubmapKey& key : new_.size() == 1 ? new_ : to_blame) doubts_[key] = {chosen_.at(key), now_us};
+  if (new_.size() > 1 && to_blame.empty()) {
     const auto middle = std::next(new_.begin(), static_cast<std::ptrdiff_t>(new_.size() / 2));
     untried_.emplace_back(middle, new_.end());
     untried_.emplace_back(new_.begin(), middle);
   }
-  if (new_.size() == 1) doubts_[*new_.begin()] = {chosen_.at(*new_.begin()), now_us};
   return !new_.empty();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which submaps a build of the map is made of. When one breaks off, what was new in it is in doubt: it is tried by
-// halves, with what is known to build, until those are found that nothing can be built with. They are left out until
-// they change. Knows no submaps, only their revisions.
+// Which submaps a build of the map is made of. When one breaks off, what was new in it is in doubt. Those to blame are
+// left out until they change; where nobody knows which, all are tried by halves, with what is known to build, until
+// nothing breaks off any more. Knows no submaps, only their revisions.
 #pragma once
 
 #include <array>
@@ -22,9 +22,12 @@ class Suspects {
 
   // Of `all`, what the next build is made of. Ask for what unfinished() says, with the same `all`, as long as it does.
   Revisions choose(const Revisions& all, Scope scope, int64_t now_us);
-  // What was chosen last was built, or broke off. False: nothing was new in it, so nobody is to blame.
+  // Of what was chosen last, what was not known to build.
+  const std::set<SubmapKey>& fresh() const { return new_; }
+  // What was chosen last was built.
   void built();
-  bool broke_off(int64_t now_us);
+  // It broke off. `to_blame`: of what is new in it, what breaks off by itself. False: nothing is new in it.
+  bool broke_off(const std::set<SubmapKey>& to_blame, int64_t now_us);
   // A part of what was in doubt is still to be tried by such a build.
   std::optional<Scope> unfinished() const;
   // Nobody needs to look at this revision: it was built with, or is left out.

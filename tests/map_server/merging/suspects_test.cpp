@@ -30,7 +30,7 @@ class SuspectsTest : public ::testing::Test {
     const bool clash = !together_.empty() && std::all_of(together_.begin(), together_.end(),
                                                          [&](SubmapKey k) { return chosen_.contains(k); });
     if (breaks || clash)
-      suspects_.broke_off(now_us_);
+      suspects_.broke_off({}, now_us_);
     else
       suspects_.built();
     return !breaks && !clash;
@@ -77,6 +77,17 @@ TEST_F(SuspectsTest, WhereAllAreNewTheOneToBlameIsFoundByHalves) {
   EXPECT_LE(builds_, 9) << "one, and two for each halving";
   EXPECT_TRUE(build());
   EXPECT_EQ(chosen_.size(), all_but(1));
+}
+
+TEST_F(SuspectsTest, WhereSomeAreToBlameTheOthersAreNotTriedByHalves) {
+  suspects_.choose(all_, Scope::kWeld, now_us_);
+  EXPECT_EQ(suspects_.fresh().size(), all_.size());
+  EXPECT_TRUE(suspects_.broke_off({key(3), key(5)}, now_us_));
+  EXPECT_FALSE(suspects_.unfinished());
+  EXPECT_EQ(suspects_.left_out(), (Keys{key(3), key(5)}));
+  EXPECT_FALSE(suspects_.is_done(key(4), 1, now_us_));
+  EXPECT_TRUE(build());
+  EXPECT_EQ(chosen_.size(), all_but(2));
 }
 
 TEST_F(SuspectsTest, SeveralAreFoundToo) {
@@ -129,7 +140,7 @@ TEST_F(SuspectsTest, WhatCanBeWeldedMayBreakOffTheAdjustment) {
 TEST_F(SuspectsTest, WhereNothingIsNewNobodyIsToBlame) {
   EXPECT_TRUE(build(Scope::kAll));
   suspects_.choose(all_, Scope::kAll, now_us_);
-  EXPECT_FALSE(suspects_.broke_off(now_us_));
+  EXPECT_FALSE(suspects_.broke_off({}, now_us_));
   EXPECT_TRUE(suspects_.left_out().empty());
   EXPECT_FALSE(suspects_.unfinished());
   EXPECT_TRUE(build(Scope::kWeld));
