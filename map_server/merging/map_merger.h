@@ -59,7 +59,7 @@ class MapMerger {
   bool running() const { return running_; }
   // Builds that threw.
   const Failures& refused() const { return refused_; }
-  // One of the last builds threw, and of its submaps some are still to be tried, or left out until they change.
+  // The last build threw, or submaps are still to be tried or left out because one did.
   bool in_doubt() const { return last_broke_off_ || suspects_.unfinished() || !suspects_.left_out().empty(); }
   std::set<SubmapKey> left_out() const { return suspects_.left_out(); }
 
@@ -88,7 +88,7 @@ class MapMerger {
   std::map<SubmapKey, Placement> placed_;  // of those chosen
   std::set<SubmapKey> left_in_map_;        // not chosen
   Suspects suspects_;
-  std::set<SubmapKey> to_blame_;  // for that the last build threw
+  std::set<SubmapKey> to_blame_;  // that the last build threw
   Failures refused_{"a build of the map"};
   bool last_broke_off_ = false;
   int64_t now_us_ = 0;
