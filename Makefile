@@ -60,7 +60,7 @@ sanitized-test: dependencies
 	ctest --test-dir $(ASAN_BUILD) -j $(JOBS) --output-on-failure -L sanitized
 
 bench: dependencies
-	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF -DCMAKE_BUILD_TYPE=Release
+	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF
 	cmake --build $(BENCH_BUILD) -j $(JOBS)
 	@set -e; for b in $(BENCH_BUILD)/bench/*; do if [ -f $$b ] && [ -x $$b ]; then echo "== $$b"; $$b; fi; done
 

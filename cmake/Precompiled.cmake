@@ -3,7 +3,8 @@
 # it uses all the same; -DRUMI_PRECOMPILED=OFF builds without, and tells what was forgotten.
 option(RUMI_PRECOMPILED "Precompile the headers that most files include" ON)
 
-set(common_headers <algorithm> <array> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
+set(common_headers ${RUMI_EIGEN_ASSERT}
+                   <algorithm> <array> <cmath> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
                    <mutex> <optional> <set> <sstream> <string> <utility> <vector>
                    <Eigen/Core> <Eigen/Geometry> <opencv2/core.hpp> <fmt/format.h>)
 # What the headers above need; what they define must be the same in all that use them.

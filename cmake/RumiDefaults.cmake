@@ -34,6 +34,11 @@ if(RUMI_SANITIZE)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
 endif()
 
+# Every file gets this header before Eigen, so that all have the same one. It comes after the options: GCC takes a
+# precompiled header only where it is the first one, and that begins with this one.
+set(RUMI_EIGEN_ASSERT ${PROJECT_SOURCE_DIR}/base/eigen_assert.h)
+string(REPLACE "<FLAGS>" "<FLAGS> -include ${RUMI_EIGEN_ASSERT}" CMAKE_CXX_COMPILE_OBJECT "${CMAKE_CXX_COMPILE_OBJECT}")
+
 include(Precompiled)
 
 add_custom_target(apps)             # every executable that is installed

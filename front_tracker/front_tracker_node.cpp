@@ -89,9 +89,16 @@ void FrontTrackerNode::begin_session(const Camera& camera) {
 void FrontTrackerNode::retire_session() {
   if (!tracker_) return;
   tracker_->wait_for_mapping();
+  note_broken_mapping();
   tracker_->end();
   publisher_.publish(*tracker_, bus_.now_us(), true);
   retired_.push_back(std::move(tracker_));
+}
+
+void FrontTrackerNode::note_broken_mapping() {
+  if (!tracker_) return;
+  const Worker::Broken broken = tracker_->take_broken_mapping();
+  broken_mapping_.note(broken.reason, bus_.now_us(), broken.count);
 }
 
 bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
@@ -221,6 +228,7 @@ void FrontTrackerNode::on_map_status(const map_status_t& status) {
 }
 
 void FrontTrackerNode::tick(int64_t now_us) {
+  note_broken_mapping();
   publisher_.tick(now_us);
   if (back_submaps_) back_submaps_->tick(now_us);
   std::erase_if(retired_, [&](const std::unique_ptr<Tracker>& tracker) {
@@ -249,6 +257,10 @@ NodeStatus FrontTrackerNode::status() {
   if (back_submaps_ && back_submaps_->refused() > 0)
     s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
   for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
+  if (broken_mapping_.count() > 0) {
+    s.detail += ", " + broken_mapping_.text();
+    s.degraded = broken_mapping_.take_news();
+  }
   if (!publisher_.failure().empty()) {
     s.detail += ", map_server: " + publisher_.failure();
     s.degraded = true;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/failures.h"
 #include "bus/process/process.h"
 #include "front_tracker/back_submap_fetcher.h"
 #include "front_tracker/options.h"
@@ -40,6 +41,7 @@ class FrontTrackerNode : public Node {
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
   cv::Mat usable_image(const image_t& image);
   void retire_session();
+  void note_broken_mapping();
   // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell.
   std::optional<Camera> camera_of(const image_t& image);
   void begin_session(const Camera& camera);
@@ -70,6 +72,7 @@ class FrontTrackerNode : public Node {
 
   std::string problem_;                     // of the last image, empty if it was good
   std::map<std::string, int64_t> refused_;  // images, by kind of problem
+  Failures broken_mapping_{"mapping of a keyframe"};
   TrackingState state_ = TrackingState::kNotInitialized;
   double cpu_ms_ = 0;
   int cpu_count_ = 0;

@@ -222,11 +222,14 @@ void MapServerNode::stop() {
 NodeStatus MapServerNode::status() {
   NodeStatus status;
   const std::string& trouble = trouble_.empty() ? snapshot_trouble_ : trouble_;
-  status.degraded = !trouble.empty();
-  status.detail = status.degraded ? trouble
-                                  : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
-                                                atlas_.submaps().size(), atlas_.frames_in_map(), atlas_.frames().size(),
-                                                rejected_, refused_);
+  status.degraded = !trouble.empty() || merger_.in_doubt();
+  status.detail = !trouble.empty() ? trouble
+                                   : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
+                                                 atlas_.submaps().size(), atlas_.frames_in_map(),
+                                                 atlas_.frames().size(), rejected_, refused_);
+  if (merger_.refused().count() > 0) status.detail += "; " + merger_.refused().text();
+  if (const std::set<SubmapKey> left_out = merger_.left_out(); !left_out.empty())
+    status.detail += fmt::format("; left out until changed: {}", describe(left_out));
   status.last_utime_us = last_utime_us_;
   status.processing_ms = handled_ > 0 ? busy_ms_ / static_cast<double>(handled_) : 0;
   busy_ms_ = 0;

@@ -17,6 +17,7 @@
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
+#include "bus/process/safe_node.h"
 #include "bus/transport/lcm_bus.h"
 #include "bus/transport/receive_losses.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
@@ -100,11 +101,14 @@ void reload(const CommonFlags& flags, OptionTable* table, const std::function<st
             Node& node) {
   table->reset();
   std::string problem = load_options(*table, flags.config, flags.settings);
-  if (problem.empty()) problem = on_reload(node);
+  if (problem.empty()) {
+    const std::string thrown = thrown_by([&] { problem = on_reload(node); });
+    if (!thrown.empty()) problem = thrown;
+  }
   if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
 
-void run_node(Bus& bus, Node& node, StatusPublisher& status, const std::function<void()>& on_reload) {
+void run_node(Bus& bus, SafeNode& node, StatusPublisher& status, const std::function<void()>& on_reload) {
   const auto step = [&] {
     const int64_t now_us = bus.now_us();
     const int64_t wait_ms = (node.next_tick_us(now_us) - now_us + 999) / 1000;
@@ -171,9 +175,9 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
     if (!bus) throw std::runtime_error(error);
     catch_stop_signals();
-    const std::unique_ptr<Node> node = description.make_node(*bus);
+    SafeNode node(description.make_node(*bus));
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
-    run_node(*bus, *node, status, [&] { reload(flags, &table, description.on_reload, *node); });
+    run_node(*bus, node, status, [&] { reload(flags, &table, description.on_reload, node.node()); });
   } catch (const std::exception& e) {
     log_error("{}", e.what());
     return kFailure;

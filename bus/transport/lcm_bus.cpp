@@ -9,7 +9,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
 
+#include "base/failures.h"
 #include "base/log.h"
 #include "bus/transport/handler.h"
 
@@ -70,10 +72,7 @@ std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames&
 LcmBus::LcmBus(std::string url, std::unique_ptr<lcm::LCM> lcm, ChannelNames names)
     : url_(std::move(url)), names_(std::move(names)), lcm_(std::move(lcm)) {}
 
-LcmBus::~LcmBus() {
-  stop_ = true;
-  if (receiver_.joinable()) receiver_.join();
-}
+LcmBus::~LcmBus() { stop_ = true; }
 
 bool LcmBus::publish_raw(const std::string& channel, std::span<const uint8_t> data) {
   if (lcm_->publish(names_.on_wire(channel), data.data(), static_cast<unsigned>(data.size())) != 0) return false;
@@ -94,14 +93,20 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
   }
   using Callback = void (*)(const lcm::ReceiveBuffer*, const std::string&, Subscription*);
   const Callback callback = [](const lcm::ReceiveBuffer* buffer, const std::string&, Subscription* to) {
-    to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+    // Nothing may be thrown through LCM, which is C.
+    const std::string reason = thrown_by([&] {
+      to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
+    });
+    if (!reason.empty()) to->bus->note_dropped(*to);
   };
   lcm::Subscription* lcm_subscription = lcm_->subscribeFunction(escaped(names_.on_wire(channel)), callback, added);
   if (!lcm_subscription)
     throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));
   // Unlimited: the receive thread empties it at once, and ours is the one that is bounded and counted.
   lcm_subscription->setQueueCapacity(0);
-  if (!receiver_.joinable()) receiver_ = std::thread(&LcmBus::receive, this);
+  if (receiver_) return;
+  receiver_.emplace(true);
+  receiver_->post([this] { receive(); });
 }
 
 void LcmBus::receive() {
@@ -129,6 +134,11 @@ void LcmBus::enqueue(Subscription& subscription, std::span<const uint8_t> data) 
     ++waiting_;
   }
   arrived_.notify_one();
+}
+
+void LcmBus::note_dropped(Subscription& subscription) {
+  const std::lock_guard lock(mutex_);
+  ++subscription.counts.dropped;
 }
 
 // The subscription with the oldest message that arrived before `sequence`; mutex_ is held.

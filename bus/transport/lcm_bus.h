@@ -9,8 +9,9 @@
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
 #include <mutex>
-#include <thread>
+#include <optional>
 
+#include "base/worker.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {
@@ -53,6 +54,7 @@ class LcmBus : public Bus {
   LcmBus(std::string url, std::unique_ptr<lcm::LCM> lcm, ChannelNames names);
   void receive();
   void enqueue(Subscription& subscription, std::span<const uint8_t> data);
+  void note_dropped(Subscription& subscription);
   Subscription* next_before(int64_t sequence);
 
   const std::string url_;
@@ -67,7 +69,7 @@ class LcmBus : public Bus {
   int waiting_ = 0;  // messages in all queues
 
   std::atomic<bool> stop_ = false;
-  std::thread receiver_;
+  std::optional<Worker> receiver_;  // last: its thread ends first
 };
 
 // The two commands that let multicast of this udpm:// URL work on one machine.

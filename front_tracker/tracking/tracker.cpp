@@ -32,7 +32,7 @@ Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t se
       relocalizer_(camera, options.tracking, scales_),
       back_submaps_(camera, options.tracking, options.orb.pyramid),
       mapper_(camera, options.mapping),
-      mapping_(mapper_, map_mutex_, options.mapping_thread) {}
+      mapping_(options.mapping_thread) {}
 
 std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
   if (utime_us <= last_utime_us_) return std::nullopt;
@@ -61,7 +61,8 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
     result.state = state_;
     follow_loss(result);
   }
-  for (const auto& [submap, keyframe] : tasks_) mapping_.post(submap, keyframe);
+  for (const auto& [submap, keyframe] : tasks_)
+    mapping_.post([this, submap = submap, keyframe = keyframe] { mapper_.process(*submap, keyframe, map_mutex_); });
   tasks_.clear();
   return result;
 }

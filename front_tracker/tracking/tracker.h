@@ -9,9 +9,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/worker.h"
 #include "front_tracker/frame/front_submap.h"
 #include "front_tracker/initialization/initializer.h"
-#include "front_tracker/mapping/mapping_worker.h"
+#include "front_tracker/mapping/mapper.h"
 #include "front_tracker/patches/patch_templates.h"
 #include "front_tracker/relocalization/back_submaps.h"
 #include "front_tracker/relocalization/relocalizer.h"
@@ -61,6 +62,8 @@ class Tracker {
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
   void wait_for_mapping() { mapping_.wait_until_idle(); }
+  // Keyframes whose mapping broke off since the last call: tracking goes on without what it would have found.
+  Worker::Broken take_broken_mapping() { return mapping_.take_broken(); }
   // No more images come: says what is lost still.
   void end();
   const Camera& camera() const { return camera_; }
@@ -146,7 +149,7 @@ class Tracker {
   int64_t last_keyframe_us_ = 0;
   int64_t last_corners_us_ = 0;      // of the last image that corners were looked for in
   double motion_since_corners_ = 0;  // of the images since then, of their width
-  MappingWorker mapping_;            // last: its thread ends first
+  Worker mapping_;                   // last: its thread ends first
 };
 
 }  // namespace rumi::front_tracker

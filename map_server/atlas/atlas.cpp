@@ -100,7 +100,7 @@ void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
     if (frame.revision > after_revision) frames_.try_emplace(utime_us, FrameRecord{.session = submap.key.session});
 }
 
-void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
+void Atlas::check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
   const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
   const auto check_here = [this](SubmapKey key) {
     if (!submaps_.contains(key))
@@ -111,6 +111,10 @@ void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<
     check_here(key);
     check_placement(key, placement, is_in_map);
   }
+}
+
+void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
+  check_map(placements, unmoved);
   ++revision_;
   for (auto& [key, owner] : submaps_) {
     if (unmoved.contains(key)) {
@@ -130,11 +134,15 @@ void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<
   choose_map();
 }
 
-void Atlas::set_links(std::vector<Link> links) {
+void Atlas::check_links(const std::vector<Link>& links) const {
   for (const Link& link : links)
     if (!submaps_.contains(link.a) || !submaps_.contains(link.b) || !is_similarity(link.b_from_a) ||
         !std::isfinite(link.rmse_px))
       throw std::invalid_argument(fmt::format("the link of submaps {} and {} is none", link.a.id, link.b.id));
+}
+
+void Atlas::set_links(std::vector<Link> links) {
+  check_links(links);
   links_ = std::move(links);
 }
 

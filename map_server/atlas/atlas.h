@@ -65,6 +65,9 @@ class Atlas {
   // All there are, instead of those before. Throws std::invalid_argument, and changes nothing, for a submap that is not
   // here or a number that is not finite.
   void set_links(std::vector<Link> links);
+  // Throw what these two would throw.
+  void check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const;
+  void check_links(const std::vector<Link>& links) const;
   // Takes what a RUMI_TRACK message says. True if that is news.
   bool record_frame(int64_t utime_us, const FrameRecord& record);
   // For loading: puts a submap as it was, with its place in the map.

@@ -2,15 +2,13 @@
 #include "map_server/merging/map_merger.h"
 
 #include <malloc.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/log.h"
 #include "base/stage_clock.h"
 
 namespace rumi::map_server {
@@ -26,24 +24,21 @@ constexpr double kSettledShare = 0.05;  // of the keyframes, more or fewer
 
 }  // namespace
 
-MapMerger::MapMerger(const MergeOptions& options) : options_(options), builder_(options.builder, &cancel_) {}
+MapMerger::MapMerger(const MergeOptions& options)
+    : options_(options), builder_(options.builder, &cancel_), worker_(options.thread, options.nice) {}
 
-MapMerger::~MapMerger() {
-  cancel_ = true;
-  if (thread_.joinable()) thread_.join();
-}
+MapMerger::~MapMerger() { cancel_ = true; }
 
 void MapMerger::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) {
   fixed_ = std::move(all);
+  fixed_in_map_ = in_map;
   builder_.fix(in_map);
 }
 
 bool MapMerger::has_news(const Atlas& atlas) const {
   if (!options_.enabled) return false;
   return std::any_of(atlas.submaps().begin(), atlas.submaps().end(), [this](const auto& item) {
-    if (fixed_.contains(item.first)) return false;
-    const auto copy = copies_.find(item.first);
-    return copy == copies_.end() || copy->second->revision != item.second.submap.revision;
+    return !fixed_.contains(item.first) && !suspects_.is_done(item.first, item.second.submap.revision, now_us_);
   });
 }
 
@@ -51,7 +46,7 @@ bool MapMerger::has_news(const Atlas& atlas) const {
 bool MapMerger::is_settled(const Atlas& atlas) const {
   size_t submaps = 0, keyframes = 0;
   for (const auto& [key, owner] : atlas.submaps()) {
-    if (fixed_.contains(key)) continue;
+    if (fixed_.contains(key) || suspects_.is_left_out(key, owner.submap.revision, now_us_)) continue;
     ++submaps;
     keyframes += owner.submap.keyframes.size();
   }
@@ -61,7 +56,7 @@ bool MapMerger::is_settled(const Atlas& atlas) const {
 
 void MapMerger::note_adjusted() {
   adjusted_submaps_ = adjusted_keyframes_ = 0;
-  for (const auto& [key, submap] : copies_) {
+  for (const auto& [key, submap] : chosen_) {
     if (fixed_.contains(key)) continue;
     ++adjusted_submaps_;
     adjusted_keyframes_ += submap->keyframes.size();
@@ -69,6 +64,10 @@ void MapMerger::note_adjusted() {
 }
 
 std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
+  if (const auto scope = suspects_.unfinished()) {
+    const bool now = hurry_ || is_due(now_us, last_begin_us_, to_us(options_.interval_s));
+    return now ? scope : std::nullopt;
+  }
   const bool has = has_news(atlas);
   if (hurry_ && (has || wants_adjustment_)) return MapBuilder::Scope::kAll;
   if (wants_adjustment_) {
@@ -84,24 +83,43 @@ std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atl
 }
 
 std::optional<MergeResult> MapMerger::tick(int64_t now_us, const Atlas& atlas) {
-  if (running_) return done_ ? end() : std::nullopt;
+  now_us_ = now_us;
+  if (running_) return worker_.pending() == 0 ? end(atlas) : std::nullopt;
   const auto scope = due(now_us, atlas);
   if (!scope) {
     hurry_ = hurry_ && !idle(atlas);
     return std::nullopt;
   }
   begin(*scope, now_us, atlas);
-  return options_.thread ? std::nullopt : end();
+  return options_.thread ? std::nullopt : end(atlas);
 }
 
-// Only what has changed.
-void MapMerger::copy(const Atlas& atlas) {
-  const StageClock clock("map_server.copy");
+// Only what has changed. Those that are tried by halves stay as they were.
+void MapMerger::copy_submaps(const Atlas& atlas) {
+  if (suspects_.unfinished()) return;
   for (const auto& [key, owner] : atlas.submaps()) {
     if (fixed_.contains(key) && !owner.in_map) continue;
     std::shared_ptr<const Submap>& copy = copies_[key];
     if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
-    if (!owner.in_map || owner.placement.revision == 0)
+  }
+}
+
+void MapMerger::choose(MapBuilder::Scope scope) {
+  Suspects::Revisions revisions;
+  for (const auto& [key, copy] : copies_)
+    if (!fixed_.contains(key)) revisions[key] = copy->revision;
+  revisions = suspects_.choose(revisions, scope, now_us_);
+  chosen_.clear();
+  for (const auto& [key, copy] : copies_)
+    if (fixed_.contains(key) || revisions.contains(key)) chosen_[key] = copy;
+}
+
+void MapMerger::note_places(const Atlas& atlas) {
+  left_in_map_.clear();
+  for (const auto& [key, owner] : atlas.submaps()) {
+    const bool is_placed = owner.in_map && owner.placement.revision > 0;
+    if (is_placed && !chosen_.contains(key)) left_in_map_.insert(key);
+    if (!is_placed || !chosen_.contains(key))
       placed_.erase(key);
     else if (Placement& place = placed_[key]; place.revision != owner.placement.revision)
       place = owner.placement;
@@ -109,27 +127,34 @@ void MapMerger::copy(const Atlas& atlas) {
 }
 
 void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
-  copy(atlas);
+  {
+    const StageClock clock("map_server.copy");
+    copy_submaps(atlas);
+    choose(scope);
+    note_places(atlas);
+  }
   last_begin_us_ = now_us;
+  hurried_ = hurry_;
   if (scope != MapBuilder::Scope::kWeld) last_adjustment_us_ = now_us;
   if (scope == MapBuilder::Scope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
   // The first adjustment waits its turn from the first look on.
   if (last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
   running_ = true;
-  done_ = false;
-  if (!options_.thread) return run(scope);
-  thread_ = std::thread([this, scope] {
-    setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), options_.nice);
-    run(scope);
-  });
+  worker_.post([this, scope] { run(scope); });
 }
 
 void MapMerger::run(MapBuilder::Scope scope) {
   const double start_s = thread_cpu_s();
   MapBuilder::Submaps submaps;
-  for (const auto& [key, copy] : copies_) submaps[key] = copy.get();
-  builder_.find_links(submaps);
-  BuiltMap built = builder_.build(submaps, placed_, scope);
+  for (const auto& [key, copy] : chosen_) submaps[key] = copy.get();
+  BuiltMap built;
+  try {
+    builder_.find_links(submaps);
+    built = builder_.build(submaps, placed_, scope);
+  } catch (...) {
+    to_blame_ = find_those_to_blame();
+    throw;
+  }
   result_ = {.placements = std::move(built.placements),
              .unmoved = std::move(built.unmoved),
              .culled = std::move(built.culled),
@@ -137,19 +162,77 @@ void MapMerger::run(MapBuilder::Scope scope) {
              .report = built.report,
              .scope = scope,
              .cpu_s = thread_cpu_s() - start_s};
-  done_ = true;
 }
 
-std::optional<MergeResult> MapMerger::end() {
-  if (thread_.joinable()) thread_.join();
+// Most likely something is wrong with one submap: then it is not to be built with by itself either.
+std::set<SubmapKey> MapMerger::find_those_to_blame() {
+  std::set<SubmapKey> found;
+  for (const SubmapKey& key : suspects_.fresh()) {
+    const MapBuilder::Submaps alone{{key, chosen_.at(key).get()}};
+    const std::string reason = thrown_by([&] {
+      MapBuilder builder(options_.builder, &cancel_);
+      builder.find_links(alone);
+      builder.build(alone, {}, MapBuilder::Scope::kOnTheWay);
+    });
+    if (!reason.empty()) found.insert(key);
+  }
+  return found;
+}
+
+std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
   running_ = false;
+  std::string reason = worker_.take_broken().reason;
   if (cancel_) return std::nullopt;
+  if (reason.empty()) {
+    keep_what_was_left_out();
+    reason = thrown_by([&] {
+      atlas.check_links(result_.links);
+      atlas.check_map(result_.placements, result_.unmoved);
+    });
+  }
+  last_broke_off_ = !reason.empty();
+  if (last_broke_off_) {
+    give_up(reason);
+    return std::nullopt;
+  }
+  suspects_.built();
   wants_adjustment_ = result_.scope != MapBuilder::Scope::kAll && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
-  for (const auto& [key, submap] : result_.culled) copies_[key] = submap;  // no news
+  for (const auto& [key, submap] : result_.culled) {  // no news
+    copies_[key] = chosen_[key] = submap;
+    suspects_.replaced(key, submap->revision);
+  }
   if (result_.scope != MapBuilder::Scope::kWeld) note_adjusted();
+  chosen_.clear();
   malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
   return std::move(result_);
+}
+
+// In the map as it is. What was built elsewhere does not take its place: how large it would be with all of its submaps
+// is not known.
+void MapMerger::keep_what_was_left_out() {
+  const auto is_placed = [this](const auto& item) { return placed_.contains(item.first); };
+  if (left_in_map_.empty() || result_.placements.empty()) return;
+  if (std::any_of(result_.placements.begin(), result_.placements.end(), is_placed)) {
+    result_.unmoved.insert(left_in_map_.begin(), left_in_map_.end());
+  } else {
+    result_.placements.clear();
+    result_.culled.clear();
+  }
+}
+
+// What the builder knew may be half of what it was about to know: it begins anew.
+void MapMerger::give_up(const std::string& reason) {
+  result_ = {};
+  chosen_.clear();
+  builder_ = MapBuilder(options_.builder, &cancel_);
+  if (!fixed_in_map_.empty()) builder_.fix(fixed_in_map_);
+  refused_.note(reason, now_us_);
+  const std::set<SubmapKey> before = left_out();
+  const bool some_are_new = suspects_.broke_off(std::exchange(to_blame_, {}), now_us_);
+  wants_adjustment_ = wants_adjustment_ && some_are_new;  // until something is
+  hurry_ = hurry_ || hurried_;
+  if (left_out() != before) log_warning("the map is built without {} until changed", describe(left_out()));
 }
 
 }  // namespace rumi::map_server

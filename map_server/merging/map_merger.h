@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
-// that the atlas goes on changing meanwhile.
+// that the atlas goes on changing meanwhile. A build that throws is refused: the map stays as it is, and the next build
+// goes without what is in doubt.
 #pragma once
 
 #include <atomic>
@@ -8,12 +9,14 @@
 #include <memory>
 #include <optional>
 #include <set>
-#include <thread>
 #include <vector>
 
 #include "base/due.h"
+#include "base/failures.h"
+#include "base/worker.h"
 #include "map_server/atlas/atlas.h"
 #include "map_server/merging/map_builder.h"
+#include "map_server/merging/suspects.h"
 
 namespace rumi::map_server {
 
@@ -29,7 +32,7 @@ struct MergeOptions {
 
 struct MergeResult {
   std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
-  std::set<SubmapKey> unmoved;                // form it too
+  std::set<SubmapKey> unmoved;                // form it too, among them what is in doubt and was in it
   CulledSubmaps culled;                       // take the place of these; placed like that
   std::vector<Link> links;
   MapBuildReport report;
@@ -48,10 +51,17 @@ class MapMerger {
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
   // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
   void hurry() { hurry_ = true; }
-  bool hurried() const { return hurry_; }
+  bool hurried() const { return hurry_ || suspects_.unfinished(); }
   // Nothing is left to do, and nothing under way.
-  bool idle(const Atlas& atlas) const { return !running_ && !wants_adjustment_ && !has_news(atlas); }
+  bool idle(const Atlas& atlas) const {
+    return !running_ && !wants_adjustment_ && !suspects_.unfinished() && !has_news(atlas);
+  }
   bool running() const { return running_; }
+  // Builds that threw.
+  const Failures& refused() const { return refused_; }
+  // The last build threw, or submaps are still to be tried or left out because one did.
+  bool in_doubt() const { return last_broke_off_ || suspects_.unfinished() || !suspects_.left_out().empty(); }
+  std::set<SubmapKey> left_out() const { return suspects_.left_out(); }
 
  private:
   using Copies = std::map<SubmapKey, std::shared_ptr<const Submap>>;
@@ -60,25 +70,35 @@ class MapMerger {
   void note_adjusted();
   std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
   void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
-  void copy(const Atlas& atlas);
+  void copy_submaps(const Atlas& atlas);
+  void choose(MapBuilder::Scope scope);
+  void note_places(const Atlas& atlas);
   void run(MapBuilder::Scope scope);
-  std::optional<MergeResult> end();
+  std::set<SubmapKey> find_those_to_blame();
+  std::optional<MergeResult> end(const Atlas& atlas);
+  void keep_what_was_left_out();
+  void give_up(const std::string& reason);
 
   MergeOptions options_;
   std::atomic<bool> cancel_ = false;
   MapBuilder builder_;
-  std::set<SubmapKey> fixed_;
+  std::set<SubmapKey> fixed_, fixed_in_map_;
   // Of the submaps, and of where they lay, when the last build began.
-  Copies copies_;
-  std::map<SubmapKey, Placement> placed_;
-  bool running_ = false, hurry_ = false;
+  Copies copies_, chosen_;                 // all, and those it is made of
+  std::map<SubmapKey, Placement> placed_;  // of those chosen
+  std::set<SubmapKey> left_in_map_;        // not chosen
+  Suspects suspects_;
+  std::set<SubmapKey> to_blame_;  // that the last build threw
+  Failures refused_{"a build of the map"};
+  bool last_broke_off_ = false;
+  int64_t now_us_ = 0;
+  bool running_ = false, hurry_ = false, hurried_ = false;  // hurried_: the last build was
   bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (Scope::kAll)
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
   int views_ = 0;                                         // of the map as it was built last
   MergeResult result_;
-  std::atomic<bool> done_ = false;
-  std::thread thread_;
+  Worker worker_;  // last: its thread ends first
 };
 
 }  // namespace rumi::map_server

@@ -148,6 +148,7 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
   std::vector<std::string> lines = left_out(replay.atlas());
   for (const std::string& line : windows.failures()) lines.push_back(line);
+  for (const std::string& line : replay.broken()) lines.push_back(line);
   if (const camera_driver::SkippedFrames& skipped = replay.skipped(); skipped.total() > 0)
     lines.push_back("of the recording: " + skipped.to_string());
   return lines;

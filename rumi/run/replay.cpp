@@ -29,7 +29,7 @@ NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
   component->bus = std::make_unique<MeteredBus>(bus_, &component->cpu_s);
   auto node = std::make_unique<NodeType>(*component->bus, arguments...);
   NodeType* result = node.get();
-  component->node = std::move(node);
+  component->node = std::make_unique<SafeNode>(std::move(node));
   components_.push_back(std::move(component));
   return result;
 }
@@ -130,6 +130,14 @@ bool Replay::finish() {
 
 ReplayProgress Replay::progress() {
   return {frames_, camera_->source().total(), last_utime_us_, [this] { return front_tracker_->status().detail; }};
+}
+
+std::vector<std::string> Replay::broken() const {
+  std::vector<std::string> lines;
+  for (const auto& component : components_)
+    if (component->node->failures().count() > 0)
+      lines.push_back(component->name + ": " + component->node->failures().text());
+  return lines;
 }
 
 const camera_driver::SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }

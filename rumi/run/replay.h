@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bus/process/process.h"
+#include "bus/process/safe_node.h"
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "map_server/map_server_node.h"
@@ -66,6 +66,8 @@ class Replay {
   // The same by stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
   const camera_driver::SkippedFrames& skipped() const;
+  // A line for each component that threw on the way.
+  std::vector<std::string> broken() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
 
  private:
@@ -74,7 +76,7 @@ class Replay {
     double cpu_s = 0;
     std::map<std::string, double> stages_before;  // of earlier replays by this process
     std::unique_ptr<MeteredBus> bus;
-    std::unique_ptr<Node> node;
+    std::unique_ptr<SafeNode> node;
   };
   template <class NodeType, class... Arguments>
   NodeType* add(const std::string& name, const Arguments&... arguments);

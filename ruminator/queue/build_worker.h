@@ -3,15 +3,13 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "base/worker.h"
 #include "ruminator/build/back_submap_builder.h"
 
 namespace rumi::ruminator {
@@ -52,20 +50,14 @@ class BuildWorker {
   void cancel() { cancel_ = true; }
 
  private:
-  void run();
-  BuildReport work(const BuildTask& task);
+  void work(const BuildTask& task);
 
   Builder builder_;
-  int nice_;
   ProgressHandler on_progress_;
   std::atomic<bool> cancel_ = false;
   bool busy_ = false;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::optional<BuildTask> task_;
-  std::optional<BuildReport> report_;
-  bool stop_ = false;
-  std::thread thread_;
+  BuildReport report_;  // the worker's until it is idle
+  Worker worker_;       // last: its thread ends first
 };
 
 }  // namespace rumi::ruminator

@@ -20,15 +20,19 @@
 namespace rumi::front_tracker {
 namespace {
 
+FrontTrackerOptions fixture_options() {
+  FrontTrackerOptions options;
+  options.mapping_thread = false;
+  options.mapping.keyframe_images = 5;  // fewer than there are keyframes: their keypoints are sent twice
+  return options;
+}
+
 // A front_tracker on a bus, with a stand-in for map_server that applies every update.
 class Fixture : public ::testing::Test {
  protected:
-  Fixture()
+  explicit Fixture(const FrontTrackerOptions& options = fixture_options())
       : receiver_(bus_, channels::kSubmap, channels::kSubmapAck, "server", true,
                   [this](const auto& p) { return store(p); }) {
-    FrontTrackerOptions options;
-    options.mapping_thread = false;
-    options.mapping.keyframe_images = 5;  // fewer than there are keyframes: their keypoints are sent twice
     node_ = std::make_unique<FrontTrackerNode>(bus_, options);
     bus_.subscribe<track_t>(channels::kTrack, {}, [this](const track_t& t) { tracks_.push_back(t); });
   }
@@ -201,6 +205,55 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
   for (const track_t& t : tracks_) with_pose += t.submap_id != kNoSubmap;
   EXPECT_GE(static_cast<int64_t>(copy.frames.size()), with_pose);
 }
+
+// Every mapping job throws, with the submap in its hands.
+class BrokenMapping : public Fixture {
+ protected:
+  static FrontTrackerOptions options(bool threaded) {
+    FrontTrackerOptions options = fixture_options();
+    options.mapping_thread = threaded;
+    options.mapping.bundle_fixed_keyframes = -1;
+    return options;
+  }
+  explicit BrokenMapping(bool threaded = false) : Fixture(options(threaded)) {}
+
+  void expect_to_go_on() {
+    const testing::RenderedWalk& walk = testing::rendered_walk();
+    camera_ = walk.camera;
+    for (size_t i = 0; i < 50; ++i) {
+      give(image(walk.utime_us[i], walk.images[i]));
+      node_->tracker()->wait_for_mapping();
+    }
+    ASSERT_EQ(tracks_.back().utime, walk.utime_us[49]);
+    EXPECT_EQ(tracks_.back().state, track_t::TRACKING);
+    tick();
+    NodeStatus status = node_->status();
+    EXPECT_TRUE(status.degraded);
+    EXPECT_NE(status.detail.find("mapping of a keyframe broke off ("), std::string::npos) << status.detail;
+    tick();
+    status = node_->status();
+    EXPECT_FALSE(status.degraded) << "it did not happen since";
+    EXPECT_NE(status.detail.find("mapping of a keyframe broke off ("), std::string::npos) << status.detail;
+    // The lock is free, and who checks the submaps finds nothing wrong with them.
+    node_->finish();
+    for (int i = 0; i < 500 && !node_->finished(); ++i) {
+      bus_.set_now_us(bus_.now_us() + 100'000);
+      tick();
+    }
+    EXPECT_TRUE(node_->finished());
+    ASSERT_GE(copies_.size(), 1u);
+    EXPECT_GT(copies_.begin()->second.keyframes.size(), 1u);
+  }
+};
+
+TEST_F(BrokenMapping, TheTrackerGoesOn) { expect_to_go_on(); }
+
+class BrokenMappingInAThread : public BrokenMapping {
+ protected:
+  BrokenMappingInAThread() : BrokenMapping(true) {}
+};
+
+TEST_F(BrokenMappingInAThread, TheTrackerGoesOn) { expect_to_go_on(); }
 
 TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
   tool::SynthOptions options;

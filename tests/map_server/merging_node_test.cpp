@@ -310,6 +310,40 @@ TEST_F(MergingNodeTest, ARestartedOneGoesOnWithTheMap) {
   stop();
 }
 
+// It ended at each start, for good.
+TEST_F(MergingNodeTest, ServesTheMapOfADatabaseThatNoBuildCanUse) {
+  const TemporaryFolder folder;
+  options_.database = folder / "map.db";
+  start();
+  send_all();
+  settle();
+  const int64_t revision = side_->status.map_revision;
+  start();
+  node_->atlas().change_submap(kBack2, [](Submap* submap) {  // map.db is checked when it is read
+    ++submap->revision;
+    break_submap(submap);
+    return std::string();
+  });
+  for (int i = 0; i < 2; ++i) {
+    pass(60);
+    for (const SubmapKey key : kAll) EXPECT_TRUE(in_map(key)) << key.id;
+    EXPECT_GE(side_->status.map_revision, revision);
+    const NodeStatus status = node_->status();
+    EXPECT_TRUE(status.degraded);
+    EXPECT_THAT(status.detail, HasSubstr("a build of the map broke off ("));
+    EXPECT_THAT(status.detail, HasSubstr("left out until changed: submap -2"));
+  }
+  // The map goes on without it.
+  SubmapKey other{Chain::kSession, 9};
+  Submap copy = chain_->submap(kFront3);
+  copy.key = other;
+  ASSERT_TRUE(send(make_submap_update(copy, 0)).ok);
+  settle();
+  EXPECT_TRUE(in_map(other));
+  EXPECT_TRUE(in_map(kBack2));
+  stop();
+}
+
 TEST_F(MergingNodeTest, KilledWhileItMergesItMakesTheSameMap) {
   const TemporaryFolder folder;
   options_.database = folder / "map.db";

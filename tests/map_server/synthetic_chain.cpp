@@ -2,6 +2,7 @@
 #include "tests/map_server/synthetic_chain.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 namespace rumi::testing {
@@ -73,6 +74,13 @@ Growth grow(const Submap& submap, int early_keyframes) {
   for (auto& [utime_us, frame] : growth.late.frames)
     if (is_late(frame.reference_keyframe)) frame.revision = growth.late.revision;
   return growth;
+}
+
+void break_submap(Submap* submap) {
+  const auto before = submap->landmarks;
+  const auto middle = std::next(submap->keyframes.begin(), static_cast<std::ptrdiff_t>(submap->keyframes.size() / 2));
+  submap->remove_keyframe(middle->first, std::next(middle)->first);
+  submap->landmarks = before;
 }
 
 void put(const Submap& submap, Atlas* atlas) {

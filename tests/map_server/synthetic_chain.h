@@ -42,6 +42,9 @@ struct Growth {
 };
 Growth grow(const Submap& submap, int early_keyframes);
 
+// What nobody can build a map with: landmarks are seen by a keyframe that is not there.
+void break_submap(Submap* submap);
+
 // As an update from its maker would.
 void put(const Submap& submap, Atlas* atlas);
 

@@ -37,12 +37,37 @@ class MapMergerTest : public ::testing::Test {
       return std::string();
     });
   }
+  Submap broken(SubmapKey key, int64_t revision = 1) const {
+    Submap submap = chain_->submap(key);
+    break_submap(&submap);
+    submap.revision = revision;
+    return submap;
+  }
+  Submap good(SubmapKey key, int64_t revision) const {
+    Submap submap = chain_->submap(key);
+    submap.revision = revision;
+    return submap;
+  }
+  // As if somebody asked for all of it, until nothing is left to do.
+  void tick_until_idle(MapMerger* merger, double now_s) {
+    merger->hurry();
+    for (int i = 0; i < 100 && !merger->idle(atlas_); ++i) {
+      if (options_.thread) {
+        tick(merger, now_s);
+        wait(merger, now_s);
+      } else {
+        tick(merger, now_s);
+      }
+      now_s += 1;
+    }
+    EXPECT_TRUE(merger->idle(atlas_));
+  }
   // As map_server does.
   std::optional<MergeResult> tick(MapMerger* merger, double now_s) {
     std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(now_s * kSecond), atlas_);
     if (!result) return result;
     for (const auto& [key, submap] : result->culled) testing::put(*submap, &atlas_);
-    if (!result->placements.empty()) atlas_.place_map(result->placements);
+    if (!result->placements.empty()) atlas_.place_map(result->placements, result->unmoved);
     return result;
   }
   // Until what is under way is done.
@@ -291,6 +316,69 @@ TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
   EXPECT_EQ(second->scope, Scope::kAll);
   EXPECT_EQ(second->placements.size(), 5u);
   EXPECT_TRUE(merger.idle(atlas_));
+}
+
+// It ended the process.
+TEST_F(MapMergerTest, ABuildThatThrowsIsRefusedAndTheNextGoesWithout) {
+  for (const bool thread : {false, true}) {
+    atlas_ = {};
+    options_.thread = thread;
+    MapMerger merger(options_);
+    for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
+    tick_until_idle(&merger, 0);
+    const std::set<SubmapKey> three = atlas_.in_map();
+    ASSERT_EQ(three.size(), 3u);
+    EXPECT_FALSE(merger.in_doubt());
+
+    testing::put(broken(Chain::kBack2), &atlas_);
+    tick_until_idle(&merger, 100);
+    EXPECT_EQ(merger.refused().count(), 1);
+    EXPECT_NE(merger.refused().text(), "");
+    EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
+    EXPECT_TRUE(merger.in_doubt());
+    EXPECT_EQ(atlas_.in_map(), three);
+
+    put(Chain::kFront3);
+    tick_until_idle(&merger, 200);
+    EXPECT_EQ(merger.refused().count(), 1) << "it is not tried again as it is";
+    testing::put(good(Chain::kBack2, 2), &atlas_);
+    tick_until_idle(&merger, 300);
+    EXPECT_FALSE(merger.in_doubt());
+    EXPECT_EQ(atlas_.in_map().size(), 5u);
+    EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
+  }
+}
+
+TEST_F(MapMergerTest, WhereAllIsNewTheOneToBlameIsFound) {
+  MapMerger merger(options_);
+  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kFront3}) put(key);
+  testing::put(broken(Chain::kBack2), &atlas_);
+  tick_until_idle(&merger, 0);
+  EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
+  EXPECT_EQ(merger.refused().count(), 1);
+  EXPECT_EQ(atlas_.in_map(), (std::set<SubmapKey>{Chain::kFront1, Chain::kBack1, Chain::kFront2}));
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
+}
+
+// As at a start from a database: what lay in the map stays there, whoever is to blame and whatever is tried meanwhile.
+TEST_F(MapMergerTest, WhatIsInDoubtStaysInTheMapWhereItLay) {
+  {
+    MapMerger merger(options_);
+    for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3}) put(key);
+    tick_until_idle(&merger, 0);
+    ASSERT_EQ(atlas_.in_map().size(), 5u);
+  }
+  const Placement before = atlas_.find(Chain::kBack2)->placement;
+  testing::put(broken(Chain::kBack2, 1 + atlas_.find(Chain::kBack2)->submap.revision), &atlas_);
+  MapMerger merger(options_);
+  merger.hurry();
+  for (int i = 0; i < 100 && !merger.idle(atlas_); ++i) {
+    tick(&merger, i);
+    ASSERT_EQ(atlas_.in_map().size(), 5u);
+  }
+  EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
+  EXPECT_TRUE(same_place(before, atlas_.find(Chain::kBack2)->placement));
+  EXPECT_LT(chain_->error(atlas_).rmse, 0.05);
 }
 
 TEST_F(MapMergerTest, GivesUpWhatIsUnderWayAtTheEnd) {

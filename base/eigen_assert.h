@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What Eigen asserts is thrown, in every build type: a process that holds a map does not end because of one matrix.
+// cmake/RumiDefaults.cmake puts this before everything else in every file, so that all have the same Eigen.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace rumi {
+
+[[noreturn, gnu::cold, gnu::noinline]] inline void throw_eigen_assertion(const char* expression, const char* file,
+                                                                         int line) {
+  throw std::logic_error(std::string(file) + ":" + std::to_string(line) + ": Eigen asserts " + expression);
+}
+
+}  // namespace rumi
+
+#define eigen_assert(x) \
+  (static_cast<bool>(x) ? static_cast<void>(0) : ::rumi::throw_eigen_assertion(#x, __FILE__, __LINE__))
