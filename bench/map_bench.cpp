@@ -17,7 +17,7 @@
 #include "base/cpu_clock.h"
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
-#include "map_server/map_messages.h"
+#include "map_server/map_status_pages.h"
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
 #include "tests/map_server/synthetic_submaps.h"
@@ -206,13 +206,14 @@ class Server {
         });
       if (!built_.placements.empty()) atlas_.place_map(std::move(built_.placements), built_.unmoved);
     });
-    time("tell", [&] { map_server::make_map_status(atlas_, 0); });
+    time("tell", [&] { status_pages_.next(atlas_, 0); });
     time("store" + which, [&] { save(); });
   }
 
   map_server::Atlas atlas_;
   map_server::MapStore store_;
   map_server::MapBuilder builder_;
+  map_server::MapStatusPages status_pages_;
   std::map<SubmapKey, std::shared_ptr<const Submap>> copies_;
   map_server::MapBuilder::Submaps submaps_;
   map_server::BuiltMap built_;

@@ -26,7 +26,6 @@ constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) 
 constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
-// True when a period has gone by, also when the clock was set back (a log played again).
 bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }
@@ -160,7 +159,7 @@ void MapServerNode::absorb(MergeResult result) {
     tell_of_map(before);
     log_debug("adjusted: {} images, {} points, {:.2f} px, {:.1f} s", result.report.views, result.report.points,
               result.report.rmse, result.cpu_s);
-    publish_map_status();
+    tell_all();
   }
   save();
 }
@@ -199,7 +198,7 @@ void MapServerNode::tick(int64_t now_us) {
   merge(now_us);
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
   if (must_save && is_due(now_us, last_save_us_, kFrameCommitUs)) save();
-  if (is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
+  if (status_pages_.round_goes_on() || is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
   if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
   const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
   if (snapshot_period_us > 0 && is_due(now_us, last_snapshot_us_, snapshot_period_us)) write_snapshot();
@@ -215,7 +214,7 @@ void MapServerNode::finish() {
 
 void MapServerNode::stop() {
   save();
-  publish_map_status();
+  tell_all();
   if (options_.snapshot_s > 0) write_snapshot();
 }
 
@@ -234,9 +233,19 @@ NodeStatus MapServerNode::status() {
   return status;
 }
 
+bool MapServerNode::finished() const {
+  const bool all_is_said = sender_.pending() == 0 && !status_pages_.round_goes_on();
+  return all_is_said && (!finishing_ || merger_.idle(atlas_));
+}
+
+void MapServerNode::tell_all() {
+  status_pages_.begin_round();
+  publish_map_status();
+}
+
 void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
-  map_status_t message = make_map_status(atlas_, bus_.now_us());
+  map_status_t message = status_pages_.next(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
   message.merging = merger_.running() || !waiting_.empty();
   bus_.publish(channels::kMapStatus, message);
@@ -250,7 +259,7 @@ void MapServerNode::on_request(const map_request_t& request) {
   }
   // Who hears nothing asks again; the answer is on its way already.
   if (answering_.contains({request.requester, request.request_id})) return;
-  if (request.what == map_request_t::STATUS) return publish_map_status();
+  if (request.what == map_request_t::STATUS) return tell_all();
   if (large_answers_ >= kMaxAnswers) return refuse(request, "busy with other requests; ask again later");
   switch (request.what) {
     case map_request_t::SUBMAP:

@@ -13,6 +13,7 @@
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
+#include "map_server/map_status_pages.h"
 #include "map_server/merging/map_merger.h"
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
@@ -29,7 +30,7 @@ class MapServerNode : public Node {
   NodeStatus status() override;
   void finish() override;
   void stop() override;
-  bool finished() const override { return sender_.pending() == 0 && (!finishing_ || merger_.idle(atlas_)); }
+  bool finished() const override;
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
@@ -55,6 +56,7 @@ class MapServerNode : public Node {
   std::string
   save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
   void write_snapshot();  // if there is anything new; what went wrong is shown by status() until it works again
+  void tell_all();  // at once the first page, with each tick another
   void publish_map_status();
 
   Bus& bus_;
@@ -62,6 +64,7 @@ class MapServerNode : public Node {
   MapStore store_;
   Atlas atlas_;
   MapMerger merger_;
+  MapStatusPages status_pages_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
   std::set<SubmapKey> fixed_;      // submaps of earlier sessions, with localize_only

@@ -77,7 +77,9 @@ class BackSubmapFetcherTest : public testing::Test {
     map_status_t status{};
     status.nsubmaps = static_cast<int32_t>(summaries.size());
     status.submaps = std::move(summaries);
-    fetcher_.on_map_status(status);
+    MapOverview map;
+    map.take(status);
+    fetcher_.on_map(map);
     settle(3);
   }
   void settle(int steps) {
