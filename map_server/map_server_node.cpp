@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -28,6 +29,12 @@ constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go
 
 bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+}
+
+// True for what was put off: it is done when it is asked for.
+template <class T>
+bool is_ready(const std::future<T>& result) {
+  return result.valid() && result.wait_for(std::chrono::seconds(0)) != std::future_status::timeout;
 }
 
 // What is wrong now is said once when it begins and once when it is over.
@@ -127,14 +134,21 @@ std::string MapServerNode::save() {
   return reason;
 }
 
-void MapServerNode::write_snapshot() {
+void MapServerNode::begin_snapshot() {
   const StageClock clock("map_server.store");
   last_snapshot_us_ = bus_.now_us();
   if (!unsaved_frames_.empty()) save();
   const int64_t changes = store_.changes();
   if (changes == changes_in_snapshot_) return;
-  const std::string reason = store_.write_copy(options_.snapshot_file);
-  if (reason.empty()) changes_in_snapshot_ = changes;
+  changes_in_snapshot_ = changes;
+  snapshot_ = store_.begin_copy(options_.snapshot_file, options_.merge.thread);
+}
+
+void MapServerNode::end_snapshot() {
+  if (!snapshot_.valid()) return;
+  const StageClock clock("map_server.store");
+  const std::string reason = snapshot_.get();
+  if (!reason.empty()) changes_in_snapshot_ = -1;
   report(reason, snapshot_trouble_, options_.snapshot_file);
   snapshot_trouble_ = reason;
 }
@@ -145,8 +159,8 @@ void MapServerNode::merge(int64_t now_us) {
   const bool all_is_merged =
       merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
-  if (!all_is_merged) return;
-  for (const map_request_t& request : std::exchange(waiting_, {})) answer_snapshot(request);
+  answer_with_snapshot();
+  if (all_is_merged) begin_answer_with_snapshot();
 }
 
 void MapServerNode::absorb(MergeResult result) {
@@ -201,7 +215,11 @@ void MapServerNode::tick(int64_t now_us) {
   if (status_pages_.round_goes_on() || is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
   if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
   const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
-  if (snapshot_period_us > 0 && is_due(now_us, last_snapshot_us_, snapshot_period_us)) write_snapshot();
+  if (is_ready(snapshot_)) end_snapshot();
+  if (snapshot_period_us > 0 && !snapshot_.valid() && is_due(now_us, last_snapshot_us_, snapshot_period_us)) {
+    begin_snapshot();
+    if (is_ready(snapshot_)) end_snapshot();
+  }
 }
 
 // What is left to merge is merged before the end, unless the end is to be soon.
@@ -215,7 +233,10 @@ void MapServerNode::finish() {
 void MapServerNode::stop() {
   save();
   tell_all();
-  if (options_.snapshot_s > 0) write_snapshot();
+  if (options_.snapshot_s <= 0) return;
+  end_snapshot();
+  begin_snapshot();
+  end_snapshot();
 }
 
 NodeStatus MapServerNode::status() {
@@ -234,7 +255,7 @@ NodeStatus MapServerNode::status() {
 }
 
 bool MapServerNode::finished() const {
-  const bool all_is_said = sender_.pending() == 0 && !status_pages_.round_goes_on();
+  const bool all_is_said = sender_.pending() == 0 && !copying_for_ && !status_pages_.round_goes_on();
   return all_is_said && (!finishing_ || merger_.idle(atlas_));
 }
 
@@ -247,7 +268,7 @@ void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
   map_status_t message = status_pages_.next(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
-  message.merging = merger_.running() || !waiting_.empty();
+  message.merging = merger_.running() || !waiting_.empty() || copying_for_;
   bus_.publish(channels::kMapStatus, message);
 }
 
@@ -287,12 +308,16 @@ const AtlasSubmap* MapServerNode::asked_for(const map_request_t& request) {
   return owner;
 }
 
-// A snapshot shows all that was heard so far as one map.
-void MapServerNode::wait_for_merge(const map_request_t& request) {
+bool MapServerNode::waits(const map_request_t& request) const {
   const auto same = [&](const map_request_t& w) {
     return w.requester == request.requester && w.request_id == request.request_id;
   };
-  if (std::any_of(waiting_.begin(), waiting_.end(), same)) return;
+  return (copying_for_ && same(*copying_for_)) || std::any_of(waiting_.begin(), waiting_.end(), same);
+}
+
+// A snapshot shows all that was heard so far as one map.
+void MapServerNode::wait_for_merge(const map_request_t& request) {
+  if (waits(request)) return;
   if (static_cast<int>(waiting_.size()) >= kMaxAnswers)
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
@@ -327,25 +352,43 @@ void MapServerNode::answer_region(const map_request_t& request) {
   answer(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
 }
 
-void MapServerNode::answer_snapshot(const map_request_t& request) {
-  std::string problem = save();  // a snapshot of everything heard so far, frame states included
-  std::vector<uint8_t> bytes;
-  if (problem.empty()) bytes = store_.copy_bytes(&problem);
-  if (!problem.empty()) return refuse(request, problem);
-  answer(request, chunk_t::DATABASE, std::move(bytes));
+// One after the other: a copy may be large.
+void MapServerNode::begin_answer_with_snapshot() {
+  while (!copying_for_ && !waiting_.empty()) {
+    const map_request_t request = waiting_.front();
+    waiting_.erase(waiting_.begin());
+    // Of everything heard so far, frame states included.
+    if (const std::string problem = save(); !problem.empty()) {
+      refuse(request, problem);
+      continue;
+    }
+    copying_for_ = request;
+    copy_ = store_.begin_copy_bytes(options_.merge.thread);
+    answer_with_snapshot();
+  }
 }
 
-void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload) {
+void MapServerNode::answer_with_snapshot() {
+  if (!is_ready(copy_)) return;
+  const StageClock clock("map_server.answer");
+  DatabaseBytes copy = copy_.get();
+  const map_request_t request = *std::exchange(copying_for_, std::nullopt);
+  if (!copy.error.empty()) return refuse(request, copy.error);
+  answer(request, chunk_t::DATABASE, std::move(copy.bytes), copy.checksum);
+}
+
+void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+                           std::optional<int64_t> checksum) {
   const std::pair<std::string, int32_t> id{request.requester, request.request_id};
   const bool is_large = kind != chunk_t::REFUSED;
   answering_.insert(id);
   large_answers_ += is_large;
-  sender_.send(request.requester, kind, request.request_id, std::move(payload),
-               [this, id, is_large](const TransferResult& result) {
-                 answering_.erase(id);
-                 large_answers_ -= is_large;
-                 if (!result.ok) log_warning("the answer to {} did not arrive: {}", id.first, result.reason);
-               });
+  const auto done = [this, id, is_large](const TransferResult& result) {
+    answering_.erase(id);
+    large_answers_ -= is_large;
+    if (!result.ok) log_warning("the answer to {} did not arrive: {}", id.first, result.reason);
+  };
+  sender_.send(request.requester, kind, request.request_id, std::move(payload), done, checksum);
 }
 
 void MapServerNode::refuse(const map_request_t& request, const std::string& why) {

@@ -2,6 +2,7 @@
 // map_server: takes submaps in, stores them before it acknowledges them, and answers questions about the map.
 #pragma once
 
+#include <future>
 #include <set>
 #include <string>
 #include <utility>
@@ -50,12 +51,16 @@ class MapServerNode : public Node {
   void answer_submap(const map_request_t& request);
   void answer_placed_submap(const map_request_t& request);
   void answer_region(const map_request_t& request);
-  void answer_snapshot(const map_request_t& request);
-  void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload);
+  bool waits(const map_request_t& request) const;
+  void begin_answer_with_snapshot();
+  void answer_with_snapshot();  // if it is there
+  void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+              std::optional<int64_t> checksum = {});
   void refuse(const map_request_t& request, const std::string& why);
   std::string
   save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
-  void write_snapshot();  // if there is anything new; what went wrong is shown by status() until it works again
+  void begin_snapshot();  // if there is anything new
+  void end_snapshot();    // waits for it; what went wrong is shown by status() until it works again
   void tell_all();  // at once the first page, with each tick another
   void publish_map_status();
 
@@ -73,10 +78,13 @@ class MapServerNode : public Node {
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
+  std::optional<map_request_t> copying_for_;             // the copy that is being made
+  std::future<DatabaseBytes> copy_;
+  std::future<std::string> snapshot_;  // that is being written
   bool finishing_ = false;
   std::string trouble_, snapshot_trouble_;  // why the last save, or snapshot, failed
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
-  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was written
+  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun
   int64_t last_utime_us_ = 0;
   int64_t rejected_ = 0;  // updates and messages that made no sense
   int64_t refused_ = 0;   // requests

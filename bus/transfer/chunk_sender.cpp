@@ -24,7 +24,7 @@ ChunkSender::ChunkSender(Bus& bus, std::string data_channel, std::string ack_cha
 }
 
 int64_t ChunkSender::send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
-                          DoneHandler done) {
+                          DoneHandler done, std::optional<int64_t> checksum) {
   Transfer transfer;
   // Not 1, 2, 3: after a restart under the same name the receiver must not take it for an earlier transfer.
   transfer.id = last_id_ = std::max(last_id_ + 1, bus_.now_us());
@@ -36,7 +36,7 @@ int64_t ChunkSender::send(const std::string& receiver, int8_t kind, int32_t requ
   }
   transfer.kind = kind;
   transfer.request_id = request_id;
-  transfer.checksum = static_cast<int64_t>(crc32_z(0, payload.data(), payload.size()));
+  transfer.checksum = checksum ? *checksum : static_cast<int64_t>(crc32_z(0, payload.data(), payload.size()));
   const int64_t chunks = (static_cast<int64_t>(payload.size()) + options_.chunk_bytes - 1) / options_.chunk_bytes;
   transfer.count = static_cast<int32_t>(std::max<int64_t>(1, chunks));
   transfer.payload = std::move(payload);

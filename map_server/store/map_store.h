@@ -3,7 +3,9 @@
 // of power too (WAL, synchronous=FULL). The schema is in map_store_schema.h.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <future>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,6 +30,18 @@ class FileLock {
   int fd_ = -1;
 };
 
+inline constexpr const char* kInMemory = ":memory:";
+
+// So long a reader waits for another program that has a database locked.
+inline constexpr std::chrono::seconds kReaderWait{10};
+
+// A whole database, to be sent.
+struct DatabaseBytes {
+  std::vector<uint8_t> bytes;
+  int64_t checksum = 0;  // CRC-32
+  std::string error;     // empty, or why there are none
+};
+
 class MapStore {
  public:
   // Opens or creates FILE and takes FILE.lock; ":memory:" keeps everything in memory. A file of an older schema version
@@ -35,8 +49,8 @@ class MapStore {
   // message for the user if the file is locked, damaged, no map, of a newer version or not writable.
   explicit MapStore(const std::string& file);
   // In memory, what the file holds now: whatever becomes of it, the file stays as it is. Another process may have it
-  // open. Throws std::runtime_error if it is not there, or as above.
-  static MapStore copy_in_memory(const std::string& file);
+  // open. Throws std::runtime_error if it is not there, is still locked after `wait`, or as above.
+  static MapStore copy_in_memory(const std::string& file, std::chrono::milliseconds wait = kReaderWait);
 
   // The atlas as it was when last saved, bit for bit. Throws std::runtime_error if the content contradicts itself.
   Atlas load();
@@ -50,10 +64,12 @@ class MapStore {
 
   // A consistent, compact copy of all that is saved. An existing file is replaced in one step. Returns what went wrong.
   std::string write_copy(const std::string& file);
-  // The same as bytes. On failure empty, with the reason in *error.
-  std::vector<uint8_t> copy_bytes(std::string* error);
+  // The same beside whoever asks, who may go on saving: at once in a thread, or, without threads or a file, when the
+  // result is asked for.
+  std::future<std::string> begin_copy(const std::string& file, bool in_thread);
+  std::future<DatabaseBytes> begin_copy_bytes(bool in_thread);
 
-  int64_t bytes();          // of the database
+  int64_t bytes();          // of the database; if that cannot be read now, what it was
   int64_t changes() const;  // rows written since it was opened: whether there is anything new to copy
   const std::string& file() const { return file_; }
   // No more than this many bytes (rounded to pages): a save() beyond it fails like one on a full disk.
@@ -85,8 +101,11 @@ class MapStore {
   void load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
   void give_back_pages();
   std::string explain(const SqliteError& error) const;
+  std::string explain_busy() const;
 
   std::string file_;
+  std::chrono::milliseconds wait_{};  // for other programs, before what is asked for fails
+  int64_t bytes_ = 0;
   FileLock lock_;
   Database db_;
   std::map<SubmapKey, Stored> stored_;

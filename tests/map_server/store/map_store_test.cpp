@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "map_server/store/map_store_schema.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -238,6 +240,47 @@ TEST(MapStore, ACopyInMemoryLeavesTheFileAsItIs) {
   EXPECT_FALSE(std::filesystem::exists(folder / "absent.db"));
 }
 
+// Nobody else can even read it.
+Database lock_for_oneself(const std::string& file) {
+  Database holder(file);
+  holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+  return holder;
+}
+
+std::string copy_error(const std::string& file) {
+  try {
+    MapStore::copy_in_memory(file, std::chrono::milliseconds(5));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MapStore, ABusyDatabaseIsSaidToBeBusyAndNotTakenForAnEmptyOne) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  { ASSERT_EQ(MapStore(file).save(full_atlas(), {}), ""); }
+  const Database holder = lock_for_oneself(file);
+  EXPECT_THAT(copy_error(file), AllOf(HasSubstr("map.db is busy"), HasSubstr("0.005 s"),
+                                      HasSubstr("no map_server has it open"), HasSubstr("try again")));
+  const FileLock server(file + ".lock");
+  EXPECT_THAT(copy_error(file), HasSubstr("a map_server, pid " + std::to_string(getpid())));
+}
+
+TEST(MapStore, AReaderWaitsForAWriter) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  const Atlas atlas = full_atlas();
+  { ASSERT_EQ(MapStore(file).save(atlas, all_frames(atlas)), ""); }
+  Database holder = lock_for_oneself(file);
+  std::thread writer([&holder] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    holder = Database();
+  });
+  expect_same(atlas, MapStore::copy_in_memory(file).load());
+  writer.join();
+}
+
 TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   const TemporaryFolder folder;
   const Atlas atlas = full_atlas();
@@ -245,11 +288,14 @@ TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
   ASSERT_EQ(store.write_copy(folder / "copy.db"), "");
   ASSERT_EQ(store.write_copy(folder / "copy.db"), "");  // replaces
-  std::string error;
-  const std::vector<uint8_t> bytes = store.copy_bytes(&error);
-  EXPECT_EQ(error, "");
   const std::string copy = testing::read_file(folder / "copy.db");
-  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), copy);
+  for (const bool in_thread : {false, true}) {
+    const DatabaseBytes got = store.begin_copy_bytes(in_thread).get();
+    EXPECT_EQ(got.error, "");
+    EXPECT_EQ(std::string(got.bytes.begin(), got.bytes.end()), copy);
+    EXPECT_EQ(store.begin_copy(folder / "copy.db", in_thread).get(), "");
+    EXPECT_EQ(testing::read_file(folder / "copy.db"), copy);
+  }
   EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
   MapStore copied(folder / "copy.db");
   expect_same(atlas, copied.load());
@@ -268,9 +314,7 @@ TEST(MapStore, TheSameHistoryGivesTheSameBytes) {
       update_atlas(&atlas, maker.submap());
       ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
     }
-    std::string error;
-    copy = store.copy_bytes(&error);
-    ASSERT_EQ(error, "");
+    copy = store.begin_copy_bytes(false).get().bytes;
   }
   EXPECT_GT(copies[0].size(), 10'000);
   EXPECT_EQ(copies[0], copies[1]);
