@@ -56,7 +56,8 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
       merger_(options.merge),
       sender_(bus, channels::kMapChunk, channels::kMapAck, unique_process_name("map_server")),
       receiver_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("map_server"), true,
-                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
+                {.max_held_bytes = kMaxMessageBytes}) {
   if (!atlas_.submaps().empty())
     log_info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
              atlas_.frames().size());
@@ -246,7 +247,7 @@ NodeStatus MapServerNode::status() {
   status.detail = status.degraded ? trouble
                                   : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
                                                 atlas_.submaps().size(), atlas_.frames_in_map(), atlas_.frames().size(),
-                                                rejected_, refused_);
+                                                rejected_ + receiver_.dropped(), refused_);
   status.last_utime_us = last_utime_us_;
   status.processing_ms = handled_ > 0 ? busy_ms_ / static_cast<double>(handled_) : 0;
   busy_ms_ = 0;
@@ -282,6 +283,14 @@ void MapServerNode::on_request(const map_request_t& request) {
   if (answering_.contains({request.requester, request.request_id})) return;
   if (request.what == map_request_t::STATUS) return tell_all();
   if (large_answers_ >= kMaxAnswers) return refuse(request, "busy with other requests; ask again later");
+  try {
+    answer(request);
+  } catch (const std::length_error& error) {
+    refuse(request, fmt::format("{}; a REGION of a smaller radius may do", error.what()));
+  }
+}
+
+void MapServerNode::answer(const map_request_t& request) {
   switch (request.what) {
     case map_request_t::SUBMAP:
       return answer_submap(request);
@@ -290,7 +299,7 @@ void MapServerNode::on_request(const map_request_t& request) {
     case map_request_t::PLACED_SUBMAP:
       return answer_placed_submap(request);
     case map_request_t::TRAJECTORY:
-      return answer(request, chunk_t::TRAJECTORY, encode_message(make_trajectory(atlas_, bus_.now_us())));
+      return send(request, chunk_t::TRAJECTORY, encode_message(make_trajectory(atlas_, bus_.now_us())));
     case map_request_t::REGION:
       return answer_region(request);
     default:
@@ -318,6 +327,11 @@ bool MapServerNode::waits(const map_request_t& request) const {
 // A snapshot shows all that was heard so far as one map.
 void MapServerNode::wait_for_merge(const map_request_t& request) {
   if (waits(request)) return;
+  constexpr int64_t kMost = TransferOptions().max_payload_bytes;
+  if (store_.bytes() > kMost)
+    return refuse(request, fmt::format("the database has {} bytes, at most {} are sent; copy its file instead, or what "
+                                       "map_server.snapshot_s makes",
+                                       store_.bytes(), kMost));
   if (static_cast<int>(waiting_.size()) >= kMaxAnswers)
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
@@ -331,7 +345,7 @@ void MapServerNode::answer_submap(const map_request_t& request) {
   if (request.base_revision < 0 || request.base_revision > owner->submap.revision)
     return refuse(request, fmt::format("base_revision {} of submap {}: it is at revision {}", request.base_revision,
                                        request.submap_id, owner->submap.revision));
-  answer(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
+  send(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
 }
 
 void MapServerNode::answer_placed_submap(const map_request_t& request) {
@@ -340,8 +354,7 @@ void MapServerNode::answer_placed_submap(const map_request_t& request) {
   if (!owner->in_map)
     return refuse(request,
                   fmt::format("submap {} of session {} is not part of the map", request.submap_id, request.session));
-  answer(request, chunk_t::SUBMAP_UPDATE,
-         encode_message(make_submap_update(place(owner->submap, owner->placement), 0)));
+  send(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(place(owner->submap, owner->placement), 0)));
 }
 
 void MapServerNode::answer_region(const map_request_t& request) {
@@ -349,7 +362,7 @@ void MapServerNode::answer_region(const map_request_t& request) {
   if (!center.allFinite() || !std::isfinite(request.radius) || request.radius <= 0)
     return refuse(request, fmt::format("a region of radius {} about {}, {}, {} is none", request.radius, center.x(),
                                        center.y(), center.z()));
-  answer(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
+  send(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
 }
 
 // One after the other: a copy may be large.
@@ -374,11 +387,11 @@ void MapServerNode::answer_with_snapshot() {
   DatabaseBytes copy = copy_.get();
   const map_request_t request = *std::exchange(copying_for_, std::nullopt);
   if (!copy.error.empty()) return refuse(request, copy.error);
-  answer(request, chunk_t::DATABASE, std::move(copy.bytes), copy.checksum);
+  send(request, chunk_t::DATABASE, std::move(copy.bytes), copy.checksum);
 }
 
-void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
-                           std::optional<int64_t> checksum) {
+void MapServerNode::send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+                         std::optional<int64_t> checksum) {
   const std::pair<std::string, int32_t> id{request.requester, request.request_id};
   const bool is_large = kind != chunk_t::REFUSED;
   answering_.insert(id);
@@ -394,7 +407,7 @@ void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vecto
 void MapServerNode::refuse(const map_request_t& request, const std::string& why) {
   ++refused_;
   if (sender_.pending() >= kMaxSmallAnswers) return;
-  answer(request, chunk_t::REFUSED, {why.begin(), why.end()});
+  send(request, chunk_t::REFUSED, {why.begin(), why.end()});
 }
 
 }  // namespace rumi::map_server

@@ -26,6 +26,7 @@ class MapServerNode : public Node {
   // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore), there is
   // no map in it to localize in, or the snapshots would take its place.
   MapServerNode(Bus& bus, const MapServerOptions& options);
+  ~MapServerNode() override { store_.call_off_copies(); }  // nobody will take them
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
@@ -46,6 +47,7 @@ class MapServerNode : public Node {
   void tell_of_map(const std::set<SubmapKey>& before) const;
   void cull(const CulledSubmaps& culled);
   void on_request(const map_request_t& request);
+  void answer(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
   void wait_for_merge(const map_request_t& request);
   void answer_submap(const map_request_t& request);
@@ -54,14 +56,14 @@ class MapServerNode : public Node {
   bool waits(const map_request_t& request) const;
   void begin_answer_with_snapshot();
   void answer_with_snapshot();  // if it is there
-  void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
-              std::optional<int64_t> checksum = {});
+  void send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+            std::optional<int64_t> checksum = {});
   void refuse(const map_request_t& request, const std::string& why);
   std::string
   save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
   void begin_snapshot();  // if there is anything new
   void end_snapshot();    // waits for it; what went wrong is shown by status() until it works again
-  void tell_all();  // at once the first page, with each tick another
+  void tell_all();        // at once the first page, with each tick another
   void publish_map_status();
 
   Bus& bus_;

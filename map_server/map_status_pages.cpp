@@ -10,7 +10,7 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr int64_t kPageBytes = 60'000;   // one LCM datagram
+constexpr int64_t kPageBytes = 60'000;  // one LCM datagram
 constexpr size_t kMaxDoubtBytes = 200;  // a link must not fill a page
 
 submap_summary_t summarize(const AtlasSubmap& owner) {
@@ -94,7 +94,8 @@ bool MapStatusPages::has_changed(const AtlasSubmap& owner, const Told& told) con
 }
 
 std::set<SubmapKey> MapStatusPages::choose_submaps(const Atlas& atlas, size_t most) const {
-  std::vector<std::tuple<int64_t, SubmapKey, bool>> by_age;  // the page that it was on, and whether it has changed since
+  std::vector<std::tuple<int64_t, SubmapKey, bool>>
+      by_age;  // the page that it was on, and whether it has changed since
   for (const auto& [key, owner] : atlas.submaps()) {
     const auto known = told_.find(key);
     const Told told = known == told_.end() ? Told() : known->second;
@@ -130,9 +131,10 @@ void MapStatusPages::begin_round() {
 }
 
 bool MapStatusPages::all_is_told(const Atlas& atlas) const {
-  return links_are_told_ && std::all_of(told_.begin(), told_.end(), [this](const auto& entry) {
-           return entry.second.page > round_begin_;
-         }) && told_.size() == atlas.submaps().size();
+  return links_are_told_ &&
+         std::all_of(told_.begin(), told_.end(),
+                     [this](const auto& entry) { return entry.second.page > round_begin_; }) &&
+         told_.size() == atlas.submaps().size();
 }
 
 }  // namespace rumi::map_server

@@ -34,7 +34,8 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
       options_(options),
       name_(unique_process_name("viewer_offscreen")),
       receiver_(bus, channels::kMapChunk, channels::kMapAck, name_, false,
-                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
+                {.max_held_bytes = kMaxMessageBytes}) {
   if (options.series && options.output.empty())
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
   if (options.series) series_.emplace(options.output, kVideoFps, options.series_goes_on);

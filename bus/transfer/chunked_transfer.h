@@ -23,10 +23,10 @@ namespace rumi {
 inline constexpr int kMinChunkBytes = 1000, kMaxChunkBytes = 60'000;
 
 struct TransferOptions {
-  int chunk_bytes = 48000;          // kMinChunkBytes .. kMaxChunkBytes
-  int window_chunks = 16;           // sent ahead of the last acknowledged chunk
-  int64_t retry_us = 300'000;       // without news: the sender repeats, the receiver asks again
-  int64_t give_up_us = 60'000'000;  // without any news: the sender reports failure, the receiver forgets
+  int chunk_bytes = 48000;                       // kMinChunkBytes .. kMaxChunkBytes
+  int window_chunks = 16;                        // sent ahead of the last acknowledged chunk
+  int64_t retry_us = 300'000;                    // without news: the sender repeats, the receiver asks again
+  int64_t give_up_us = 60'000'000;               // without any news: the sender reports failure, the receiver forgets
   int64_t max_payload_bytes = int64_t{4} << 30;  // larger ones are neither sent nor taken
   int64_t max_held_bytes = int64_t{4} << 30;     // of all that came in part; beyond it the oldest transfer is dropped
 };

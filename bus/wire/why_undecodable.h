@@ -19,7 +19,8 @@ std::string why_undecodable(std::span<const uint8_t> data) {
   const auto ours = static_cast<uint64_t>(T::getHash());
   if (fingerprint == ours) return fmt::format("it is a damaged {}", T::getTypeName());
   return fmt::format(
-      "it is no {} of this version: its fingerprint is {:#018x}, this program reads {:#018x}; use the program that wrote "
+      "it is no {} of this version: its fingerprint is {:#018x}, this program reads {:#018x}; use the program that "
+      "wrote "
       "it",
       T::getTypeName(), fingerprint, ours);
 }

@@ -20,8 +20,8 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr int64_t kPagesPerFreeOne = 10;  // more free pages than every tenth are given back to the file system
-constexpr int kPagesGivenBack = 256;      // with each save(): it takes the time of writing them
+constexpr int64_t kPagesPerFreeOne = 10;       // more free pages than every tenth are given back to the file system
+constexpr int kPagesGivenBack = 256;           // with each save(): it takes the time of writing them
 constexpr std::chrono::seconds kStartWait{2};  // for a reader (the sqlite3 tool, a backup) to get out of the way
 // Later nobody hears us while we wait, and who is refused sends again.
 constexpr std::chrono::milliseconds kSaveWait{20};
@@ -176,9 +176,10 @@ std::string MapStore::explain_busy() const {
   const std::string who = by_server ? fmt::format("a map_server, pid {}, has it open", holder_of(lock))
                                     : "no map_server has it open; an sqlite3 shell or a backup may";
   if (lock >= 0) ::close(lock);
-  return fmt::format("{} is busy: another program has kept it locked for {} s ({}); let that one finish or end it, then "
-                     "try again",
-                     file_, std::chrono::duration<double>(wait_).count(), who);
+  return fmt::format(
+      "{} is busy: another program has kept it locked for {} s ({}); let that one finish or end it, then "
+      "try again",
+      file_, std::chrono::duration<double>(wait_).count(), who);
 }
 
 int64_t MapStore::stored_revision(SubmapKey key) const {

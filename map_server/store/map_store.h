@@ -3,10 +3,12 @@
 // of power too (WAL, synchronous=FULL). The schema is in map_store_schema.h.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <future>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -68,6 +70,8 @@ class MapStore {
   // result is asked for.
   std::future<std::string> begin_copy(const std::string& file, bool in_thread);
   std::future<DatabaseBytes> begin_copy_bytes(bool in_thread);
+  // Those in threads fail soon, also such as are begun later: the process ends.
+  void call_off_copies() { *copies_called_off_ = true; }
 
   int64_t bytes();          // of the database; if that cannot be read now, what it was
   int64_t changes() const;  // rows written since it was opened: whether there is anything new to copy
@@ -106,6 +110,7 @@ class MapStore {
   std::string file_;
   std::chrono::milliseconds wait_{};  // for other programs, before what is asked for fails
   int64_t bytes_ = 0;
+  std::shared_ptr<std::atomic<bool>> copies_called_off_ = std::make_shared<std::atomic<bool>>(false);
   FileLock lock_;
   Database db_;
   std::map<SubmapKey, Stored> stored_;

@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kStepsBetweenLooks = 1000;  // of SQLite's, at whether a copy is called off
+
 std::string write_copy(Database& database, const std::string& file) {
   const std::string temporary = file + ".tmp";
   std::error_code ignored;
@@ -32,10 +34,12 @@ std::string write_copy(Database& database, const std::string& file) {
 }
 
 // Through a connection of its own, for another thread.
-std::string write_copy(const std::string& from, const std::string& file) {
+std::string write_copy(const std::string& from, const std::string& file, std::atomic<bool>* called_off) {
   try {
     Database database = Database::open_existing(from);
     database.wait_for_others(kReaderWait);
+    const auto is_called_off = [](void* flag) { return static_cast<std::atomic<bool>*>(flag)->load() ? 1 : 0; };
+    sqlite3_progress_handler(database.handle(), kStepsBetweenLooks, is_called_off, called_off);
     return write_copy(database, file);
   } catch (const SqliteError& error) {
     return fmt::format("cannot read {}: {}", from, error.what());
@@ -60,7 +64,9 @@ std::string MapStore::write_copy(const std::string& file) { return map_server::w
 
 std::future<std::string> MapStore::begin_copy(const std::string& file, bool in_thread) {
   if (in_thread && file_ != kInMemory)
-    return std::async(std::launch::async, [from = file_, file] { return map_server::write_copy(from, file); });
+    return std::async(std::launch::async, [from = file_, file, called_off = copies_called_off_] {
+      return map_server::write_copy(from, file, called_off.get());
+    });
   return std::async(std::launch::deferred, [this, file] { return write_copy(file); });
 }
 
@@ -71,7 +77,8 @@ std::future<DatabaseBytes> MapStore::begin_copy_bytes(bool in_thread) {
   const auto policy = in_thread && !in_memory ? std::launch::async : std::launch::deferred;
   return std::async(policy, [temporary, written = begin_copy(temporary, in_thread)]() mutable {
     std::string error = written.get();
-    DatabaseBytes copy = error.empty() ? read_whole(temporary) : DatabaseBytes{.bytes = {}, .checksum = 0, .error = std::move(error)};
+    DatabaseBytes copy =
+        error.empty() ? read_whole(temporary) : DatabaseBytes{.bytes = {}, .checksum = 0, .error = std::move(error)};
     std::error_code ignored;
     fs::remove(temporary, ignored);
     return copy;

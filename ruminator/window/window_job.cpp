@@ -135,7 +135,8 @@ std::string read_images(LogReader& log, const window_job_t& manifest, WindowJobF
       return fmt::format("an event on {}: after the manifest come images on {} only", event->channel,
                          channels::kCamera);
     image_t image;
-    if (!Bus::decode(event->data, &image)) return fmt::format("image {}: {}", event->utime_us, why_undecodable<image_t>(event->data));
+    if (!Bus::decode(event->data, &image))
+      return fmt::format("image {}: {}", event->utime_us, why_undecodable<image_t>(event->data));
     if (std::string error = checker.take(image); !error.empty()) return error;
     if (check_image(image).empty())
       result->job.images.push_back(std::move(image));

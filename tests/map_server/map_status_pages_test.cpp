@@ -37,8 +37,9 @@ class MapStatusPagesTest : public ::testing::Test {
     return page;
   }
   bool lists(const map_status_t& page, SubmapKey key) {
-    return std::any_of(page.submaps.begin(), page.submaps.end(),
-                       [&](const submap_summary_t& s) { return SubmapKey{s.session, s.submap_id} == key; });
+    return std::any_of(page.submaps.begin(), page.submaps.end(), [&](const submap_summary_t& s) {
+      return SubmapKey{s.session, s.submap_id} == key;
+    });
   }
   void expect_all(const MapOverview& overview) {
     ASSERT_TRUE(overview.complete());

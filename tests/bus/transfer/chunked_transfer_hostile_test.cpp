@@ -67,9 +67,9 @@ TEST_F(HostileTransferTest, AnnouncedSizesCostNoMemory) {
 TEST_F(HostileTransferTest, WhatCameInPartIsBoundedTheOldestGoes) {
   receiver_.reset();
   bus_.subscribe<chunk_t>("BOUNDED", {}, [](const chunk_t&) {});
-  ChunkReceiver bounded(
-      bus_, "BOUNDED", "ACK", "server", true, [](const ChunkReceiver::Payload&) { return ChunkReceiver::Verdict{}; },
-      {.max_held_bytes = 100'000});
+  ChunkReceiver bounded(bus_, "BOUNDED", "ACK", "server", true,
+                        [](const ChunkReceiver::Payload&) { return ChunkReceiver::Verdict{}; },
+                        {.max_held_bytes = 100'000});
   const auto send = [&](int id, int index) {
     chunk_t c = chunk(index, 3, 90'000, 30'000);
     c.transfer_id = c.request_id = id;

@@ -302,6 +302,19 @@ TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   EXPECT_THAT(store.write_copy(folder / "absent/copy.db"), HasSubstr("absent/copy.db"));
 }
 
+TEST(MapStore, ACopyIsCalledOffWhenTheProcessEnds) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 40));
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, {}), "");
+  store.call_off_copies();
+  EXPECT_THAT(store.begin_copy(folder / "copy.db", true).get(), HasSubstr("interrupted"));
+  EXPECT_NE(store.begin_copy_bytes(true).get().error, "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
+  EXPECT_EQ(store.save(atlas, {}), "");
+}
+
 // A replay must give the same file every time.
 TEST(MapStore, TheSameHistoryGivesTheSameBytes) {
   std::vector<uint8_t> copies[2];
