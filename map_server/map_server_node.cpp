@@ -24,6 +24,7 @@ namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
+constexpr std::chrono::milliseconds kSaveBudget{15};  // of a tick: nobody is heard meanwhile
 constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
@@ -125,10 +126,11 @@ void MapServerNode::on_track(const track_t& track) {
   last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
 
-std::string MapServerNode::save() {
+std::string MapServerNode::save(bool whole) {
   const StageClock clock("map_server.store");
   last_save_us_ = bus_.now_us();
-  std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()});
+  const auto budget = whole || !options_.merge.thread ? std::nullopt : std::optional(kSaveBudget);
+  std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()}, budget);
   if (reason.empty()) unsaved_frames_.clear();
   report(reason, trouble_, store_.file());
   trouble_ = reason;
@@ -160,8 +162,10 @@ void MapServerNode::merge(int64_t now_us) {
   const bool all_is_merged =
       merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
+  if (all_is_merged) merged_.insert(merged_.end(), waiting_.begin(), waiting_.end());
+  if (all_is_merged) waiting_.clear();
   answer_with_snapshot();
-  if (all_is_merged) begin_answer_with_snapshot();
+  begin_answer_with_snapshot();
 }
 
 void MapServerNode::absorb(MergeResult result) {
@@ -212,12 +216,14 @@ void MapServerNode::tick(int64_t now_us) {
   sender_.tick(now_us);
   merge(now_us);
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
-  if (must_save && is_due(now_us, last_save_us_, kFrameCommitUs)) save();
+  const bool goes_on = store_.is_behind() && trouble_.empty();
+  if (goes_on || (must_save && is_due(now_us, last_save_us_, kFrameCommitUs))) save();
   if (status_pages_.round_goes_on() || is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
   if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
   const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
   if (is_ready(snapshot_)) end_snapshot();
-  if (snapshot_period_us > 0 && !snapshot_.valid() && is_due(now_us, last_snapshot_us_, snapshot_period_us)) {
+  const bool may_begin = !snapshot_.valid() && !store_.is_behind();
+  if (snapshot_period_us > 0 && may_begin && is_due(now_us, last_snapshot_us_, snapshot_period_us)) {
     begin_snapshot();
     if (is_ready(snapshot_)) end_snapshot();
   }
@@ -232,7 +238,7 @@ void MapServerNode::finish() {
 }
 
 void MapServerNode::stop() {
-  save();
+  save(/*whole=*/true);
   tell_all();
   if (options_.snapshot_s <= 0) return;
   end_snapshot();
@@ -256,8 +262,9 @@ NodeStatus MapServerNode::status() {
 }
 
 bool MapServerNode::finished() const {
-  const bool all_is_said = sender_.pending() == 0 && !copying_for_ && !status_pages_.round_goes_on();
-  return all_is_said && (!finishing_ || merger_.idle(atlas_));
+  const bool all_is_said = sender_.pending() == 0 && merged_.empty() && !copying_for_ && !status_pages_.round_goes_on();
+  const bool all_is_stored = !store_.is_behind() || !trouble_.empty();
+  return all_is_said && all_is_stored && (!finishing_ || merger_.idle(atlas_));
 }
 
 void MapServerNode::tell_all() {
@@ -269,7 +276,7 @@ void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
   map_status_t message = status_pages_.next(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
-  message.merging = merger_.running() || !waiting_.empty() || copying_for_;
+  message.merging = merger_.running() || !waiting_.empty() || !merged_.empty() || copying_for_;
   bus_.publish(channels::kMapStatus, message);
 }
 
@@ -321,7 +328,8 @@ bool MapServerNode::waits(const map_request_t& request) const {
   const auto same = [&](const map_request_t& w) {
     return w.requester == request.requester && w.request_id == request.request_id;
   };
-  return (copying_for_ && same(*copying_for_)) || std::any_of(waiting_.begin(), waiting_.end(), same);
+  return (copying_for_ && same(*copying_for_)) || std::any_of(waiting_.begin(), waiting_.end(), same) ||
+         std::any_of(merged_.begin(), merged_.end(), same);
 }
 
 // A snapshot shows all that was heard so far as one map.
@@ -332,7 +340,7 @@ void MapServerNode::wait_for_merge(const map_request_t& request) {
     return refuse(request, fmt::format("the database has {} bytes, at most {} are sent; copy its file instead, or what "
                                        "map_server.snapshot_s makes",
                                        store_.bytes(), kMost));
-  if (static_cast<int>(waiting_.size()) >= kMaxAnswers)
+  if (static_cast<int>(waiting_.size() + merged_.size()) >= kMaxAnswers)
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
   waiting_.push_back(request);
@@ -367,11 +375,13 @@ void MapServerNode::answer_region(const map_request_t& request) {
 
 // One after the other: a copy may be large.
 void MapServerNode::begin_answer_with_snapshot() {
-  while (!copying_for_ && !waiting_.empty()) {
-    const map_request_t request = waiting_.front();
-    waiting_.erase(waiting_.begin());
+  while (!copying_for_ && !merged_.empty()) {
     // Of everything heard so far, frame states included.
-    if (const std::string problem = save(); !problem.empty()) {
+    const std::string problem = save();
+    if (problem.empty() && store_.is_behind()) return;
+    const map_request_t request = merged_.front();
+    merged_.erase(merged_.begin());
+    if (!problem.empty()) {
       refuse(request, problem);
       continue;
     }

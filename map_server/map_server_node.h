@@ -59,8 +59,9 @@ class MapServerNode : public Node {
   void send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
             std::optional<int64_t> checksum = {});
   void refuse(const map_request_t& request, const std::string& why);
-  std::string
-  save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
+  // The atlas and the pending frames; empty or the reason, which status() shows until it works again. Unless the whole
+  // is asked for, what takes long goes on with the next ticks.
+  std::string save(bool whole = false);
   void begin_snapshot();  // if there is anything new
   void end_snapshot();    // waits for it; what went wrong is shown by status() until it works again
   void tell_all();        // at once the first page, with each tick another
@@ -80,6 +81,7 @@ class MapServerNode : public Node {
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
+  std::vector<map_request_t> merged_;                    // of these, those for whom all is merged
   std::optional<map_request_t> copying_for_;             // the copy that is being made
   std::future<DatabaseBytes> copy_;
   std::future<std::string> snapshot_;  // that is being written

@@ -132,13 +132,17 @@ void MapStore::open() {
   if (is_new) {
     db_.execute(kMapSchema);
     db_.execute(kMapSchemaPlacements);
+    db_.execute(kMapSchemaLinks);
   } else {
+    if (version > 1) db_.execute(kMapSchemaFrom4);
+    db_.execute(kMapSchemaPlacements);
+    if (version > 1) db_.execute(kMapSchemaTo5);
     if (version == 1) {
-      db_.execute(kMapSchemaPlacements);
+      db_.execute(kMapSchemaLinks);
       db_.execute(kMapSchemaFrom1To2);
     }
     if (version <= 2) db_.execute(kMapSchemaFrom2To3);
-    db_.execute(kMapSchemaFrom3To4);
+    if (version <= 3) db_.execute(kMapSchemaFrom3To4);
     log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(

@@ -9,6 +9,7 @@
 #include <future>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -58,8 +59,13 @@ class MapStore {
   Atlas load();
 
   // Writes what changed in the atlas since it was last saved or loaded, and the records of the frames named, in one
-  // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up.
-  std::string save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
+  // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up. Where the submaps
+  // lie may take long to write: when the time of a `budget` is over, the rest is left to the next save(), and until all
+  // is written the file has the map as it was before, with its links.
+  std::string save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
+                   std::optional<std::chrono::milliseconds> budget = {});
+  // Something is left to the next save().
+  bool is_behind() const { return is_behind_; }
 
   // Revision of the submap in the file, 0 if it is not there.
   int64_t stored_revision(SubmapKey key) const;
@@ -85,17 +91,23 @@ class MapStore {
     int64_t row = 0;  // submaps.submap
     int64_t revision = 0;
     bool in_map = false;
-    int64_t placement_revision = 0;
+    int64_t placement_revision = 0;          // that counts
+    int64_t written_placement_revision = 0;  // that is to count when all others are written, too
+    bool has_others = true;                  // there may be rows of neither
   };
+  using Rows = std::map<SubmapKey, Stored>;
+  using Deadline = std::chrono::steady_clock::time_point;
   void open();  // db_: checks what is there, or makes it
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
   bool remove_elements(const Submap& submap, const Stored& row);
   void save_keyframes(const Submap& submap, const Stored& row);
   void save_landmarks(const Submap& submap, const Stored& row);
   void save_poses(const Submap& submap, const Stored& row);
-  void save_map(const Atlas& atlas, std::map<SubmapKey, Stored>* rows);
-  void save_placement(const Placement& placement, int64_t row, const std::map<SubmapKey, Stored>& rows);
-  void save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows);
+  bool save_placements(const Atlas& atlas, Deadline deadline, Rows* rows);
+  void save_placement(const Placement& placement, int64_t row, const Rows& rows);
+  void save_map(const Atlas& atlas, Rows* rows);
+  bool remove_other_placements(Deadline deadline, Rows* rows);
+  void save_links(const Atlas& atlas, const Rows& rows);
   void save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
   int64_t camera_row(const Camera& camera);
   Camera load_camera(int64_t row);
@@ -113,8 +125,9 @@ class MapStore {
   std::shared_ptr<std::atomic<bool>> copies_called_off_ = std::make_shared<std::atomic<bool>>(false);
   FileLock lock_;
   Database db_;
-  std::map<SubmapKey, Stored> stored_;
+  Rows stored_;
   std::vector<Link> stored_links_;
+  bool is_behind_ = false;
 };
 
 }  // namespace rumi::map_server

@@ -37,18 +37,25 @@ void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
 
 }  // namespace
 
-std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
+                           std::optional<std::chrono::milliseconds> budget) {
+  const Deadline deadline = budget ? std::chrono::steady_clock::now() + *budget : Deadline::max();
   try {
     Transaction transaction(db_);
-    std::map<SubmapKey, Stored> rows = stored_;
+    Rows rows = stored_;
     for (const auto& [key, owner] : atlas.submaps())
       if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
-    save_map(atlas, &rows);
-    save_links(atlas, rows);
     save_frames(atlas, frame_utimes_us);
+    const bool is_whole = save_placements(atlas, deadline, &rows);
+    if (is_whole) {
+      save_map(atlas, &rows);
+      save_links(atlas, rows);
+    }
+    const bool is_clean = remove_other_placements(deadline, &rows);
     transaction.commit();
     stored_ = std::move(rows);
-    stored_links_ = atlas.links();
+    if (is_whole) stored_links_ = atlas.links();
+    is_behind_ = !is_whole || !is_clean;
     give_back_pages();
     return {};
   } catch (const SqliteError& error) {

@@ -135,6 +135,72 @@ TEST(MapStore, APlacementIsWrittenOnlyWhenItChanged) {
   EXPECT_EQ(other.integer("SELECT sum(accepted) FROM links"), 1);
 }
 
+// Three submaps that lie elsewhere with each seed.
+void place_all(Atlas* atlas, uint32_t seed) {
+  std::map<SubmapKey, Placement> placements;
+  for (const auto& [key, owner] : atlas->submaps()) placements[key] = make_placement(owner.submap, seed);
+  atlas->place_map(placements);
+  atlas->set_links({{.a = {7, 1}, .b = {7, 2}, .keyframes = static_cast<int>(seed), .doubt = "none"}});
+}
+
+int64_t rows_that_do_not_count(const std::string& file) {
+  int64_t rows = 0;
+  for (const std::string table : {"placed_keyframes", "placed_landmarks"})
+    rows += Database(file).integer("SELECT count(*) FROM " + table +
+                                   " p JOIN submaps s ON s.submap = p.submap WHERE p.revision <> s.placement_revision");
+  return rows;
+}
+
+TEST(MapStore, WhereSubmapsLieIsWrittenInSlicesAndCountsWhenAllIsThere) {
+  constexpr std::chrono::milliseconds kNoTime{0};
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  place_all(&atlas, 1);
+  MapStore store(file);
+  ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+  EXPECT_FALSE(store.is_behind());
+  const Atlas before = store.load();
+  place_all(&atlas, 2);
+  ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_TRUE(store.is_behind());
+  expect_same(before, MapStore::copy_in_memory(file).load());
+  // Updates are stored meanwhile.
+  update_atlas(&atlas, make_submap({7, 1}, 1, 13));
+  ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_EQ(store.stored_revision({7, 1}), 13);
+  for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{7, 2}, SubmapKey{8, -1}})
+    expect_same(before.find(key)->placement, MapStore::copy_in_memory(file).load().find(key)->placement);
+  for (int i = 0; i < 20 && store.is_behind(); ++i) ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_FALSE(store.is_behind());
+  EXPECT_EQ(rows_that_do_not_count(file), 0);
+  expect_same(atlas, MapStore::copy_in_memory(file).load());
+}
+
+TEST(MapStore, WhatADeathLeftHalfWrittenDoesNotCountAndIsRemoved) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  place_all(&atlas, 1);
+  {
+    MapStore store(file);
+    ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+    Atlas doomed = atlas;
+    place_all(&doomed, 2);
+    ASSERT_EQ(store.save(doomed, {}, std::chrono::milliseconds(0)), "");
+  }
+  ASSERT_GT(rows_that_do_not_count(file), 0);
+  MapStore store(file);
+  Atlas next = store.load();
+  expect_same(atlas, next);
+  std::map<SubmapKey, Placement> fewer;  // under the same revision
+  fewer[{7, 1}].map_from_submap[atlas.find({7, 1})->submap.keyframes.begin()->second.utime_us] = Sim3();
+  next.place_map(fewer);
+  ASSERT_EQ(store.save(next, {}), "");
+  EXPECT_EQ(rows_that_do_not_count(file), 0);
+  expect_same(next, store.load());
+}
+
 // Many small saves with additions, corrections and removals leave the same as one of the whole.
 TEST(MapStore, IncrementalSavesAddUp) {
   const TemporaryFolder folder;
@@ -273,12 +339,11 @@ TEST(MapStore, AReaderWaitsForAWriter) {
   const Atlas atlas = full_atlas();
   { ASSERT_EQ(MapStore(file).save(atlas, all_frames(atlas)), ""); }
   Database holder = lock_for_oneself(file);
-  std::thread writer([&holder] {
+  const std::jthread writer([&holder] {
     std::this_thread::sleep_for(std::chrono::milliseconds(30));
     holder = Database();
   });
   expect_same(atlas, MapStore::copy_in_memory(file).load());
-  writer.join();
 }
 
 TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
