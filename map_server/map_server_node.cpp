@@ -23,9 +23,9 @@ namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
-constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
+constexpr int64_t kFrameCommitUs = 1'000'000;         // frame states (unacknowledged) are written so often, at least
 constexpr std::chrono::milliseconds kSaveBudget{15};  // of a tick: nobody is heard meanwhile
-constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
+constexpr int kMaxAnswers = 4;        // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
 bool is_same_file(const std::string& a, const std::string& b) {

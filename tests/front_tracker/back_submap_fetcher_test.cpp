@@ -117,6 +117,21 @@ TEST_F(BackSubmapFetcherTest, TakesWhatTheMapHoldsOnceOldestFirst) {
   EXPECT_EQ(taken_, (std::vector<int>{-1, -2, -3, -2})) << "it has changed";
 }
 
+TEST_F(BackSubmapFetcherTest, AMapOfSeveralPagesIsLearnedWholeAndNothingIsForgotten) {
+  MapOverview map;
+  for (const int id : {-2, -1, -3, -2}) {
+    map_status_t page{};
+    page.back_submaps = 3;
+    page.nsubmaps = 1;
+    page.submaps = {summary(id)};
+    map.take(page);
+    fetcher_.on_map(map);
+    settle(3);
+  }
+  EXPECT_EQ(taken_, (std::vector<int>{-2, -1, -3}));
+  EXPECT_TRUE(forgotten_.empty());
+}
+
 TEST_F(BackSubmapFetcherTest, AsksForNothingElse) {
   submap_summary_t apart = summary(-1), open = summary(-2), foreign = summary(-3), front = summary(-1);
   apart.in_map = false;
