@@ -105,7 +105,9 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
           : atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
   if (reason.empty()) {
     // Also when the update brought nothing new: it may have been applied before but not stored.
-    reason = save();
+    const AtlasSubmap* owner = atlas_.find(key);
+    do reason = save();
+    while (reason.empty() && owner && store_.stored_revision(key) < owner->submap.revision);
   } else {
     ++rejected_;
     log_warning("a submap update from {} is rejected: {}", payload.sender, reason);

@@ -59,9 +59,9 @@ class MapStore {
   Atlas load();
 
   // Writes what changed in the atlas since it was last saved or loaded, and the records of the frames named, in one
-  // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up. Where the submaps
-  // lie may take long to write: when the time of a `budget` is over, the rest is left to the next save(), and until all
-  // is written the file has the map as it was before, with its links.
+  // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up. Submaps and
+  // where they lie may take long to write: when the time of a `budget` is over, the rest is left to the next save(),
+  // and until all is written the file has the map as it was before, with its links.
   std::string save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
                    std::optional<std::chrono::milliseconds> budget = {});
   // Something is left to the next save().
@@ -98,6 +98,7 @@ class MapStore {
   using Rows = std::map<SubmapKey, Stored>;
   using Deadline = std::chrono::steady_clock::time_point;
   void open();  // db_: checks what is there, or makes it
+  bool save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows);
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
   bool remove_elements(const Submap& submap, const Stored& row);
   void save_keyframes(const Submap& submap, const Stored& row);

@@ -43,10 +43,9 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame
   try {
     Transaction transaction(db_);
     Rows rows = stored_;
-    for (const auto& [key, owner] : atlas.submaps())
-      if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
+    const bool has_submaps = save_submaps(atlas, deadline, &rows);
     save_frames(atlas, frame_utimes_us);
-    const bool is_whole = save_placements(atlas, deadline, &rows);
+    const bool is_whole = has_submaps && save_placements(atlas, deadline, &rows);
     if (is_whole) {
       save_map(atlas, &rows);
       save_links(atlas, rows);
@@ -61,6 +60,19 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame
   } catch (const SqliteError& error) {
     return explain(error);
   }
+}
+
+// True when all are written. One is at every call, so that there is an end.
+bool MapStore::save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows) {
+  bool is_late = false;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    Stored& stored = (*rows)[key];
+    if (owner.submap.revision <= stored.revision) continue;
+    if (is_late) return false;
+    stored = save_submap(owner, stored);
+    is_late = std::chrono::steady_clock::now() >= deadline;
+  }
+  return true;
 }
 
 MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
