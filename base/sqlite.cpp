@@ -27,11 +27,18 @@ Database& Database::operator=(Database&& other) noexcept {
   return *this;
 }
 
+void Database::wait_for_others(std::chrono::milliseconds time) {
+  sqlite3_busy_timeout(db_, static_cast<int>(time.count()));
+}
+
 void Database::copy_from(Database& other) {
   sqlite3_backup* backup = sqlite3_backup_init(db_, "main", other.db_, "main");
-  if (backup) sqlite3_backup_step(backup, -1);
-  const int code = backup ? sqlite3_backup_finish(backup) : sqlite3_errcode(db_);
-  if (code != SQLITE_OK) fail(code);
+  if (!backup) fail(sqlite3_errcode(db_));
+  const int step = sqlite3_backup_step(backup, -1);
+  const int end = sqlite3_backup_finish(backup);
+  if (end != SQLITE_OK) fail(end);
+  // To SQLite a busy database is no failure of the backup, which might go on later: only the step says so.
+  if (step != SQLITE_DONE) throw SqliteError(step & 0xff, sqlite3_errstr(step));
 }
 
 void Database::fail(int code) const { throw SqliteError(code & 0xff, sqlite3_errmsg(db_)); }

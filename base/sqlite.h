@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -29,7 +30,9 @@ class Database {
   explicit Database(const std::string& file);
   // Opens what there is, for reading if it may not be written.
   static Database open_existing(const std::string& file);
-  // All of the other one, instead of what is here.
+  // So long whoever else has the file locked is waited for; without this, not at all.
+  void wait_for_others(std::chrono::milliseconds time);
+  // All of the other one, instead of what is here. Waits as the other one does.
   void copy_from(Database& other);
   ~Database();
   Database(Database&& other) noexcept;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
 // Of one submap: some three thousand keyframes of a thousand keypoints.
-constexpr TransferOptions kTransfer{.max_payload_bytes = int64_t{128} << 20};
+constexpr TransferOptions kTransfer{.max_held_bytes = int64_t{128} << 20};
 
 }  // namespace
 
@@ -32,9 +32,9 @@ void BackSubmapFetcher::begin_session(int64_t session) {
   asked_for_ = kNoSubmap;
 }
 
-void BackSubmapFetcher::on_map_status(const map_status_t& status) {
+void BackSubmapFetcher::on_map(const MapOverview& map) {
   listed_.clear();
-  for (const submap_summary_t& s : status.submaps) {
+  for (const auto& [key, s] : map.submaps()) {
     const bool is_ours = s.session == session_ && s.submap_id < 0 && s.kind == static_cast<int8_t>(SubmapKind::kBack);
     if (!is_ours || !s.in_map || !s.closed) continue;
     listed_[s.submap_id] = s.revision;

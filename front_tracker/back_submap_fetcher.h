@@ -8,7 +8,7 @@
 #include <string>
 
 #include "bus/transfer/chunked_transfer.h"
-#include "lcmtypes/rumi/map_status_t.hpp"
+#include "bus/wire/map_overview.h"
 #include "slam/map/submap.h"
 
 namespace rumi::front_tracker {
@@ -26,7 +26,7 @@ class BackSubmapFetcher {
 
   // Those of this session from now on, and nothing of them is known.
   void begin_session(int64_t session);
-  void on_map_status(const map_status_t& status);
+  void on_map(const MapOverview& map);
   void tick(int64_t now_us);
 
   int64_t refused() const { return refused_; }

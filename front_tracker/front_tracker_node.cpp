@@ -219,12 +219,13 @@ void FrontTrackerNode::publish_withdrawn() {
 }
 
 void FrontTrackerNode::on_map_status(const map_status_t& status) {
+  map_.take(status);
   map_from_submap_.clear();
-  for (const submap_summary_t& s : status.submaps) {
-    const auto map_from_submap = from_wire(s.map_from_submap);
-    if (s.in_map && map_from_submap) map_from_submap_[{s.session, s.submap_id}] = *map_from_submap;
+  for (const auto& [key, summary] : map_.submaps()) {
+    const auto map_from_submap = from_wire(summary.map_from_submap);
+    if (summary.in_map && map_from_submap) map_from_submap_[key] = *map_from_submap;
   }
-  if (back_submaps_ && tracker_) back_submaps_->on_map_status(status);
+  if (back_submaps_ && tracker_) back_submaps_->on_map(map_);
 }
 
 void FrontTrackerNode::tick(int64_t now_us) {

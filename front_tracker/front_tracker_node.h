@@ -14,7 +14,6 @@
 #include "front_tracker/submap_publisher.h"
 #include "front_tracker/tracking/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
-#include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 
 namespace rumi::front_tracker {
@@ -61,7 +60,8 @@ class FrontTrackerNode : public Node {
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;
   std::optional<BackSubmapFetcher> back_submaps_;  // unless none are to be kept
-  std::map<SubmapKey, Sim3> map_from_submap_;      // of the submaps in the served map
+  MapOverview map_;
+  std::map<SubmapKey, Sim3> map_from_submap_;  // of the submaps in the served map
   int64_t session_ = 0;
   int64_t sequence_ = 0;
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime

@@ -9,38 +9,6 @@
 namespace rumi::map_server {
 namespace {
 
-submap_summary_t summarize(const AtlasSubmap& owner) {
-  const Submap& s = owner.submap;
-  submap_summary_t summary;
-  summary.session = s.key.session;
-  summary.submap_id = s.key.id;
-  summary.kind = static_cast<int8_t>(s.kind);
-  summary.closed = s.closed;
-  summary.in_map = owner.in_map;
-  summary.revision = s.revision;
-  summary.keyframes = static_cast<int32_t>(s.keyframes.size());
-  summary.landmarks = static_cast<int32_t>(s.landmarks.size());
-  summary.frames = static_cast<int32_t>(s.frames.size());
-  summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
-  summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
-  summary.placement_revision = owner.placement.revision;
-  summary.map_from_submap = to_wire(owner.placement.latest());
-  return summary;
-}
-
-link_t to_wire(const Link& link) {
-  link_t wire;
-  wire.session_a = link.a.session, wire.submap_a = link.a.id;
-  wire.session_b = link.b.session, wire.submap_b = link.b.id;
-  wire.kind = static_cast<int8_t>(link.kind);
-  wire.accepted = link.accepted();
-  wire.keyframes = link.keyframes, wire.keyframe_inliers = link.keyframe_inliers;
-  wire.landmarks = link.landmarks, wire.landmark_inliers = link.landmark_inliers;
-  wire.rmse_px = link.rmse_px;
-  wire.doubt = link.doubt;
-  return wire;
-}
-
 // stableNorm: who asks may name any numbers.
 bool is_within(const Eigen::Vector3d& position, const map_region_t& region) {
   return (position - Eigen::Vector3d(region.center)).stableNorm() <= region.radius;
@@ -67,19 +35,6 @@ void add_submap(const Atlas& atlas, const AtlasSubmap& owner, map_region_t* regi
 }
 
 }  // namespace
-
-map_status_t make_map_status(const Atlas& atlas, int64_t utime_us) {
-  map_status_t message{};
-  message.utime = utime_us;
-  message.map_revision = atlas.revision();
-  message.frames = static_cast<int64_t>(atlas.frames().size());
-  message.frames_in_map = atlas.frames_in_map();
-  for (const auto& [key, owner] : atlas.submaps()) message.submaps.push_back(summarize(owner));
-  message.nsubmaps = static_cast<int32_t>(message.submaps.size());
-  for (const Link& link : atlas.links()) message.links.push_back(to_wire(link));
-  message.nlinks = static_cast<int32_t>(message.links.size());
-  return message;
-}
 
 trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us) {
   trajectory_t message{};

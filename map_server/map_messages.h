@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The served map as messages.
+// What is asked for of the served map as messages.
 #pragma once
 
 #include "lcmtypes/rumi/map_region_t.hpp"
-#include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "map_server/atlas/atlas.h"
 
 namespace rumi::map_server {
-
-// All but database_bytes, which the atlas does not know.
-map_status_t make_map_status(const Atlas& atlas, int64_t utime_us);
 
 trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us);
 

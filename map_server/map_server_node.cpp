@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -22,13 +23,19 @@ namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
-constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
-constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
+constexpr int64_t kFrameCommitUs = 1'000'000;         // frame states (unacknowledged) are written so often, at least
+constexpr std::chrono::milliseconds kSaveBudget{15};  // of a tick: nobody is heard meanwhile
+constexpr int kMaxAnswers = 4;        // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
-// True when a period has gone by, also when the clock was set back (a log played again).
 bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
+}
+
+// True for what was put off: it is done when it is asked for.
+template <class T>
+bool is_ready(const std::future<T>& result) {
+  return result.valid() && result.wait_for(std::chrono::seconds(0)) != std::future_status::timeout;
 }
 
 // What is wrong now is said once when it begins and once when it is over.
@@ -50,7 +57,8 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
       merger_(options.merge),
       sender_(bus, channels::kMapChunk, channels::kMapAck, unique_process_name("map_server")),
       receiver_(bus, channels::kSubmap, channels::kSubmapAck, unique_process_name("map_server"), true,
-                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
+                {.max_held_bytes = kMaxMessageBytes}) {
   if (!atlas_.submaps().empty())
     log_info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
              atlas_.frames().size());
@@ -97,7 +105,9 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
           : atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
   if (reason.empty()) {
     // Also when the update brought nothing new: it may have been applied before but not stored.
-    reason = save();
+    const AtlasSubmap* owner = atlas_.find(key);
+    do reason = save();
+    while (reason.empty() && owner && store_.stored_revision(key) < owner->submap.revision);
   } else {
     ++rejected_;
     log_warning("a submap update from {} is rejected: {}", payload.sender, reason);
@@ -118,24 +128,32 @@ void MapServerNode::on_track(const track_t& track) {
   last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
 
-std::string MapServerNode::save() {
+std::string MapServerNode::save(bool whole) {
   const StageClock clock("map_server.store");
   last_save_us_ = bus_.now_us();
-  std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()});
+  const auto budget = whole || !options_.merge.thread ? std::nullopt : std::optional(kSaveBudget);
+  std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()}, budget);
   if (reason.empty()) unsaved_frames_.clear();
   report(reason, trouble_, store_.file());
   trouble_ = reason;
   return reason;
 }
 
-void MapServerNode::write_snapshot() {
+void MapServerNode::begin_snapshot() {
   const StageClock clock("map_server.store");
   last_snapshot_us_ = bus_.now_us();
   if (!unsaved_frames_.empty()) save();
   const int64_t changes = store_.changes();
   if (changes == changes_in_snapshot_) return;
-  const std::string reason = store_.write_copy(options_.snapshot_file);
-  if (reason.empty()) changes_in_snapshot_ = changes;
+  changes_in_snapshot_ = changes;
+  snapshot_ = store_.begin_copy(options_.snapshot_file, options_.merge.thread);
+}
+
+void MapServerNode::end_snapshot() {
+  if (!snapshot_.valid()) return;
+  const StageClock clock("map_server.store");
+  const std::string reason = snapshot_.get();
+  if (!reason.empty()) changes_in_snapshot_ = -1;
   report(reason, snapshot_trouble_, options_.snapshot_file);
   snapshot_trouble_ = reason;
 }
@@ -146,8 +164,10 @@ void MapServerNode::merge(int64_t now_us) {
   const bool all_is_merged =
       merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
-  if (!all_is_merged) return;
-  for (const map_request_t& request : std::exchange(waiting_, {})) answer_snapshot(request);
+  if (all_is_merged) merged_.insert(merged_.end(), waiting_.begin(), waiting_.end());
+  if (all_is_merged) waiting_.clear();
+  answer_with_snapshot();
+  begin_answer_with_snapshot();
 }
 
 void MapServerNode::absorb(MergeResult result) {
@@ -160,7 +180,7 @@ void MapServerNode::absorb(MergeResult result) {
     tell_of_map(before);
     log_debug("adjusted: {} images, {} points, {:.2f} px, {:.1f} s", result.report.views, result.report.points,
               result.report.rmse, result.cpu_s);
-    publish_map_status();
+    tell_all();
   }
   save();
 }
@@ -198,11 +218,17 @@ void MapServerNode::tick(int64_t now_us) {
   sender_.tick(now_us);
   merge(now_us);
   const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
-  if (must_save && is_due(now_us, last_save_us_, kFrameCommitUs)) save();
-  if (is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
+  const bool goes_on = store_.is_behind() && trouble_.empty();
+  if (goes_on || (must_save && is_due(now_us, last_save_us_, kFrameCommitUs))) save();
+  if (status_pages_.round_goes_on() || is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
   if (last_snapshot_us_ == 0) last_snapshot_us_ = now_us;
   const auto snapshot_period_us = static_cast<int64_t>(options_.snapshot_s * 1e6);
-  if (snapshot_period_us > 0 && is_due(now_us, last_snapshot_us_, snapshot_period_us)) write_snapshot();
+  if (is_ready(snapshot_)) end_snapshot();
+  const bool may_begin = !snapshot_.valid() && !store_.is_behind();
+  if (snapshot_period_us > 0 && may_begin && is_due(now_us, last_snapshot_us_, snapshot_period_us)) {
+    begin_snapshot();
+    if (is_ready(snapshot_)) end_snapshot();
+  }
 }
 
 // What is left to merge is merged before the end, unless the end is to be soon.
@@ -214,9 +240,12 @@ void MapServerNode::finish() {
 }
 
 void MapServerNode::stop() {
-  save();
-  publish_map_status();
-  if (options_.snapshot_s > 0) write_snapshot();
+  save(/*whole=*/true);
+  tell_all();
+  if (options_.snapshot_s <= 0) return;
+  end_snapshot();
+  begin_snapshot();
+  end_snapshot();
 }
 
 NodeStatus MapServerNode::status() {
@@ -226,7 +255,7 @@ NodeStatus MapServerNode::status() {
   status.detail = !trouble.empty() ? trouble
                                    : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
                                                  atlas_.submaps().size(), atlas_.frames_in_map(),
-                                                 atlas_.frames().size(), rejected_, refused_);
+                                                 atlas_.frames().size(), rejected_ + receiver_.dropped(), refused_);
   if (merger_.refused().count() > 0) status.detail += "; " + merger_.refused().text();
   if (const std::set<SubmapKey> left_out = merger_.left_out(); !left_out.empty())
     status.detail += fmt::format("; left out until changed: {}", describe(left_out));
@@ -237,11 +266,22 @@ NodeStatus MapServerNode::status() {
   return status;
 }
 
+bool MapServerNode::finished() const {
+  const bool all_is_said = sender_.pending() == 0 && merged_.empty() && !copying_for_ && !status_pages_.round_goes_on();
+  const bool all_is_stored = !store_.is_behind() || !trouble_.empty();
+  return all_is_said && all_is_stored && (!finishing_ || merger_.idle(atlas_));
+}
+
+void MapServerNode::tell_all() {
+  status_pages_.begin_round();
+  publish_map_status();
+}
+
 void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
-  map_status_t message = make_map_status(atlas_, bus_.now_us());
+  map_status_t message = status_pages_.next(atlas_, bus_.now_us());
   message.database_bytes = store_.bytes();
-  message.merging = merger_.running() || !waiting_.empty();
+  message.merging = merger_.running() || !waiting_.empty() || !merged_.empty() || copying_for_;
   bus_.publish(channels::kMapStatus, message);
 }
 
@@ -253,8 +293,16 @@ void MapServerNode::on_request(const map_request_t& request) {
   }
   // Who hears nothing asks again; the answer is on its way already.
   if (answering_.contains({request.requester, request.request_id})) return;
-  if (request.what == map_request_t::STATUS) return publish_map_status();
+  if (request.what == map_request_t::STATUS) return tell_all();
   if (large_answers_ >= kMaxAnswers) return refuse(request, "busy with other requests; ask again later");
+  try {
+    answer(request);
+  } catch (const std::length_error& error) {
+    refuse(request, fmt::format("{}; a REGION of a smaller radius may do", error.what()));
+  }
+}
+
+void MapServerNode::answer(const map_request_t& request) {
   switch (request.what) {
     case map_request_t::SUBMAP:
       return answer_submap(request);
@@ -263,7 +311,7 @@ void MapServerNode::on_request(const map_request_t& request) {
     case map_request_t::PLACED_SUBMAP:
       return answer_placed_submap(request);
     case map_request_t::TRAJECTORY:
-      return answer(request, chunk_t::TRAJECTORY, encode_message(make_trajectory(atlas_, bus_.now_us())));
+      return send(request, chunk_t::TRAJECTORY, encode_message(make_trajectory(atlas_, bus_.now_us())));
     case map_request_t::REGION:
       return answer_region(request);
     default:
@@ -281,13 +329,23 @@ const AtlasSubmap* MapServerNode::asked_for(const map_request_t& request) {
   return owner;
 }
 
-// A snapshot shows all that was heard so far as one map.
-void MapServerNode::wait_for_merge(const map_request_t& request) {
+bool MapServerNode::waits(const map_request_t& request) const {
   const auto same = [&](const map_request_t& w) {
     return w.requester == request.requester && w.request_id == request.request_id;
   };
-  if (std::any_of(waiting_.begin(), waiting_.end(), same)) return;
-  if (static_cast<int>(waiting_.size()) >= kMaxAnswers)
+  return (copying_for_ && same(*copying_for_)) || std::any_of(waiting_.begin(), waiting_.end(), same) ||
+         std::any_of(merged_.begin(), merged_.end(), same);
+}
+
+// A snapshot shows all that was heard so far as one map.
+void MapServerNode::wait_for_merge(const map_request_t& request) {
+  if (waits(request)) return;
+  constexpr int64_t kMost = TransferOptions().max_payload_bytes;
+  if (store_.bytes() > kMost)
+    return refuse(request, fmt::format("the database has {} bytes, at most {} are sent; copy its file instead, or what "
+                                       "map_server.snapshot_s makes",
+                                       store_.bytes(), kMost));
+  if (static_cast<int>(waiting_.size() + merged_.size()) >= kMaxAnswers)
     return refuse(request, "busy with other requests; ask again later");
   merger_.hurry();
   waiting_.push_back(request);
@@ -300,7 +358,7 @@ void MapServerNode::answer_submap(const map_request_t& request) {
   if (request.base_revision < 0 || request.base_revision > owner->submap.revision)
     return refuse(request, fmt::format("base_revision {} of submap {}: it is at revision {}", request.base_revision,
                                        request.submap_id, owner->submap.revision));
-  answer(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
+  send(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(owner->submap, request.base_revision)));
 }
 
 void MapServerNode::answer_placed_submap(const map_request_t& request) {
@@ -309,8 +367,7 @@ void MapServerNode::answer_placed_submap(const map_request_t& request) {
   if (!owner->in_map)
     return refuse(request,
                   fmt::format("submap {} of session {} is not part of the map", request.submap_id, request.session));
-  answer(request, chunk_t::SUBMAP_UPDATE,
-         encode_message(make_submap_update(place(owner->submap, owner->placement), 0)));
+  send(request, chunk_t::SUBMAP_UPDATE, encode_message(make_submap_update(place(owner->submap, owner->placement), 0)));
 }
 
 void MapServerNode::answer_region(const map_request_t& request) {
@@ -318,34 +375,54 @@ void MapServerNode::answer_region(const map_request_t& request) {
   if (!center.allFinite() || !std::isfinite(request.radius) || request.radius <= 0)
     return refuse(request, fmt::format("a region of radius {} about {}, {}, {} is none", request.radius, center.x(),
                                        center.y(), center.z()));
-  answer(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
+  send(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
 }
 
-void MapServerNode::answer_snapshot(const map_request_t& request) {
-  std::string problem = save();  // a snapshot of everything heard so far, frame states included
-  std::vector<uint8_t> bytes;
-  if (problem.empty()) bytes = store_.copy_bytes(&problem);
-  if (!problem.empty()) return refuse(request, problem);
-  answer(request, chunk_t::DATABASE, std::move(bytes));
+// One after the other: a copy may be large.
+void MapServerNode::begin_answer_with_snapshot() {
+  while (!copying_for_ && !merged_.empty()) {
+    // Of everything heard so far, frame states included.
+    const std::string problem = save();
+    if (problem.empty() && store_.is_behind()) return;
+    const map_request_t request = merged_.front();
+    merged_.erase(merged_.begin());
+    if (!problem.empty()) {
+      refuse(request, problem);
+      continue;
+    }
+    copying_for_ = request;
+    copy_ = store_.begin_copy_bytes(options_.merge.thread);
+    answer_with_snapshot();
+  }
 }
 
-void MapServerNode::answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload) {
+void MapServerNode::answer_with_snapshot() {
+  if (!is_ready(copy_)) return;
+  const StageClock clock("map_server.answer");
+  DatabaseBytes copy = copy_.get();
+  const map_request_t request = *std::exchange(copying_for_, std::nullopt);
+  if (!copy.error.empty()) return refuse(request, copy.error);
+  send(request, chunk_t::DATABASE, std::move(copy.bytes), copy.checksum);
+}
+
+void MapServerNode::send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+                         std::optional<int64_t> checksum) {
   const std::pair<std::string, int32_t> id{request.requester, request.request_id};
   const bool is_large = kind != chunk_t::REFUSED;
   answering_.insert(id);
   large_answers_ += is_large;
-  sender_.send(request.requester, kind, request.request_id, std::move(payload),
-               [this, id, is_large](const TransferResult& result) {
-                 answering_.erase(id);
-                 large_answers_ -= is_large;
-                 if (!result.ok) log_warning("the answer to {} did not arrive: {}", id.first, result.reason);
-               });
+  const auto done = [this, id, is_large](const TransferResult& result) {
+    answering_.erase(id);
+    large_answers_ -= is_large;
+    if (!result.ok) log_warning("the answer to {} did not arrive: {}", id.first, result.reason);
+  };
+  sender_.send(request.requester, kind, request.request_id, std::move(payload), done, checksum);
 }
 
 void MapServerNode::refuse(const map_request_t& request, const std::string& why) {
   ++refused_;
   if (sender_.pending() >= kMaxSmallAnswers) return;
-  answer(request, chunk_t::REFUSED, {why.begin(), why.end()});
+  send(request, chunk_t::REFUSED, {why.begin(), why.end()});
 }
 
 }  // namespace rumi::map_server

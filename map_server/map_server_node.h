@@ -2,6 +2,7 @@
 // map_server: takes submaps in, stores them before it acknowledges them, and answers questions about the map.
 #pragma once
 
+#include <future>
 #include <set>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
+#include "map_server/map_status_pages.h"
 #include "map_server/merging/map_merger.h"
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
@@ -24,12 +26,13 @@ class MapServerNode : public Node {
   // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore), there is
   // no map in it to localize in, or the snapshots would take its place.
   MapServerNode(Bus& bus, const MapServerOptions& options);
+  ~MapServerNode() override { store_.call_off_copies(); }  // nobody will take them
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
   void finish() override;
   void stop() override;
-  bool finished() const override { return sender_.pending() == 0 && (!finishing_ || merger_.idle(atlas_)); }
+  bool finished() const override;
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
@@ -44,17 +47,24 @@ class MapServerNode : public Node {
   void tell_of_map(const std::set<SubmapKey>& before) const;
   void cull(const CulledSubmaps& culled);
   void on_request(const map_request_t& request);
+  void answer(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
   void wait_for_merge(const map_request_t& request);
   void answer_submap(const map_request_t& request);
   void answer_placed_submap(const map_request_t& request);
   void answer_region(const map_request_t& request);
-  void answer_snapshot(const map_request_t& request);
-  void answer(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload);
+  bool waits(const map_request_t& request) const;
+  void begin_answer_with_snapshot();
+  void answer_with_snapshot();  // if it is there
+  void send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
+            std::optional<int64_t> checksum = {});
   void refuse(const map_request_t& request, const std::string& why);
-  std::string
-  save();  // the atlas and the pending frames; empty or the reason, which status() shows until it works again
-  void write_snapshot();  // if there is anything new; what went wrong is shown by status() until it works again
+  // The atlas and the pending frames; empty or the reason, which status() shows until it works again. Unless the whole
+  // is asked for, what takes long goes on with the next ticks.
+  std::string save(bool whole = false);
+  void begin_snapshot();  // if there is anything new
+  void end_snapshot();    // waits for it; what went wrong is shown by status() until it works again
+  void tell_all();        // at once the first page, with each tick another
   void publish_map_status();
 
   Bus& bus_;
@@ -62,6 +72,7 @@ class MapServerNode : public Node {
   MapStore store_;
   Atlas atlas_;
   MapMerger merger_;
+  MapStatusPages status_pages_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
   std::set<SubmapKey> fixed_;      // submaps of earlier sessions, with localize_only
@@ -70,10 +81,14 @@ class MapServerNode : public Node {
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
+  std::vector<map_request_t> merged_;                    // of these, those for whom all is merged
+  std::optional<map_request_t> copying_for_;             // the copy that is being made
+  std::future<DatabaseBytes> copy_;
+  std::future<std::string> snapshot_;  // that is being written
   bool finishing_ = false;
   std::string trouble_, snapshot_trouble_;  // why the last save, or snapshot, failed
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
-  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was written
+  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun
   int64_t last_utime_us_ = 0;
   int64_t rejected_ = 0;  // updates and messages that made no sense
   int64_t refused_ = 0;   // requests

@@ -34,7 +34,8 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
       options_(options),
       name_(unique_process_name("viewer_offscreen")),
       receiver_(bus, channels::kMapChunk, channels::kMapAck, name_, false,
-                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); }) {
+                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
+                {.max_held_bytes = kMaxMessageBytes}) {
   if (options.series && options.output.empty())
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
   if (options.series) series_.emplace(options.output, kVideoFps, options.series_goes_on);
@@ -70,21 +71,21 @@ void ViewerNode::note_frame(const track_t& track) {
 }
 
 void ViewerNode::on_map_status(const map_status_t& status) {
+  map_.take(status);
+  if (phase_ == Phase::kFinishing) since_finish_.take(status);
   std::map<SubmapKey, Copy> listed;
-  for (const submap_summary_t& summary : status.submaps) {
-    const SubmapKey key{summary.session, summary.submap_id};
+  for (const auto& [key, summary] : map_.submaps()) {
     if (const auto known = copies_.find(key); known != copies_.end()) listed[key] = std::move(known->second);
     listed[key].summary = summary;
   }
-  copies_ = std::move(listed);  // what is not listed any more is gone
+  copies_ = std::move(listed);  // what is not there any more is gone
   links_.clear();
-  for (const link_t& link : status.links)
+  for (const auto& [number, link] : map_.links())
     links_.push_back({{link.session_a, link.submap_a},
                       {link.session_b, link.submap_b},
                       link.kind == link_t::SAME_IMAGES,
                       link.accepted != 0});
   changed_ = true;
-  status_since_finish_ = phase_ == Phase::kFinishing;
 }
 
 ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payload) {
@@ -149,7 +150,7 @@ void ViewerNode::tick(int64_t now_us) {
   if (phase_ == Phase::kFinished) return;
   if (phase_ == Phase::kFinishing) {
     request_missing(now_us);
-    if ((status_since_finish_ && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
+    if ((since_finish_.complete() && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
       draw();
       if (series_) series_->finish();
       phase_ = Phase::kFinished;

@@ -9,7 +9,7 @@
 
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"
-#include "lcmtypes/rumi/map_status_t.hpp"
+#include "bus/wire/map_overview.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "slam/map/submap.h"
 #include "viewer_offscreen/options.h"
@@ -70,13 +70,14 @@ class ViewerNode : public Node {
   std::optional<Renderer> renderer_;
   std::optional<PictureSeries> series_;
   CameraImages images_;
+  MapOverview map_;
+  MapOverview since_finish_;  // what was told since then
   std::map<SubmapKey, Copy> copies_;
   std::vector<FrameNote> frames_;  // all heard of, by time
   std::vector<MapPicture::Link> links_;
   std::optional<track_t> live_;
   bool changed_ = false;
   Phase phase_ = Phase::kRunning;
-  bool status_since_finish_ = false;
   int64_t finish_us_ = 0, last_draw_us_ = 0, last_utime_us_ = 0;
   int32_t last_request_ = 0;
   int64_t pictures_ = 0, rejected_ = 0;

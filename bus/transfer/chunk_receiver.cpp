@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/log.h"
 #include "bus/transfer/chunked_transfer.h"
@@ -24,8 +25,9 @@ bool is_plausible(const chunk_t& c, int64_t max_payload_bytes) {
   if (c.size < 1) return false;
   if (c.index == c.count - 1) {
     const int64_t others = c.total_size - c.size;
-    return others >= static_cast<int64_t>(c.size) * (c.count - 1) && others % (c.count - 1) == 0;
+    return others >= std::max<int64_t>(c.size, kMinChunkBytes) * (c.count - 1) && others % (c.count - 1) == 0;
   }
+  if (c.size < kMinChunkBytes) return false;
   const int64_t before_last = static_cast<int64_t>(c.size) * (c.count - 1);
   return before_last < c.total_size && c.total_size <= before_last + c.size;
 }
@@ -46,6 +48,7 @@ ChunkReceiver::ChunkReceiver(Bus& bus, std::string data_channel, std::string ack
       handler_(std::move(handler)),
       options_(options) {
   options_.window_chunks = std::max(options_.window_chunks, 1);
+  options_.max_payload_bytes = std::min(options_.max_payload_bytes, options_.max_held_bytes);
   // Several senders may each have a window under way.
   bus_.subscribe<chunk_t>(data_channel, {.capacity = 256, .drop = DropPolicy::kDropNewest},
                           [this](const chunk_t& chunk) { on_chunk(chunk); });
@@ -70,6 +73,11 @@ void ChunkReceiver::on_chunk(const chunk_t& chunk) {
   assembly.last_chunk_us = now_us;
   assembly.requests = 0;
   const bool is_new = assembly.pieces.emplace(chunk.index, chunk.data).second;
+  if (is_new) {
+    assembly.held_bytes += chunk.size;
+    held_bytes_ += chunk.size;
+    make_room(kMaxOpen, id);
+  }
   while (assembly.pieces.contains(assembly.next_index)) ++assembly.next_index;
   if (assembly.next_index == chunk.count) {
     complete(id);
@@ -86,17 +94,35 @@ ChunkReceiver::Assembly& ChunkReceiver::assembly_of(const Id& id, const chunk_t&
   const auto found = open_.find(id);
   // Another payload under the same number: the sender was started anew, its old chunks are worth nothing.
   if (found != open_.end() && same_transfer(found->second.header, chunk)) return found->second;
-  if (found != open_.end()) open_.erase(found);
-  if (open_.size() >= kMaxOpen) {
-    open_.erase(std::min_element(open_.begin(), open_.end(), [](const auto& a, const auto& b) {
-      return a.second.last_chunk_us < b.second.last_chunk_us;
-    }));
-  }
+  if (found != open_.end()) forget(found);
+  make_room(kMaxOpen - 1, id);
   Assembly& assembly = open_[id];
   assembly.header = chunk;
   assembly.header.data.clear();
   assembly.header.size = 0;
   return assembly;
+}
+
+void ChunkReceiver::forget(std::map<Id, Assembly>::iterator assembly) {
+  held_bytes_ -= assembly->second.held_bytes;
+  open_.erase(assembly);
+}
+
+// What had no news for longest goes. One payload fits (see is_plausible), so the one in hand need not.
+void ChunkReceiver::make_room(size_t max_open, const Id& but_for) {
+  while (open_.size() > max_open || held_bytes_ > options_.max_held_bytes) {
+    auto oldest = open_.end();
+    for (auto it = open_.begin(); it != open_.end(); ++it)
+      if (it->first != but_for && (oldest == open_.end() || it->second.last_chunk_us < oldest->second.last_chunk_us))
+        oldest = it;
+    if (oldest == open_.end()) return;
+    // Said once, then counted: whoever floods us shall not fill the log.
+    if (dropped_++ == 0)
+      log_warning("{} of {} bytes from {} are dropped: {} transfers with {} bytes are under way, {} with {} may be",
+                  oldest->second.held_bytes, oldest->second.header.total_size, oldest->first.first, open_.size(),
+                  held_bytes_, kMaxOpen, options_.max_held_bytes);
+    forget(oldest);
+  }
 }
 
 void ChunkReceiver::complete(const Id& id) {
@@ -108,12 +134,13 @@ void ChunkReceiver::complete(const Id& id) {
   if (!intact && ++assembly.restarts <= kMaxRestarts) {
     log_warning("{} bytes from {} arrived damaged and are asked for again", bytes.size(), id.first);
     assembly.pieces.clear();
+    held_bytes_ -= std::exchange(assembly.held_bytes, 0);
     assembly.next_index = 0;
     acknowledge(assembly, assembly.header.count);
     return;
   }
   const chunk_t header = std::move(assembly.header);
-  open_.erase(id);
+  forget(open_.find(id));
   Verdict verdict{false, "the checksum does not match", 0};
   if (intact) {
     try {
@@ -163,7 +190,7 @@ void ChunkReceiver::tick(int64_t now_us) {
     if (now_us < assembly.last_chunk_us || now_us < assembly.last_ack_us)
       assembly.last_chunk_us = assembly.last_ack_us = now_us;
     if (now_us - assembly.last_chunk_us >= options_.give_up_us && assembly.requests >= kMinRequests) {
-      it = open_.erase(it);
+      forget(it++);
       continue;
     }
     if (now_us - std::max(assembly.last_chunk_us, assembly.last_ack_us) >= options_.retry_us) {

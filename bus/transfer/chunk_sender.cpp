@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "bus/transfer/chunked_transfer.h"
 
@@ -16,25 +17,29 @@ constexpr int kMinRepeats = 3;  // before giving up, however far the clock jumpe
 ChunkSender::ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
                          const TransferOptions& options)
     : bus_(bus), data_channel_(std::move(data_channel)), name_(std::move(sender_name)), options_(options) {
-  options_.chunk_bytes = std::clamp(options_.chunk_bytes, 1000, 60000);
+  options_.chunk_bytes = std::clamp(options_.chunk_bytes, kMinChunkBytes, kMaxChunkBytes);
   options_.window_chunks = std::max(options_.window_chunks, 1);
   bus_.subscribe<chunk_ack_t>(ack_channel, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                               [this](const chunk_ack_t& ack) { on_ack(ack); });
 }
 
 int64_t ChunkSender::send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
-                          DoneHandler done) {
+                          DoneHandler done, std::optional<int64_t> checksum) {
   Transfer transfer;
   // Not 1, 2, 3: after a restart under the same name the receiver must not take it for an earlier transfer.
   transfer.id = last_id_ = std::max(last_id_ + 1, bus_.now_us());
   transfer.receiver = receiver;
+  transfer.done = std::move(done);
+  if (static_cast<int64_t>(payload.size()) > options_.max_payload_bytes) {
+    oversized_.push_back(std::move(transfer));
+    return last_id_;
+  }
   transfer.kind = kind;
   transfer.request_id = request_id;
-  transfer.checksum = static_cast<int64_t>(crc32_z(0, payload.data(), payload.size()));
+  transfer.checksum = checksum ? *checksum : static_cast<int64_t>(crc32_z(0, payload.data(), payload.size()));
   const int64_t chunks = (static_cast<int64_t>(payload.size()) + options_.chunk_bytes - 1) / options_.chunk_bytes;
   transfer.count = static_cast<int32_t>(std::max<int64_t>(1, chunks));
   transfer.payload = std::move(payload);
-  transfer.done = std::move(done);
   std::deque<Transfer>& queue = queues_[receiver];
   queue.push_back(std::move(transfer));
   if (queue.size() == 1) start(queue.front());
@@ -109,7 +114,16 @@ void ChunkSender::finish(const std::string& receiver, const TransferResult& resu
   if (done) done(result);  // last: it may send the next payload
 }
 
+// Not at once: who sends may not be ready for an answer yet.
+void ChunkSender::refuse_oversized() {
+  const std::string why =
+      fmt::format("it is larger than {} bytes, the most that is sent at once", options_.max_payload_bytes);
+  for (const Transfer& transfer : std::exchange(oversized_, {}))
+    if (transfer.done) transfer.done({transfer.id, false, why, 0});
+}
+
 void ChunkSender::tick(int64_t now_us) {
+  refuse_oversized();
   std::vector<std::string> given_up;
   for (auto& [receiver, queue] : queues_) {
     Transfer& transfer = queue.front();
@@ -133,7 +147,7 @@ void ChunkSender::tick(int64_t now_us) {
 }
 
 int ChunkSender::pending() const {
-  size_t count = 0;
+  size_t count = oversized_.size();
   for (const auto& [receiver, queue] : queues_) count += queue.size();
   return static_cast<int>(count);
 }

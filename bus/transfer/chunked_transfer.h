@@ -18,12 +18,17 @@
 
 namespace rumi {
 
+// Smaller ones, but for the last of a transfer, would cost more to keep than they bring; larger ones are more than one
+// LCM datagram.
+inline constexpr int kMinChunkBytes = 1000, kMaxChunkBytes = 60'000;
+
 struct TransferOptions {
-  int chunk_bytes = 48000;          // 1000 .. 60000: one LCM datagram
-  int window_chunks = 16;           // sent ahead of the last acknowledged chunk
-  int64_t retry_us = 300'000;       // without news: the sender repeats, the receiver asks again
-  int64_t give_up_us = 60'000'000;  // without any news: the sender reports failure, the receiver forgets
-  int64_t max_payload_bytes = int64_t{4} << 30;
+  int chunk_bytes = 48000;                       // kMinChunkBytes .. kMaxChunkBytes
+  int window_chunks = 16;                        // sent ahead of the last acknowledged chunk
+  int64_t retry_us = 300'000;                    // without news: the sender repeats, the receiver asks again
+  int64_t give_up_us = 60'000'000;               // without any news: the sender reports failure, the receiver forgets
+  int64_t max_payload_bytes = int64_t{4} << 30;  // larger ones are neither sent nor taken
+  int64_t max_held_bytes = int64_t{4} << 30;     // of all that came in part; beyond it the oldest transfer is dropped
 };
 
 struct TransferResult {
@@ -40,9 +45,10 @@ class ChunkSender {
   ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
               const TransferOptions& options = {});
 
-  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id.
+  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. One
+  // above max_payload_bytes is not sent: `done` says so at the next tick. The CRC-32 is computed where it is not given.
   int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
-               DoneHandler done);
+               DoneHandler done, std::optional<int64_t> checksum = {});
   void tick(int64_t now_us);
   // Payloads not yet acknowledged.
   int pending() const;
@@ -69,11 +75,13 @@ class ChunkSender {
   void send_window(Transfer& transfer);
   void send_chunk(Transfer& transfer, int32_t index);
   void finish(const std::string& receiver, const TransferResult& result);
+  void refuse_oversized();
   Bus& bus_;
   std::string data_channel_, name_;
   TransferOptions options_;
   int64_t last_id_ = 0, acknowledged_ = 0;
   std::map<std::string, std::deque<Transfer>> queues_;  // by receiver; none is empty, the first in each is under way
+  std::vector<Transfer> oversized_;                     // without their payloads, to be refused at the next tick
 };
 
 class ChunkReceiver {
@@ -99,6 +107,8 @@ class ChunkReceiver {
   // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the
   // first.
   std::optional<std::pair<int, int>> progress(int32_t request_id) const;
+  // Transfers that came in part and had to make room for others, so far.
+  int64_t dropped() const { return dropped_; }
 
  private:
   struct Assembly {
@@ -109,6 +119,7 @@ class ChunkReceiver {
     int restarts = 0;  // because of a wrong checksum
     int requests = 0;  // since the last chunk
     int64_t last_chunk_us = 0, last_ack_us = 0;
+    int64_t held_bytes = 0;
   };
   struct Finished {
     chunk_t header;
@@ -117,6 +128,8 @@ class ChunkReceiver {
   using Id = std::pair<std::string, int64_t>;  // sender, transfer
   void on_chunk(const chunk_t& chunk);
   Assembly& assembly_of(const Id& id, const chunk_t& chunk);
+  void forget(std::map<Id, Assembly>::iterator assembly);
+  void make_room(size_t max_open, const Id& but_for);
   void complete(const Id& id);
   void acknowledge(Assembly& assembly, int32_t end);
   Bus& bus_;
@@ -125,6 +138,7 @@ class ChunkReceiver {
   PayloadHandler handler_;
   TransferOptions options_;
   std::map<Id, Assembly> open_;
+  int64_t held_bytes_ = 0, dropped_ = 0;
   std::deque<Finished> recent_;
 };
 

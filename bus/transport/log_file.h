@@ -32,6 +32,7 @@ class LogReader {
   std::optional<LogEvent> next_on(const std::string& channel);
   // Empty, or why the file could not be opened or read on, with its name and the place.
   const std::string& error() const { return error_; }
+  int64_t size_bytes() const { return size_; }  // of the file
 
  private:
   std::optional<LogEvent> read(const std::string* only_channel);

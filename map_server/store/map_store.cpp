@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
@@ -21,9 +20,11 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr const char* kInMemory = ":memory:";
-constexpr int64_t kPagesPerFreeOne = 10;  // more free pages than every tenth are given back to the file system
-constexpr int kBusyTimeoutMs = 2000;      // for a reader (the sqlite3 tool, a backup) to get out of the way
+constexpr int64_t kPagesPerFreeOne = 10;       // more free pages than every tenth are given back to the file system
+constexpr int kPagesGivenBack = 256;           // with each save(): it takes the time of writing them
+constexpr std::chrono::seconds kStartWait{2};  // for a reader (the sqlite3 tool, a backup) to get out of the way
+// Later nobody hears us while we wait, and who is refused sends again.
+constexpr std::chrono::milliseconds kSaveWait{20};
 
 std::string holder_of(int fd) {
   char text[32] = {};
@@ -81,19 +82,24 @@ MapStore::MapStore(const std::string& file) : file_(file) {
   if (file_ != kInMemory) lock_ = FileLock(file_ + ".lock");
   try {
     db_ = Database(file_);
+    wait_ = kStartWait;
+    db_.wait_for_others(wait_);
     open();
+    wait_ = kSaveWait;
+    db_.wait_for_others(wait_);
   } catch (const SqliteError& error) {
     throw std::runtime_error(explain(error));
   }
 }
 
-MapStore MapStore::copy_in_memory(const std::string& file) {
-  if (!std::filesystem::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such map", file));
+MapStore MapStore::copy_in_memory(const std::string& file, std::chrono::milliseconds wait) {
+  if (!std::filesystem::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such file", file));
   MapStore store;
   store.file_ = file;  // that errors are about
+  store.wait_ = wait;
   try {
     Database original = Database::open_existing(file);
-    sqlite3_busy_timeout(original.handle(), kBusyTimeoutMs);
+    original.wait_for_others(wait);
     store.db_ = Database(kInMemory);
     store.db_.copy_from(original);
     store.open();
@@ -105,7 +111,6 @@ MapStore MapStore::copy_in_memory(const std::string& file) {
 }
 
 void MapStore::open() {
-  sqlite3_busy_timeout(db_.handle(), kBusyTimeoutMs);
   const int64_t version = db_.integer("PRAGMA user_version");
   const int64_t application = db_.integer("PRAGMA application_id");
   const bool is_new = version == 0 && application == 0 && db_.integer("SELECT count(*) FROM sqlite_master") == 0;
@@ -127,14 +132,18 @@ void MapStore::open() {
   if (is_new) {
     db_.execute(kMapSchema);
     db_.execute(kMapSchemaPlacements);
+    db_.execute(kMapSchemaLinks);
   } else {
+    if (version > 1) db_.execute(kMapSchemaFrom4);
+    db_.execute(kMapSchemaPlacements);
+    if (version > 1) db_.execute(kMapSchemaTo5);
     if (version == 1) {
-      db_.execute(kMapSchemaPlacements);
+      db_.execute(kMapSchemaLinks);
       db_.execute(kMapSchemaFrom1To2);
     }
     if (version <= 2) db_.execute(kMapSchemaFrom2To3);
     if (version <= 3) db_.execute(kMapSchemaFrom3To4);
-    db_.execute(kMapSchemaFrom4To5);
+    db_.execute(kMapSchemaPyramids);
     log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
   db_.execute(
@@ -160,10 +169,22 @@ std::string MapStore::explain(const SqliteError& error) const {
                          file_);
     case SQLITE_BUSY:
     case SQLITE_LOCKED:
-      return fmt::format("{} is locked by another program ({}); close it", file_, what);
+      return explain_busy();
     default:
       return fmt::format("{}: {}", file_, what);
   }
+}
+
+std::string MapStore::explain_busy() const {
+  const int lock = ::open((file_ + ".lock").c_str(), O_RDONLY | O_CLOEXEC);
+  const bool by_server = lock >= 0 && flock(lock, LOCK_SH | LOCK_NB) != 0;
+  const std::string who = by_server ? fmt::format("a map_server, pid {}, has it open", holder_of(lock))
+                                    : "no map_server has it open; an sqlite3 shell or a backup may";
+  if (lock >= 0) ::close(lock);
+  return fmt::format(
+      "{} is busy: another program has kept it locked for {} s ({}); let that one finish or end it, then "
+      "try again",
+      file_, std::chrono::duration<double>(wait_).count(), who);
 }
 
 int64_t MapStore::stored_revision(SubmapKey key) const {
@@ -171,12 +192,19 @@ int64_t MapStore::stored_revision(SubmapKey key) const {
   return it == stored_.end() ? 0 : it->second.revision;
 }
 
-int64_t MapStore::bytes() { return db_.integer("PRAGMA page_count") * db_.integer("PRAGMA page_size"); }
+int64_t MapStore::bytes() {
+  try {
+    bytes_ = db_.integer("PRAGMA page_count") * db_.integer("PRAGMA page_size");
+  } catch (const SqliteError&) {
+    return bytes_;  // what is wrong is said when the next save() fails
+  }
+  return bytes_;
+}
 
 void MapStore::give_back_pages() {
   try {
     if (db_.integer("PRAGMA freelist_count") * kPagesPerFreeOne > db_.integer("PRAGMA page_count"))
-      db_.execute("PRAGMA incremental_vacuum");
+      db_.execute(fmt::format("PRAGMA incremental_vacuum({})", kPagesGivenBack));
   } catch (const SqliteError&) {
     return;  // nothing is lost by it; after the next save() again
   }
@@ -188,38 +216,5 @@ void MapStore::limit_bytes(int64_t bytes) {
 }
 
 int64_t MapStore::changes() const { return sqlite3_total_changes(db_.handle()); }
-
-std::string MapStore::write_copy(const std::string& file) {
-  const std::string temporary = file + ".tmp";
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  try {
-    Statement(db_, "VACUUM INTO ?").bind(temporary).run();
-  } catch (const SqliteError& error) {
-    std::filesystem::remove(temporary, ignored);
-    return fmt::format("cannot write {}: {}", file, error.what());
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, file, error);
-  if (!error) return {};
-  std::filesystem::remove(temporary, ignored);
-  return fmt::format("cannot write {}: {}", file, error.message());
-}
-
-std::vector<uint8_t> MapStore::copy_bytes(std::string* error) {
-  const bool in_memory = file_ == kInMemory;
-  const std::string beside = in_memory ? (std::filesystem::temp_directory_path() / "map.db").string() : file_;
-  const std::string temporary = fmt::format("{}.snapshot-{}", beside, getpid());
-  std::vector<uint8_t> bytes;
-  *error = write_copy(temporary);
-  if (error->empty()) {
-    std::ifstream in(temporary, std::ios::binary);
-    bytes.assign(std::istreambuf_iterator<char>(in), {});
-    if (!in.good() && !in.eof()) *error = fmt::format("cannot read {}", temporary);
-  }
-  std::error_code ignored;
-  std::filesystem::remove(temporary, ignored);
-  return error->empty() ? bytes : std::vector<uint8_t>{};
-}
 
 }  // namespace rumi::map_server

@@ -60,6 +60,7 @@ Atlas MapStore::load() {
   Atlas atlas;
   try {
     stored_.clear();
+    is_behind_ = false;
     Statement frames(db_, "SELECT utime, session, state, submap FROM frames");
     while (frames.step())
       atlas.record_frame(frames.integer(0), {.session = frames.integer(1),
@@ -91,7 +92,7 @@ void MapStore::load_submaps(Atlas* atlas) {
     s.pyramid = checked_pyramid(rows.integer(9), rows.real(10));
     owner.in_map = rows.integer(7) != 0;
     load_elements(rows.integer(0), &s);
-    stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8)};
+    stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8), rows.integer(8)};
     keys[rows.integer(0)] = s.key;
     atlas->restore_submap(std::move(owner));
   }

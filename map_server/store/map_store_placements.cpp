@@ -10,6 +10,8 @@
 namespace rumi::map_server {
 namespace {
 
+constexpr const char* kPlacementTables[] = {"placed_keyframes", "placed_landmarks", "fused_landmarks"};
+
 Sim3 checked_similarity(std::span<const uint8_t> blob) {
   const Sim3 similarity = similarity_from_numbers(array_from_blob<SimilarityNumbers>(blob));
   if (!similarity.is_finite() || similarity.scale <= 0) throw std::runtime_error("a similarity is none");
@@ -22,9 +24,54 @@ SubmapKey key_of(int64_t row, const std::map<int64_t, SubmapKey>& keys) {
   return key->second;
 }
 
+// Of the placements that count. A submap that is placed but missing is found, too.
+std::string select_placed(const std::string& columns, const std::string& table) {
+  return fmt::format(
+      "SELECT p.submap, {} FROM {} p LEFT JOIN submaps s ON s.submap = p.submap "
+      "WHERE p.revision IS coalesce(s.placement_revision, p.revision)",
+      columns, table);
+}
+
 }  // namespace
 
-void MapStore::save_map(const Atlas& atlas, std::map<SubmapKey, Stored>* rows) {
+// True when all are written. One is at every call, so that there is an end.
+bool MapStore::save_placements(const Atlas& atlas, Deadline deadline, Rows* rows) {
+  bool is_late = false;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    Stored& stored = rows->at(key);
+    if (stored.written_placement_revision == owner.placement.revision) continue;
+    if (is_late) return false;
+    save_placement(owner.placement, stored.row, *rows);
+    stored.written_placement_revision = owner.placement.revision;
+    stored.has_others = true;
+    is_late = std::chrono::steady_clock::now() >= deadline;
+  }
+  return true;
+}
+
+void MapStore::save_placement(const Placement& placement, int64_t row, const Rows& rows) {
+  // Whoever died in the middle may have left some of a revision that now comes again.
+  for (const char* table : kPlacementTables)
+    Statement(db_, fmt::format("DELETE FROM {} WHERE submap = ? AND revision = ?", table))
+        .bind(row, placement.revision)
+        .run();
+  Statement keyframe(db_, "INSERT INTO placed_keyframes VALUES (?, ?, ?, ?)");
+  for (const auto& [utime_us, map_from_submap] : placement.map_from_submap) {
+    const SimilarityNumbers numbers = similarity_numbers(map_from_submap);
+    keyframe.bind(row, placement.revision, utime_us, as_blob(numbers)).run();
+  }
+  Statement landmark(db_, "INSERT INTO placed_landmarks VALUES (?, ?, ?, ?)");
+  for (const auto& [id, position] : placement.landmarks) {
+    const std::array<double, 3> numbers{position.x(), position.y(), position.z()};
+    landmark.bind(row, placement.revision, id, as_blob(numbers)).run();
+  }
+  Statement fused(db_, "INSERT INTO fused_landmarks VALUES (?, ?, ?, ?, ?)");
+  for (const auto& [id, into] : placement.fused)
+    fused.bind(row, placement.revision, id, rows.at(into.submap).row, into.id).run();
+}
+
+// From here on what was written counts.
+void MapStore::save_map(const Atlas& atlas, Rows* rows) {
   Statement(db_, "UPDATE atlas SET map_revision = ?1 WHERE map_revision <> ?1").bind(atlas.revision()).run();
   Statement update(db_, "UPDATE submaps SET in_map = ?, placement_revision = ? WHERE submap = ?");
   for (const auto& [key, owner] : atlas.submaps()) {
@@ -32,30 +79,29 @@ void MapStore::save_map(const Atlas& atlas, std::map<SubmapKey, Stored>* rows) {
     const int64_t revision = owner.placement.revision;
     if (owner.in_map == stored.in_map && revision == stored.placement_revision) continue;
     update.bind(owner.in_map, revision, stored.row).run();
-    if (revision != stored.placement_revision) save_placement(owner.placement, stored.row, *rows);
     stored.in_map = owner.in_map;
     stored.placement_revision = revision;
   }
 }
 
-void MapStore::save_placement(const Placement& placement, int64_t row, const std::map<SubmapKey, Stored>& rows) {
-  for (const char* table : {"placed_keyframes", "placed_landmarks", "fused_landmarks"})
-    Statement(db_, fmt::format("DELETE FROM {} WHERE submap = ?", table)).bind(row).run();
-  Statement keyframe(db_, "INSERT INTO placed_keyframes VALUES (?, ?, ?)");
-  for (const auto& [utime_us, map_from_submap] : placement.map_from_submap) {
-    const SimilarityNumbers numbers = similarity_numbers(map_from_submap);
-    keyframe.bind(row, utime_us, as_blob(numbers)).run();
+// True when there are none left.
+bool MapStore::remove_other_placements(Deadline deadline, Rows* rows) {
+  bool is_late = false;
+  for (auto& [key, stored] : *rows) {
+    if (!stored.has_others) continue;
+    if (is_late) return false;
+    for (const char* table : kPlacementTables)
+      Statement(db_, fmt::format("DELETE FROM {} WHERE submap = ? AND revision NOT IN (?, ?)", table))
+          .bind(stored.row, stored.placement_revision, stored.written_placement_revision)
+          .run();
+    // The one that counts until then is still there.
+    stored.has_others = stored.placement_revision != stored.written_placement_revision;
+    is_late = std::chrono::steady_clock::now() >= deadline;
   }
-  Statement landmark(db_, "INSERT INTO placed_landmarks VALUES (?, ?, ?)");
-  for (const auto& [id, position] : placement.landmarks) {
-    const std::array<double, 3> numbers{position.x(), position.y(), position.z()};
-    landmark.bind(row, id, as_blob(numbers)).run();
-  }
-  Statement fused(db_, "INSERT INTO fused_landmarks VALUES (?, ?, ?, ?)");
-  for (const auto& [id, into] : placement.fused) fused.bind(row, id, rows.at(into.submap).row, into.id).run();
+  return true;
 }
 
-void MapStore::save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>& rows) {
+void MapStore::save_links(const Atlas& atlas, const Rows& rows) {
   if (atlas.links() == stored_links_) return;
   db_.execute("DELETE FROM links");
   Statement insert(db_, "INSERT INTO links VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
@@ -71,18 +117,18 @@ void MapStore::save_links(const Atlas& atlas, const std::map<SubmapKey, Stored>&
 
 void MapStore::load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys) {
   std::map<SubmapKey, Placement> placements;
-  Statement keyframes(db_, "SELECT submap, utime, map_from_submap FROM placed_keyframes");
+  Statement keyframes(db_, select_placed("p.utime, p.map_from_submap", "placed_keyframes"));
   while (keyframes.step())
     placements[key_of(keyframes.integer(0), keys)].map_from_submap[keyframes.integer(1)] =
         checked_similarity(keyframes.blob(2));
-  Statement landmarks(db_, "SELECT submap, id, position FROM placed_landmarks");
+  Statement landmarks(db_, select_placed("p.id, p.position", "placed_landmarks"));
   while (landmarks.step()) {
     const auto position = array_from_blob<std::array<double, 3>>(landmarks.blob(2));
     const Eigen::Vector3d in_map(position[0], position[1], position[2]);
     if (!in_map.allFinite()) throw std::runtime_error("the place of a landmark is none");
     placements[key_of(landmarks.integer(0), keys)].landmarks[static_cast<int>(landmarks.integer(1))] = in_map;
   }
-  Statement fused(db_, "SELECT submap, id, into_submap, into_id FROM fused_landmarks");
+  Statement fused(db_, select_placed("p.id, p.into_submap, p.into_id", "fused_landmarks"));
   while (fused.step())
     placements[key_of(fused.integer(0), keys)].fused[static_cast<int>(fused.integer(1))] = {
         key_of(fused.integer(2), keys), static_cast<int>(fused.integer(3))};

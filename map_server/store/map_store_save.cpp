@@ -37,23 +37,42 @@ void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
 
 }  // namespace
 
-std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
+std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
+                           std::optional<std::chrono::milliseconds> budget) {
+  const Deadline deadline = budget ? std::chrono::steady_clock::now() + *budget : Deadline::max();
   try {
     Transaction transaction(db_);
-    std::map<SubmapKey, Stored> rows = stored_;
-    for (const auto& [key, owner] : atlas.submaps())
-      if (owner.submap.revision > rows[key].revision) rows[key] = save_submap(owner, rows[key]);
-    save_map(atlas, &rows);
-    save_links(atlas, rows);
+    Rows rows = stored_;
+    const bool has_submaps = save_submaps(atlas, deadline, &rows);
     save_frames(atlas, frame_utimes_us);
+    const bool is_whole = has_submaps && save_placements(atlas, deadline, &rows);
+    if (is_whole) {
+      save_map(atlas, &rows);
+      save_links(atlas, rows);
+    }
+    const bool is_clean = remove_other_placements(deadline, &rows);
     transaction.commit();
     stored_ = std::move(rows);
-    stored_links_ = atlas.links();
+    if (is_whole) stored_links_ = atlas.links();
+    is_behind_ = !is_whole || !is_clean;
     give_back_pages();
     return {};
   } catch (const SqliteError& error) {
     return explain(error);
   }
+}
+
+// True when all are written. One is at every call, so that there is an end.
+bool MapStore::save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows) {
+  bool is_late = false;
+  for (const auto& [key, owner] : atlas.submaps()) {
+    Stored& stored = (*rows)[key];
+    if (owner.submap.revision <= stored.revision) continue;
+    if (is_late) return false;
+    stored = save_submap(owner, stored);
+    is_late = std::chrono::steady_clock::now() >= deadline;
+  }
+  return true;
 }
 
 MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {

@@ -10,30 +10,37 @@ namespace rumi::map_server {
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
 inline constexpr int kMapSchemaVersion = 5;           // PRAGMA user_version; raise it with every change of the schema
 
-// What version 2 added to version 1: where the submaps of the map lie in it.
+// What version 2 added to version 1: where the submaps of the map lie in it. Since version 5 with the revision: rows of
+// another one than submaps.placement_revision are on their way in or out, and do not count.
 inline constexpr const char* kMapSchemaPlacements = R"sql(
 CREATE TABLE placed_keyframes (           -- a submap of the map bends with its keyframes
   submap INTEGER NOT NULL REFERENCES submaps,
+  revision INTEGER NOT NULL,
   utime INTEGER NOT NULL,                 -- of the keyframe
   map_from_submap BLOB NOT NULL,          -- similarity
-  PRIMARY KEY (submap, utime)
+  PRIMARY KEY (submap, revision, utime)
 ) WITHOUT ROWID;
 
 CREATE TABLE placed_landmarks (           -- those that do not just follow their keyframe
   submap INTEGER NOT NULL REFERENCES submaps,
+  revision INTEGER NOT NULL,
   id INTEGER NOT NULL,
   position BLOB NOT NULL,                 -- 3 float64, in the map
-  PRIMARY KEY (submap, id)
+  PRIMARY KEY (submap, revision, id)
 ) WITHOUT ROWID;
 
 CREATE TABLE fused_landmarks (            -- these are the same point as another landmark
   submap INTEGER NOT NULL REFERENCES submaps,
+  revision INTEGER NOT NULL,
   id INTEGER NOT NULL,
   into_submap INTEGER NOT NULL REFERENCES submaps (submap),
   into_id INTEGER NOT NULL,
-  PRIMARY KEY (submap, id)
+  PRIMARY KEY (submap, revision, id)
 ) WITHOUT ROWID;
+)sql";
 
+// What else it added.
+inline constexpr const char* kMapSchemaLinks = R"sql(
 CREATE TABLE links (                      -- attempts to align two submaps
   link INTEGER PRIMARY KEY,
   a INTEGER NOT NULL REFERENCES submaps (submap),
@@ -140,7 +147,8 @@ CREATE TABLE frames (                     -- what front_tracker said when it saw
 inline constexpr const char* kMapSchemaFrom1To2 = R"sql(
 ALTER TABLE submaps ADD COLUMN placement_revision INTEGER NOT NULL DEFAULT 0;
 INSERT INTO placed_keyframes
-  SELECT s.submap, min(k.utime), s.map_from_submap FROM submaps s JOIN keyframes k ON k.submap = s.submap
+  SELECT s.submap, (SELECT max(map_revision, 1) FROM atlas), min(k.utime), s.map_from_submap
+  FROM submaps s JOIN keyframes k ON k.submap = s.submap
   WHERE s.in_map AND s.map_from_submap <>
     x'000000000000F03F000000000000F03F000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000'
   GROUP BY s.submap;
@@ -159,8 +167,26 @@ ALTER TABLE frame_poses ADD COLUMN rotation_sigma_rad REAL;
 ALTER TABLE frame_poses ADD COLUMN log_scale_sigma REAL;
 )sql";
 
-// Version 4 knew one pyramid only.
-inline constexpr const char* kMapSchemaFrom4To5 = R"sql(
+// Version 4 had one placement of a submap, to be replaced in one go. Before and after kMapSchemaPlacements.
+inline constexpr const char* kMapSchemaFrom4 = R"sql(
+ALTER TABLE placed_keyframes RENAME TO placed_keyframes_4;
+ALTER TABLE placed_landmarks RENAME TO placed_landmarks_4;
+ALTER TABLE fused_landmarks RENAME TO fused_landmarks_4;
+)sql";
+inline constexpr const char* kMapSchemaTo5 = R"sql(
+INSERT INTO placed_keyframes SELECT p.submap, s.placement_revision, p.utime, p.map_from_submap
+  FROM placed_keyframes_4 p JOIN submaps s ON s.submap = p.submap;
+INSERT INTO placed_landmarks SELECT p.submap, s.placement_revision, p.id, p.position
+  FROM placed_landmarks_4 p JOIN submaps s ON s.submap = p.submap;
+INSERT INTO fused_landmarks SELECT p.submap, s.placement_revision, p.id, p.into_submap, p.into_id
+  FROM fused_landmarks_4 p JOIN submaps s ON s.submap = p.submap;
+DROP TABLE placed_keyframes_4;
+DROP TABLE placed_landmarks_4;
+DROP TABLE fused_landmarks_4;
+)sql";
+
+// Versions before 5 knew one pyramid only.
+inline constexpr const char* kMapSchemaPyramids = R"sql(
 ALTER TABLE submaps ADD COLUMN levels INTEGER NOT NULL DEFAULT 8;
 ALTER TABLE submaps ADD COLUMN scale_factor REAL NOT NULL DEFAULT 1.2;
 )sql";

@@ -2,11 +2,10 @@
 #include "rumi/outputs/map_file.h"
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 #include <stdlib.h>
 
 #include <filesystem>
-#include <memory>
+#include <stdexcept>
 
 #include "base/whole_file.h"
 #include "map_server/outputs/writers.h"
@@ -34,31 +33,10 @@ class TemporaryFolder {
   std::string name_;
 };
 
-// A consistent copy, whoever else reads or writes the file.
-void copy_database(const std::string& from, const std::string& to) {
-  sqlite3* handle = nullptr;
-  // Nothing is written, but only a connection that might removes SQLite's files beside the database at its end. A file
-  // that may not be written is opened for reading all the same.
-  int code = sqlite3_open_v2(from.c_str(), &handle, SQLITE_OPEN_READWRITE, nullptr);
-  const std::unique_ptr<sqlite3, decltype(&sqlite3_close)> database(handle, &sqlite3_close);
-  if (code == SQLITE_OK) {
-    sqlite3_busy_timeout(handle, 5000);
-    const std::unique_ptr<char, decltype(&sqlite3_free)> sql(sqlite3_mprintf("VACUUM INTO %Q", to.c_str()),
-                                                             &sqlite3_free);
-    code = sqlite3_exec(handle, sql.get(), nullptr, nullptr, nullptr);
-  }
-  if (code != SQLITE_OK)
-    throw std::runtime_error(fmt::format("{}: cannot be read as a map: {}", from, sqlite3_errmsg(handle)));
-}
-
 }  // namespace
 
-map_server::Atlas load_map(const std::string& file) {
-  if (!fs::is_regular_file(file)) throw std::runtime_error(fmt::format("{}: there is no such file", file));
-  const TemporaryFolder folder;
-  const std::string copy = folder.file("map.db");
-  copy_database(file, copy);
-  return map_server::MapStore(copy).load();
+map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait) {
+  return map_server::MapStore::copy_in_memory(file, wait).load();
 }
 
 map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to) {

@@ -2,6 +2,7 @@
 // map.db as a file that somebody else may be using, and an atlas as the outputs of a run.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -14,8 +15,8 @@
 namespace rumi::tool {
 
 // Reads a map without locking or changing it, also while a map_server has it open. Throws std::runtime_error with a
-// message for the user.
-map_server::Atlas load_map(const std::string& file);
+// message for the user, also if somebody keeps it locked for longer than `wait`.
+map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait = map_server::kReaderWait);
 
 // A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
 map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);

@@ -150,24 +150,16 @@ Json LiveStatus::tracking_json() const {
 }
 
 Json LiveStatus::map_json() const {
-  int64_t front = 0, back = 0, in_map = 0, keyframes = 0, landmarks = 0, accepted = 0;
-  for (const submap_summary_t& submap : map_->submaps) {
-    ++(submap.kind == 0 ? front : back);
-    in_map += submap.in_map;
-    keyframes += submap.keyframes;
-    landmarks += submap.landmarks;
-  }
-  for (const link_t& link : map_->links) accepted += link.accepted;
   return {{"revision", map_->map_revision},
           {"frames", map_->frames},
           {"frames_in_map", map_->frames_in_map},
-          {"front_submaps", front},
-          {"back_submaps", back},
-          {"submaps_in_map", in_map},
-          {"keyframes", keyframes},
-          {"landmarks", landmarks},
-          {"links_accepted", accepted},
-          {"links_refused", static_cast<int64_t>(map_->links.size()) - accepted},
+          {"front_submaps", map_->front_submaps},
+          {"back_submaps", map_->back_submaps},
+          {"submaps_in_map", map_->submaps_in_map},
+          {"keyframes", map_->keyframes},
+          {"landmarks", map_->landmarks},
+          {"links_accepted", map_->links_accepted},
+          {"links_refused", map_->links_in_all - map_->links_accepted},
           {"merging", static_cast<bool>(map_->merging)},
           {"database_mb", rounded(static_cast<double>(map_->database_bytes) / 1e6)}};
 }

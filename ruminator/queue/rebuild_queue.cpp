@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/process_name.h"
 #include "bus/process/process.h"
+#include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "ruminator/window/window_message.h"
 
@@ -407,7 +408,7 @@ void RebuildQueue::deliver(int64_t now_us) {
   if (submap.empty()) problem = spool_->read_submap(entry->name, &submap);
   submap_update_t update;
   if (problem.empty() && !Bus::decode(submap, &update))
-    problem = "its back submap in the spool is damaged, or of another version";
+    problem = fmt::format("its back submap cannot be sent: {}", why_undecodable<submap_update_t>(submap));
   if (problem.empty())
     send(entry, std::move(submap));
   else

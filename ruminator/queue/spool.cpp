@@ -20,6 +20,7 @@
 #include "base/log.h"
 #include "base/stage_clock.h"
 #include "base/whole_file.h"
+#include "bus/transport/bus.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -220,10 +221,15 @@ std::string Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
 }
 
 std::string Spool::read_submap(JobName name, std::vector<uint8_t>* submap) const {
-  std::ifstream in(file(name, kSubmap), std::ios::binary);
-  submap->assign(std::istreambuf_iterator<char>(in), {});
-  if (in.good() || in.eof()) return "";
-  return fmt::format("{}: cannot be read ({})", file(name, kSubmap), std::strerror(errno));
+  const std::string path = file(name, kSubmap);
+  std::error_code code;
+  const auto bytes = fs::file_size(path, code);
+  if (!code && bytes > kMaxMessageBytes)
+    return fmt::format("{}: has {} bytes, a back submap has at most {}", path, bytes, kMaxMessageBytes);
+  submap->resize(code ? 0 : bytes);
+  std::ifstream in(path, std::ios::binary);
+  if (!code && in.read(reinterpret_cast<char*>(submap->data()), static_cast<std::streamsize>(bytes))) return "";
+  return fmt::format("{}: cannot be read ({})", path, code ? code.message() : std::strerror(errno));
 }
 
 std::string Spool::complete(JobName name) {
@@ -267,7 +273,9 @@ void Spool::prune_failed() {
     failure.files.push_back(path);
     total += bytes;
   }
-  while (total > max_failed_bytes_ && !failures.empty()) {
+  // The latest stays, even if it alone is too large: it may be nobody's window, and is not ours to destroy.
+  const size_t left = max_failed_bytes_ > 0 ? 1 : 0;
+  while (total > max_failed_bytes_ && failures.size() > left) {
     const auto oldest = std::min_element(failures.begin(), failures.end(),
                                          [](const auto& a, const auto& b) { return a.second.time < b.second.time; });
     for (const fs::path& path : oldest->second.files) remove_quietly(path);

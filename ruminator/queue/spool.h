@@ -71,7 +71,8 @@ class Spool {
   std::string store_submap(JobName name, std::span<const uint8_t> submap);  // ends the job
   std::string read_submap(JobName name, std::vector<uint8_t>* submap) const;
   std::string complete(JobName name);  // map_server has it: nothing remains but the id
-  // Moves the job to failed/, and removes the oldest there until all fit. Returns where it is now, or an empty string.
+  // Moves the job to failed/, and removes the oldest there until all fit or, unless nothing is to be kept, it is alone.
+  // Returns where it is now, or an empty string.
   std::string fail(JobName name, const std::string& reason);
 
   std::string window_file(JobName name) const { return file(name, ".window"); }

@@ -12,6 +12,7 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
+#include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/window_job_t.hpp"
 #include "ruminator/window/window_message.h"
 
@@ -134,7 +135,8 @@ std::string read_images(LogReader& log, const window_job_t& manifest, WindowJobF
       return fmt::format("an event on {}: after the manifest come images on {} only", event->channel,
                          channels::kCamera);
     image_t image;
-    if (!Bus::decode(event->data, &image)) return fmt::format("image {}: does not decode", event->utime_us);
+    if (!Bus::decode(event->data, &image))
+      return fmt::format("image {}: {}", event->utime_us, why_undecodable<image_t>(event->data));
     if (std::string error = checker.take(image); !error.empty()) return error;
     if (check_image(image).empty())
       result->job.images.push_back(std::move(image));
@@ -147,6 +149,11 @@ std::string read_images(LogReader& log, const window_job_t& manifest, WindowJobF
 WindowJobFile read(const std::string& file, bool with_images) {
   WindowJobFile result;
   LogReader log(file);
+  if (log.error().empty() && log.size_bytes() > kMaxWindowBytes) {
+    result.error = fmt::format("{}: has {} bytes, a window has at most {}; it is something else, or move it elsewhere",
+                               file, log.size_bytes(), kMaxWindowBytes);
+    return result;
+  }
   const std::optional<LogEvent> first = log.next();
   window_job_t manifest;
   std::string error;
@@ -155,7 +162,7 @@ WindowJobFile read(const std::string& file, bool with_images) {
   else if (first->channel != kWindowJobChannel)
     error = fmt::format("is no window: begins with an event on {}, not {}", first->channel, kWindowJobChannel);
   else if (!Bus::decode(first->data, &manifest))
-    error = "its manifest does not decode: damaged, or of another version";
+    error = fmt::format("its manifest cannot be read: {}", why_undecodable<window_job_t>(first->data));
   else
     error = read_manifest(manifest, &result.job);
   if (first && error.empty() && with_images) error = read_images(log, manifest, &result);
@@ -170,8 +177,12 @@ std::string check_job(const window_job_t& manifest, const WindowJob& job) {
   WindowJob as_read;
   if (std::string error = read_manifest(manifest, &as_read); !error.empty()) return error;
   ImageChecker checker(manifest, as_read.camera);
-  for (const image_t& image : job.images)
+  int64_t bytes = 0;
+  for (const image_t& image : job.images) {
     if (std::string error = checker.take(image); !error.empty()) return error;
+    bytes += image.getEncodedSize();
+  }
+  if (bytes > kMaxWindowBytes) return fmt::format("its images have {} bytes, {} are allowed", bytes, kMaxWindowBytes);
   return checker.check_complete();
 }
 

@@ -3,6 +3,7 @@
 // file is an lcm log: one RUMI_WINDOW_JOB event (the manifest), then the images on CAMERA in order of time.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,9 @@
 namespace rumi::ruminator {
 
 inline constexpr const char* kWindowJobChannel = "RUMI_WINDOW_JOB";
+
+// A file is read whole into memory: larger ones are refused.
+inline constexpr int64_t kMaxWindowBytes = int64_t{2} << 30;
 
 struct WindowJob {
   RuminationWindow window;

@@ -77,7 +77,9 @@ class BackSubmapFetcherTest : public testing::Test {
     map_status_t status{};
     status.nsubmaps = static_cast<int32_t>(summaries.size());
     status.submaps = std::move(summaries);
-    fetcher_.on_map_status(status);
+    MapOverview map;
+    map.take(status);
+    fetcher_.on_map(map);
     settle(3);
   }
   void settle(int steps) {
@@ -113,6 +115,21 @@ TEST_F(BackSubmapFetcherTest, TakesWhatTheMapHoldsOnceOldestFirst) {
   submaps_[-2].revision += 1;
   tell({summary(-3), summary(-2), summary(-1)});
   EXPECT_EQ(taken_, (std::vector<int>{-1, -2, -3, -2})) << "it has changed";
+}
+
+TEST_F(BackSubmapFetcherTest, AMapOfSeveralPagesIsLearnedWholeAndNothingIsForgotten) {
+  MapOverview map;
+  for (const int id : {-2, -1, -3, -2}) {
+    map_status_t page{};
+    page.back_submaps = 3;
+    page.nsubmaps = 1;
+    page.submaps = {summary(id)};
+    map.take(page);
+    fetcher_.on_map(map);
+    settle(3);
+  }
+  EXPECT_EQ(taken_, (std::vector<int>{-2, -1, -3}));
+  EXPECT_TRUE(forgotten_.empty());
 }
 
 TEST_F(BackSubmapFetcherTest, AsksForNothingElse) {

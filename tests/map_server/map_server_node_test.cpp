@@ -6,13 +6,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <random>
+#include <thread>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/map_overview.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_region_t.hpp"
-#include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "tests/map_server/test_atlas.h"
 
@@ -247,6 +249,33 @@ TEST_F(MapServerNodeTest, StatusTellsTheWholeAtlasAtOneHertz) {
   bus_.publish(channels::kMapRequest, request);
   bus_.dispatch();
   EXPECT_EQ(statuses_.size(), 1);
+}
+
+TEST_F(MapServerNodeTest, AMapOfAnySizeIsToldInDatagramsAndWholeWhenAskedFor) {
+  for (int id = 1; id <= 1000; ++id)
+    node_->atlas().change_submap({7, id}, [id](Submap* submap) {
+      submap->key = {7, id};
+      submap->revision = 1;
+      return std::string();
+    });
+  std::vector<Link> links;
+  for (int i = 0; i < 5000; ++i) links.push_back({.a = {7, 1}, .b = {7, 2}, .doubt = std::string(100, 'x')});
+  node_->atlas().set_links(std::move(links));
+  size_t largest = 0;
+  bus_.set_tap([&](const std::string& channel, std::span<const uint8_t> data) {
+    if (channel == channels::kMapStatus) largest = std::max(largest, data.size());
+    return true;
+  });
+  pass(3);
+  EXPECT_LE(statuses_.size(), 4);
+  MapOverview map;
+  statuses_.clear();
+  ask(map_request_t::STATUS, 3);
+  for (const map_status_t& status : statuses_) map.take(status);
+  EXPECT_TRUE(map.complete());
+  EXPECT_EQ(map.submaps().size(), 1000);
+  EXPECT_EQ(map.links().size(), 5000);
+  EXPECT_LE(largest, 60'000);
 }
 
 TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
@@ -522,6 +551,53 @@ TEST_F(MapServerNodeOnDisk, FullDiskIsSaidAndNothingIsLost) {
   pass(2);
   EXPECT_FALSE(node_->status().degraded);
   expect_same(node_->atlas(), node_->store().load());
+}
+
+TEST_F(MapServerNodeOnDisk, ABusyDatabaseIsARefusalThatIsMadeGoodLater) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  Database other(folder() / "map.db");
+  other.execute("BEGIN IMMEDIATE");
+  const TransferResult refused = send_and_wait(make_submap_update(maker.submap(), 0), 0.2);
+  EXPECT_FALSE(refused.ok);
+  EXPECT_THAT(refused.reason, HasSubstr("map.db is busy"));
+  EXPECT_EQ(refused.revision, 0);
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_THAT(node_->status().detail, HasSubstr("map.db is busy"));
+  other.execute("COMMIT");
+  EXPECT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(MapServerNodeOnDisk, ADatabaseThatCanNoLongerBeReadEndsNothing) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  Database(folder() / "map.db").execute("UPDATE atlas SET map_revision = 77; PRAGMA wal_checkpoint(TRUNCATE)");
+  std::fstream(folder() / "map.db", std::ios::in | std::ios::out | std::ios::binary) << std::string(4096, 'x');
+  maker.step();
+  EXPECT_FALSE(send_and_wait(make_submap_update(maker.submap(), 1)).ok);
+  EXPECT_NO_THROW(pass(2));
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_NO_THROW(node_->finish());
+}
+
+TEST_F(MapServerNodeOnDisk, ASnapshotIsMadeWhileItGoesOn) {
+  SubmapMaker maker(kKey, 1);
+  maker.step();
+  ASSERT_TRUE(send_and_wait(make_submap_update(maker.submap(), 0)).ok);
+  for (const int id : {1, 2, 3}) ask(map_request_t::SNAPSHOT, id);
+  // A thread takes its own time, whatever the clock of the bus says.
+  for (int i = 0; i < 1000 && answers_.size() < 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    pass(0.1);
+  }
+  ASSERT_EQ(answers_.size(), 3);
+  for (const ChunkReceiver::Payload& answer : answers_) {
+    EXPECT_EQ(answer.kind, chunk_t::DATABASE);
+    testing::write_file(folder() / "answer.db", std::string(answer.bytes.begin(), answer.bytes.end()));
+    expect_same(node_->atlas(), MapStore::copy_in_memory(folder() / "answer.db").load());
+  }
 }
 
 TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {

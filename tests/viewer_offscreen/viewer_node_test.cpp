@@ -49,13 +49,14 @@ class ViewerNodeTest : public testing::Test {
   void publish_status() {
     submap_summary_t summary{};
     summary.session = 1;
-    summary.submap_id = 1;
+    summary.submap_id = listed_;
     summary.in_map = true;
     summary.revision = submap_.revision;
     summary.placement_revision = placement_revision_;
     summary.map_from_submap = to_wire(Sim3());
     map_status_t status{};
     status.utime = bus_.now_us();
+    status.front_submaps = in_all_;
     status.nsubmaps = 1;
     status.submaps = {summary};
     bus_.publish(channels::kMapStatus, status);
@@ -86,6 +87,7 @@ class ViewerNodeTest : public testing::Test {
   Submap submap_ = make_test_submap(1, 0, 4, test_circle, 800);
   Submap placed_ = make_test_submap(1, 0, 4, test_line, 800);
   int64_t placement_revision_ = 0;
+  int listed_ = 1, in_all_ = 1;
   std::vector<map_request_t> requests_;
   std::vector<image_t> images_;
   int garbage_ = 0;
@@ -124,6 +126,22 @@ TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
   run(node, 3);
   ASSERT_EQ(requests_.size(), asked + 1);
   EXPECT_EQ(requests_.back().base_revision, 1);
+}
+
+// The map is larger than a page: the others come with later ones.
+TEST_F(ViewerNodeTest, TheLastPictureWaitsForAllPages) {
+  ViewerNode node(bus_, options_);
+  in_all_ = 2;
+  publish_status();
+  run(node, 2);
+  node.finish();
+  run(node, 1);
+  EXPECT_FALSE(node.finished()) << "a submap has not been told of";
+  submap_.key.id = listed_ = 2;
+  publish_status();
+  run(node, 1);
+  EXPECT_TRUE(node.finished());
+  EXPECT_NE(node.status().detail.find("2 of 2 submaps up to date"), std::string::npos) << node.status().detail;
 }
 
 TEST_F(ViewerNodeTest, APlacedSubmapIsFetchedWholeWhenItMovesOrGrows) {

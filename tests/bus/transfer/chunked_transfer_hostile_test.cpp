@@ -39,6 +39,8 @@ TEST_F(HostileTransferTest, ImplausibleHeadersAreIgnored) {
            chunk(1, 3, 3001, 1000),                    //
            chunk(2, 3, 2501, 500),                     //
            chunk(0, 2, 10, 0),                         //
+           chunk(0, 3, 2997, 999),                     // chunks that cost more to keep than they bring
+           chunk(2, 3, 1990, 10),                      //
        }) {
     bus_.publish("DATA", c);
     bus_.dispatch();
@@ -46,7 +48,7 @@ TEST_F(HostileTransferTest, ImplausibleHeadersAreIgnored) {
     receiver_->tick(bus_.now_us());
   }
   EXPECT_TRUE(received_.empty());
-  EXPECT_EQ(bus_.published(), 13);  // nobody was answered
+  EXPECT_EQ(bus_.published(), 15);  // nobody was answered
 }
 
 TEST_F(HostileTransferTest, AnnouncedSizesCostNoMemory) {
@@ -60,6 +62,34 @@ TEST_F(HostileTransferTest, AnnouncedSizesCostNoMemory) {
   bus_.dispatch();
   EXPECT_TRUE(received_.empty());
   EXPECT_FALSE(receiver_->progress(77).has_value());
+}
+
+TEST_F(HostileTransferTest, WhatCameInPartIsBoundedTheOldestGoes) {
+  receiver_.reset();
+  bus_.subscribe<chunk_t>("BOUNDED", {}, [](const chunk_t&) {});
+  ChunkReceiver bounded(bus_, "BOUNDED", "ACK", "server", true,
+                        [](const ChunkReceiver::Payload&) { return ChunkReceiver::Verdict{}; },
+                        {.max_held_bytes = 100'000});
+  const auto send = [&](int id, int index) {
+    chunk_t c = chunk(index, 3, 90'000, 30'000);
+    c.transfer_id = c.request_id = id;
+    bus_.publish("BOUNDED", c);
+    bus_.dispatch();
+    bus_.set_now_us(bus_.now_us() + 1000);
+  };
+  send(1, 0);
+  send(2, 0);
+  send(1, 1);
+  EXPECT_EQ(bounded.dropped(), 0);
+  send(2, 1);
+  EXPECT_EQ(bounded.dropped(), 1) << "120000 bytes are more than may be held";
+  EXPECT_FALSE(bounded.progress(1).has_value()) << "it was silent for longest";
+  EXPECT_EQ(bounded.progress(2), std::pair(2, 3));
+  chunk_t too_large = chunk(0, 5, 150'000, 30'000);
+  too_large.request_id = 3;
+  bus_.publish("BOUNDED", too_large);
+  bus_.dispatch();
+  EXPECT_FALSE(bounded.progress(3).has_value()) << "it could never be whole";
 }
 
 TEST_F(HostileTransferTest, AHeaderThatChangesStartsAnew) {

@@ -89,6 +89,21 @@ TEST_F(TransferTest, RejectionAndItsReasonReachTheSender) {
   EXPECT_EQ(results_[0].revision, 3);
 }
 
+TEST_F(TransferTest, WhatIsTooLargeIsRefusedWhereItIsSent) {
+  ChunkSender sender(bus_, "DATA", "ACK", "small", {.max_payload_bytes = 5000});
+  const int64_t id = sender.send("server", 0, 0, payload(5001), note());
+  EXPECT_EQ(sender.pending(), 1);
+  EXPECT_TRUE(results_.empty()) << "not before send() has told its number";
+  sender.tick(bus_.now_us());
+  EXPECT_EQ(sender.pending(), 0);
+  ASSERT_EQ(results_.size(), 1u);
+  EXPECT_EQ(results_[0].transfer_id, id);
+  EXPECT_FALSE(results_[0].ok);
+  EXPECT_EQ(results_[0].reason, "it is larger than 5000 bytes, the most that is sent at once");
+  bus_.dispatch();
+  EXPECT_EQ(messages_, 0);
+}
+
 TEST_F(TransferTest, AThrowingPayloadHandlerRejects) {
   const ChunkReceiver thrower(
       bus_, "DATA", "ACK", "thrower", false,

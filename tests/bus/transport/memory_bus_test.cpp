@@ -64,5 +64,21 @@ TEST(MemoryBusTest, TheTapSeesAndLosesMessages) {
   EXPECT_EQ(bus.published(), 5);
 }
 
+// As the generated code behaves beyond 2 GiB: the size has wrapped around, or there is no room for what follows.
+struct HugeMessage {
+  int size = 0;
+  int getEncodedSize() const { return size; }
+  int encode(void*, int, int) const { return -1; }
+};
+
+TEST(EncodeMessageTest, WhatIsTooLargeIsRefusedWhereItIsMade) {
+  MemoryBus bus;
+  for (const int wrapped : {-8, 100}) {
+    EXPECT_THROW(encode_message(HugeMessage{wrapped}), std::length_error);
+    EXPECT_FALSE(bus.publish("X", HugeMessage{wrapped}));
+  }
+  EXPECT_EQ(bus.published(), 0);
+}
+
 }  // namespace
 }  // namespace rumi

@@ -50,7 +50,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(region_landmark_t, 0x7727a9f260872891u);
   PIN(region_keyframe_t, 0x54927c4600a883b2u);
   PIN(map_region_t, 0xa84f598e98ae44ecu);
-  PIN(map_status_t, 0x00027b5c08a5012cu);
+  PIN(map_status_t, 0x82bc3138008fd87eu);
   PIN(map_request_t, 0x5ec708767f84a2acu);
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);

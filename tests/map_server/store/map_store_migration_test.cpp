@@ -151,6 +151,24 @@ void drop_sigmas(const std::string& file) {
     Database(file).execute("ALTER TABLE frame_poses DROP COLUMN " + column);
 }
 
+// Versions before 5 had one placement of a submap.
+void drop_placement_revisions(const std::string& file) {
+  Database(file).execute(R"sql(
+    CREATE TABLE k (submap INTEGER NOT NULL, utime INTEGER NOT NULL, map_from_submap BLOB NOT NULL,
+                    PRIMARY KEY (submap, utime)) WITHOUT ROWID;
+    CREATE TABLE l (submap INTEGER NOT NULL, id INTEGER NOT NULL, position BLOB NOT NULL,
+                    PRIMARY KEY (submap, id)) WITHOUT ROWID;
+    CREATE TABLE f (submap INTEGER NOT NULL, id INTEGER NOT NULL, into_submap INTEGER NOT NULL,
+                    into_id INTEGER NOT NULL, PRIMARY KEY (submap, id)) WITHOUT ROWID;
+    INSERT INTO k SELECT submap, utime, map_from_submap FROM placed_keyframes;
+    INSERT INTO l SELECT submap, id, position FROM placed_landmarks;
+    INSERT INTO f SELECT submap, id, into_submap, into_id FROM fused_landmarks;
+    DROP TABLE placed_keyframes; DROP TABLE placed_landmarks; DROP TABLE fused_landmarks;
+    ALTER TABLE k RENAME TO placed_keyframes;
+    ALTER TABLE l RENAME TO placed_landmarks;
+    ALTER TABLE f RENAME TO fused_landmarks;)sql");
+}
+
 Atlas old_atlas() {
   Atlas atlas;
   update_atlas(&atlas, without_sigmas(make_submap({7, 1}, 1, 12)));
@@ -204,6 +222,7 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
     ASSERT_EQ(store.save(atlas, {500'000}), "");
   }
   drop_sigmas(folder / "map.db");
+  drop_placement_revisions(folder / "map.db");
   Database(folder / "map.db")
       .execute(
           "CREATE TABLE removed (submap INTEGER NOT NULL REFERENCES submaps, what INTEGER NOT NULL, id INTEGER NOT "
@@ -227,6 +246,7 @@ TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
     ASSERT_EQ(store.save(atlas, {500'000}), "");
   }
   drop_sigmas(folder / "map.db");
+  drop_placement_revisions(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 3");
   {
     MapStore store(folder / "map.db");
@@ -243,23 +263,30 @@ TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
   EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
 }
 
-TEST(MapStoreMigration, AFileOfVersion4HasTheOnePyramidThatThereWas) {
+TEST(MapStoreMigration, AFileOfVersion4IsTakenOver) {
   const TemporaryFolder folder;
-  const Atlas atlas = old_atlas();
+  Atlas atlas = old_atlas();
+  std::map<SubmapKey, Placement> placements;
+  for (const auto& [key, owner] : atlas.submaps()) placements[key] = testing::make_placement(owner.submap, 1);
+  placements[{7, 1}].fused[3] = {{7, 2}, 5};
+  atlas.place_map(placements);
   {
     MapStore store(folder / "map.db");
     ASSERT_EQ(store.save(atlas, {500'000}), "");
   }
+  drop_placement_revisions(folder / "map.db");
   drop_pyramids(folder / "map.db");
   Database(folder / "map.db").execute("PRAGMA user_version = 4");
   {
     MapStore store(folder / "map.db");
-    const Atlas loaded = store.load();
-    expect_same(atlas, loaded);
-    EXPECT_EQ(loaded.find({7, 1})->submap.pyramid, Pyramid());
+    expect_same(atlas, store.load());
+    atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 2)}});  // it goes on
+    ASSERT_EQ(store.save(atlas, {}), "");
+    expect_same(atlas, store.load());
   }
   { MapStore store(folder / "fresh.db"); }
   EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
 }
 
 TEST(MapStoreMigration, ADeviationThatIsNoneIsNotKnown) {

@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <thread>
+
 #include "map_server/store/map_store_schema.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -133,6 +135,72 @@ TEST(MapStore, APlacementIsWrittenOnlyWhenItChanged) {
   EXPECT_EQ(other.integer("SELECT sum(accepted) FROM links"), 1);
 }
 
+// Three submaps that lie elsewhere with each seed.
+void place_all(Atlas* atlas, uint32_t seed) {
+  std::map<SubmapKey, Placement> placements;
+  for (const auto& [key, owner] : atlas->submaps()) placements[key] = make_placement(owner.submap, seed);
+  atlas->place_map(placements);
+  atlas->set_links({{.a = {7, 1}, .b = {7, 2}, .keyframes = static_cast<int>(seed), .doubt = "none"}});
+}
+
+int64_t rows_that_do_not_count(const std::string& file) {
+  int64_t rows = 0;
+  for (const std::string table : {"placed_keyframes", "placed_landmarks"})
+    rows += Database(file).integer("SELECT count(*) FROM " + table +
+                                   " p JOIN submaps s ON s.submap = p.submap WHERE p.revision <> s.placement_revision");
+  return rows;
+}
+
+TEST(MapStore, WhereSubmapsLieIsWrittenInSlicesAndCountsWhenAllIsThere) {
+  constexpr std::chrono::milliseconds kNoTime{0};
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  place_all(&atlas, 1);
+  MapStore store(file);
+  ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+  EXPECT_FALSE(store.is_behind());
+  const Atlas before = store.load();
+  place_all(&atlas, 2);
+  ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_TRUE(store.is_behind());
+  expect_same(before, MapStore::copy_in_memory(file).load());
+  // Updates are stored meanwhile.
+  update_atlas(&atlas, make_submap({7, 1}, 1, 13));
+  ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_EQ(store.stored_revision({7, 1}), 13);
+  for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{7, 2}, SubmapKey{8, -1}})
+    expect_same(before.find(key)->placement, MapStore::copy_in_memory(file).load().find(key)->placement);
+  for (int i = 0; i < 20 && store.is_behind(); ++i) ASSERT_EQ(store.save(atlas, {}, kNoTime), "");
+  EXPECT_FALSE(store.is_behind());
+  EXPECT_EQ(rows_that_do_not_count(file), 0);
+  expect_same(atlas, MapStore::copy_in_memory(file).load());
+}
+
+TEST(MapStore, WhatADeathLeftHalfWrittenDoesNotCountAndIsRemoved) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  place_all(&atlas, 1);
+  {
+    MapStore store(file);
+    ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+    Atlas doomed = atlas;
+    place_all(&doomed, 2);
+    ASSERT_EQ(store.save(doomed, {}, std::chrono::milliseconds(0)), "");
+  }
+  ASSERT_GT(rows_that_do_not_count(file), 0);
+  MapStore store(file);
+  Atlas next = store.load();
+  expect_same(atlas, next);
+  std::map<SubmapKey, Placement> fewer;  // under the same revision
+  fewer[{7, 1}].map_from_submap[atlas.find({7, 1})->submap.keyframes.begin()->second.utime_us] = Sim3();
+  next.place_map(fewer);
+  ASSERT_EQ(store.save(next, {}), "");
+  EXPECT_EQ(rows_that_do_not_count(file), 0);
+  expect_same(next, store.load());
+}
+
 // Many small saves with additions, corrections and removals leave the same as one of the whole.
 TEST(MapStore, IncrementalSavesAddUp) {
   const TemporaryFolder folder;
@@ -238,6 +306,46 @@ TEST(MapStore, ACopyInMemoryLeavesTheFileAsItIs) {
   EXPECT_FALSE(std::filesystem::exists(folder / "absent.db"));
 }
 
+// Nobody else can even read it.
+Database lock_for_oneself(const std::string& file) {
+  Database holder(file);
+  holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+  return holder;
+}
+
+std::string copy_error(const std::string& file) {
+  try {
+    MapStore::copy_in_memory(file, std::chrono::milliseconds(5));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MapStore, ABusyDatabaseIsSaidToBeBusyAndNotTakenForAnEmptyOne) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  { ASSERT_EQ(MapStore(file).save(full_atlas(), {}), ""); }
+  const Database holder = lock_for_oneself(file);
+  EXPECT_THAT(copy_error(file), AllOf(HasSubstr("map.db is busy"), HasSubstr("0.005 s"),
+                                      HasSubstr("no map_server has it open"), HasSubstr("try again")));
+  const FileLock server(file + ".lock");
+  EXPECT_THAT(copy_error(file), HasSubstr("a map_server, pid " + std::to_string(getpid())));
+}
+
+TEST(MapStore, AReaderWaitsForAWriter) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  const Atlas atlas = full_atlas();
+  { ASSERT_EQ(MapStore(file).save(atlas, all_frames(atlas)), ""); }
+  Database holder = lock_for_oneself(file);
+  const std::jthread writer([&holder] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    holder = Database();
+  });
+  expect_same(atlas, MapStore::copy_in_memory(file).load());
+}
+
 TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   const TemporaryFolder folder;
   const Atlas atlas = full_atlas();
@@ -245,15 +353,31 @@ TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
   ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
   ASSERT_EQ(store.write_copy(folder / "copy.db"), "");
   ASSERT_EQ(store.write_copy(folder / "copy.db"), "");  // replaces
-  std::string error;
-  const std::vector<uint8_t> bytes = store.copy_bytes(&error);
-  EXPECT_EQ(error, "");
   const std::string copy = testing::read_file(folder / "copy.db");
-  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), copy);
+  for (const bool in_thread : {false, true}) {
+    const DatabaseBytes got = store.begin_copy_bytes(in_thread).get();
+    EXPECT_EQ(got.error, "");
+    EXPECT_EQ(std::string(got.bytes.begin(), got.bytes.end()), copy);
+    EXPECT_EQ(store.begin_copy(folder / "copy.db", in_thread).get(), "");
+    EXPECT_EQ(testing::read_file(folder / "copy.db"), copy);
+  }
   EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
   MapStore copied(folder / "copy.db");
   expect_same(atlas, copied.load());
   EXPECT_THAT(store.write_copy(folder / "absent/copy.db"), HasSubstr("absent/copy.db"));
+}
+
+TEST(MapStore, ACopyIsCalledOffWhenTheProcessEnds) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 40));
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, {}), "");
+  store.call_off_copies();
+  EXPECT_THAT(store.begin_copy(folder / "copy.db", true).get(), HasSubstr("interrupted"));
+  EXPECT_NE(store.begin_copy_bytes(true).get().error, "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
+  EXPECT_EQ(store.save(atlas, {}), "");
 }
 
 // A replay must give the same file every time.
@@ -268,9 +392,7 @@ TEST(MapStore, TheSameHistoryGivesTheSameBytes) {
       update_atlas(&atlas, maker.submap());
       ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
     }
-    std::string error;
-    copy = store.copy_bytes(&error);
-    ASSERT_EQ(error, "");
+    copy = store.begin_copy_bytes(false).get().bytes;
   }
   EXPECT_GT(copies[0].size(), 10'000);
   EXPECT_EQ(copies[0], copies[1]);

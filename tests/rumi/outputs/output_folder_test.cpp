@@ -110,6 +110,14 @@ TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(MapFileTest, ABusyFileIsSaidToBeBusy) {
+  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  Database holder(file_);
+  holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+  EXPECT_THAT([&] { load_map(file_, std::chrono::milliseconds(5)); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("map.db is busy")));
+}
+
 TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
   EXPECT_THAT([&] { load_map(file_); }, ThrowsMessage<std::runtime_error>(HasSubstr("no such file")));
   std::ofstream(file_) << "not a database, but long enough to be taken for one by a careless reader";

@@ -35,6 +35,7 @@ class SnapshotTest : public testing::Test {
                       std::string("snapshot_") + testing::UnitTest::GetInstance()->current_test_info()->name()) /
          "map.db")
             .string();
+    options_.merge.thread = false;  // what the bus's clock does not wait for
     map_server::MapStore(options_.database).save(make_test_atlas(), {1'400'000});
   }
   void serve() {

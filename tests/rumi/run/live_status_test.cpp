@@ -136,14 +136,13 @@ TEST_F(LiveStatusTest, MapAndWindows) {
   map.frames = 100;
   map.frames_in_map = 90;
   map.merging = true;
-  map.submaps.resize(3);
-  map.nsubmaps = 3;
-  for (submap_summary_t& submap : map.submaps) submap.keyframes = 10, submap.landmarks = 500, submap.in_map = true;
-  map.submaps[2].kind = 1;
-  map.submaps[2].in_map = false;
-  map.links.resize(2);
-  map.nlinks = 2;
-  map.links[0].accepted = true;
+  map.front_submaps = 2;
+  map.back_submaps = 1;
+  map.submaps_in_map = 2;
+  map.landmarks = 1500;
+  map.links_in_all = 2;
+  map.links_accepted = 1;
+  map.nsubmaps = map.nlinks = 0;  // the numbers are of all that there is, whatever is on this page
   send(1, channels::kMapStatus, map);
   window_t window{};
   window.window_id = 4;

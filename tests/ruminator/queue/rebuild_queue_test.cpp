@@ -432,6 +432,56 @@ TEST_F(RebuildQueueTest, DamagedFilesInTheSpoolAreFailuresOnce) {
   EXPECT_THAT(again.windows, IsEmpty());
 }
 
+// As a program with other wire types would have left them.
+std::string of_another_version(std::string message) {
+  message[0] = static_cast<char>(message[0] ^ 0x55);
+  return message;
+}
+
+TEST_F(RebuildQueueTest, ASpoolOfAnotherVersionIsKeptAndStopsNobody) {
+  const auto path = [&](const std::string& name) { return options_.spool + "/" + name; };
+  {
+    std::string error;
+    const auto spool = Spool::open(options_.spool, 1'000'000, &error);
+    for (int id = 1; id <= 3; ++id) spool->add(small_job(id), &error);
+    const auto claim = spool->claim({7, 2});
+    const std::vector<uint8_t> submap = encode_message(make_submap_update(*fake_result(small_job(2)).submap, 0));
+    spool->store_submap({7, 2}, submap);
+  }
+  const std::string window = testing::read_file(path("7-1.window"));
+  const size_t manifest = 28 + std::string(kWindowJobChannel).size();  // after the header of the event
+  testing::write_file(path("7-1.window"), window.substr(0, manifest) + of_another_version(window.substr(manifest)));
+  const std::string submap = of_another_version(testing::read_file(path("7-2.submap")));
+  testing::write_file(path("7-2.submap"), submap);
+  options_.failed_mb = 1;
+  World world(options_, fake_builder());
+  world.run_for(1);
+  EXPECT_THAT(world.received, ElementsAre(-3));
+  for (const int id : {1, 2}) EXPECT_TRUE(world.announced(id, window_t::FAILED)) << id;
+  EXPECT_THAT(left(), IsEmpty());
+  EXPECT_THAT(testing::read_file(path("failed/7-1.txt")), HasSubstr("no window_job_t of this version"));
+  EXPECT_THAT(testing::read_file(path("failed/7-2.txt")), HasSubstr("no submap_update_t of this version"));
+  EXPECT_TRUE(fs::exists(path("failed/7-1.window")));
+  EXPECT_EQ(testing::read_file(path("failed/7-2.submap")), submap);
+}
+
+TEST_F(RebuildQueueTest, WhatIsLargerThanAnyWindowIsKeptAndStopsNobody) {
+  const auto path = [&](const std::string& name) { return options_.spool + "/" + name; };
+  {
+    std::string error;
+    const auto spool = Spool::open(options_.spool, 1'000'000, &error);
+    for (int id = 1; id <= 2; ++id) spool->add(small_job(id), &error);
+  }
+  testing::write_file(path("7-9.submap"), "x");
+  fs::resize_file(path("7-1.window"), static_cast<uintmax_t>(kMaxWindowBytes) + 1);
+  fs::resize_file(path("7-9.submap"), kMaxMessageBytes + 1);
+  World world(options_, fake_builder());
+  world.run_for(1);
+  EXPECT_THAT(world.received, ElementsAre(-2));
+  EXPECT_THAT(left(), IsEmpty());
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("failed")), {}), 2) << "the latest and its reason";
+}
+
 TEST_F(RebuildQueueTest, AFullDiskFailsNothing) {
   const int result = testing::run_on_small_disk(folder_.path().string(), 200'000, [&] {
     World world(options_, fake_builder());

@@ -150,8 +150,31 @@ TEST_F(WindowJobTest, WhatIsNoWindowIsNamed) {
   LogWriter(file()).write(1, "CAMERA", encode_message(small_job().images[0]));
   EXPECT_THAT(read_window_job(file()).error, HasSubstr("is no window: begins with an event on CAMERA"));
   LogWriter(file()).write(1, kWindowJobChannel, encode_message(small_job().images[0]));
-  EXPECT_THAT(read_window_job(file()).error, HasSubstr("manifest does not decode"));
+  EXPECT_THAT(read_window_job(file()).error, HasSubstr("its manifest cannot be read: it is no window_job_t"));
   EXPECT_THAT(read_window_job(folder_.path().string()).error, HasSubstr("is not a file"));
+}
+
+TEST_F(WindowJobTest, AnotherVersionIsToldFromDamage) {
+  write(small_job());
+  std::vector<uint8_t> manifest = encode_message(events().manifest);
+  const auto error_of_bytes = [&](const std::vector<uint8_t>& bytes) {
+    LogWriter(file()).write(1, kWindowJobChannel, bytes);
+    return read_window_job(file()).error;
+  };
+  std::vector<uint8_t> older = manifest;
+  older[0] ^= 0xff;
+  EXPECT_THAT(error_of_bytes(older),
+              AllOf(HasSubstr("7-1.window"), HasSubstr("no window_job_t of this version"),
+                    HasSubstr("its fingerprint is 0xedd7b730ba16808a, this program reads 0x12d7b730ba16808a")));
+  manifest.pop_back();
+  EXPECT_THAT(error_of_bytes(manifest), HasSubstr("it is a damaged window_job_t"));
+}
+
+TEST_F(WindowJobTest, WhatIsLargerThanAnyWindowIsNotRead) {
+  write(small_job());
+  std::filesystem::resize_file(file(), static_cast<uintmax_t>(kMaxWindowBytes) + 1);
+  EXPECT_THAT(read_window_job(file()).error, AllOf(HasSubstr("7-1.window"), HasSubstr("has 2147483649 bytes")));
+  EXPECT_THAT(read_window_manifest(file()).error, HasSubstr("has 2147483649 bytes"));
 }
 
 TEST_F(WindowJobTest, WrongNumbersAreNamed) {

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What RUMI_MAP_STATUS has told so far of a map that may need several pages.
+#pragma once
+
+#include <map>
+
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "slam/map/submap.h"
+
+namespace rumi {
+
+class MapOverview {
+ public:
+  // What a page does not list stays as it was said last, unless it says that nothing else is there, or it is of another
+  // map than what was heard before.
+  void take(const map_status_t& status);
+
+  const std::map<SubmapKey, submap_summary_t>& submaps() const { return submaps_; }
+  const std::map<int64_t, link_t>& links() const { return links_; }  // by their number
+  // All that there is has been told.
+  bool complete() const { return heard_ && submaps_.size() >= submaps_in_all_ && links_.size() >= links_in_all_; }
+
+ private:
+  std::map<SubmapKey, submap_summary_t> submaps_;
+  std::map<int64_t, link_t> links_;
+  bool heard_ = false;
+  int64_t map_revision_ = 0;
+  size_t submaps_in_all_ = 0, links_in_all_ = 0;
+};
+
+}  // namespace rumi

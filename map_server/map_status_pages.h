@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// RUMI_MAP_STATUS of a map of any size: counts, and as many of its submaps and links as fit one datagram.
+#pragma once
+
+#include <map>
+#include <set>
+
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "map_server/atlas/atlas.h"
+
+namespace rumi::map_server {
+
+class MapStatusPages {
+ public:
+  // The next page, without database_bytes and merging, which the atlas does not know. What fits one page is on it, the
+  // whole of it. Else half of the submaps are such as changed since they were last told, if there are any, and all are
+  // told in turn, as are the links.
+  map_status_t next(const Atlas& atlas, int64_t utime_us);
+
+  // All is to be told from here on, with as many pages as that takes.
+  void begin_round();
+  bool round_goes_on() const { return round_goes_on_; }
+
+ private:
+  struct Told {
+    int64_t page = 0;
+    int64_t revision = 0, placement_revision = 0;
+    bool in_map = false;
+  };
+  std::set<SubmapKey> choose_submaps(const Atlas& atlas, size_t most) const;
+  bool has_changed(const AtlasSubmap& owner, const Told& told) const;
+  void add_links(const Atlas& atlas, int64_t room, map_status_t* page);
+  bool all_is_told(const Atlas& atlas) const;
+
+  std::map<SubmapKey, Told> told_;
+  int64_t page_ = 0;         // the latest
+  int64_t round_begin_ = 0;  // the latest when the round began
+  size_t next_link_ = 0;
+  bool round_goes_on_ = false, links_are_told_ = false;
+};
+
+}  // namespace rumi::map_server
