@@ -24,6 +24,8 @@ namespace {
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // So many images in a row older than what was seen: a recording that was started again, not a hiccup.
 constexpr int kBackwardImagesOfNewSession = 10;
+// So many in a row of another calibration: the camera was changed. With ours between them they are a second camera's.
+constexpr int kForeignImagesOfNewSession = 10;
 
 // From publication to pose where the driver says when it published, else from capture.
 float latency_ms(const image_t& image, int64_t now_us) {
@@ -61,9 +63,12 @@ void FrontTrackerNode::refuse(const std::string& kind, const std::string& proble
 }
 
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
-  if (tracker_) return image_camera_;
   if (camera_from_file_) return camera_from_file_;
   const std::string text = metadata(image, kCalibrationKey);
+  if (tracker_ && text == session_calibration_) {
+    foreign_images_ = 0;
+    return image_camera_;
+  }
   if (text.empty()) {
     refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
     return std::nullopt;
@@ -73,11 +78,28 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
     refuse("calibration", parsed.error);
     return std::nullopt;
   }
+  if (tracker_ && !takes_over(parsed.camera)) return std::nullopt;
   return parsed.camera;
 }
 
-void FrontTrackerNode::begin_session(const Camera& camera) {
+bool FrontTrackerNode::takes_over(const Camera& other) {
+  if (++foreign_images_ < kForeignImagesOfNewSession) {
+    refuse(
+        "another camera",
+        fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} px with fx "
+                    "{:.2f}: if two cameras publish on this channel, give one of them another (--channel)",
+                    other.width, other.height, other.fx, image_camera_.width, image_camera_.height, image_camera_.fx));
+    return false;
+  }
+  log_warning("the images have another calibration: a new session begins");
+  retire_session();
+  return true;
+}
+
+void FrontTrackerNode::begin_session(const Camera& camera, const std::string& calibration) {
   image_camera_ = camera;
+  session_calibration_ = calibration;
+  foreign_images_ = 0;
   session_ = std::max(bus_.now_us(), session_ + 1);
   sequence_ = 0;
   without_pose_.clear();
@@ -127,7 +149,7 @@ cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   if (grey.empty())
     refuse("image", error);
   else if (!tracker_)
-    begin_session(*camera);
+    begin_session(*camera, metadata(image, kCalibrationKey));
   return grey;
 }
 

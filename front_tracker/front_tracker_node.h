@@ -41,9 +41,12 @@ class FrontTrackerNode : public Node {
   cv::Mat usable_image(const image_t& image);
   void retire_session();
   void note_broken_mapping();
-  // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell.
+  // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell or
+  // is another camera's.
   std::optional<Camera> camera_of(const image_t& image);
-  void begin_session(const Camera& camera);
+  // Images of another camera than the session's: whether there were so many in a row that the session is over.
+  bool takes_over(const Camera& other);
+  void begin_session(const Camera& camera, const std::string& calibration);
   bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_posed_afterwards();
@@ -55,7 +58,9 @@ class FrontTrackerNode : public Node {
   Bus& bus_;
   FrontTrackerOptions options_;
   std::optional<Camera> camera_from_file_;
-  Camera image_camera_;  // of the session's images; the tracker's may be smaller
+  Camera image_camera_;              // of the session's images; the tracker's may be smaller
+  std::string session_calibration_;  // as it came with them
+  int foreign_images_ = 0;           // in a row, that came with another
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <utility>
@@ -135,6 +136,9 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   } else {
     const std::string text = metadata(job->images.front(), kCalibrationKey);
     if (text.empty()) return "its images carry no calibration: name the camera's with ruminator.camera_file";
+    const auto is_foreign = [&](const image_t& image) { return metadata(image, kCalibrationKey) != text; };
+    if (std::any_of(job->images.begin(), job->images.end(), is_foreign))
+      return "its images are of more than one camera, by the calibrations that they carry";
     const CameraFileResult parsed = parse_camera(text, "calibration of the image");
     if (!parsed.ok()) return parsed.error;
     job->camera = parsed.camera;

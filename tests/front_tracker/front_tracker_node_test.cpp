@@ -155,6 +155,30 @@ TEST_F(Fixture, OldImagesAreRefusedAndARestartedRecordingIsANewSession) {
     EXPECT_EQ(tracks_[i].sequence, tracks_[i].session == tracks_[i - 1].session ? tracks_[i - 1].sequence + 1 : 0);
 }
 
+TEST_F(Fixture, ASecondCameraOnTheChannelIsToldAndKeptApart) {
+  const Camera own = camera_;
+  const auto other_camera = [&] { camera_.fx = own.fx * 1.1; };
+  for (int i = 0; i < 40; ++i) {
+    camera_ = own;
+    if (i % 2 == 1) other_camera();
+    give(image(1'000'000 + 1000 * i, grey_));
+  }
+  ASSERT_EQ(tracks_.size(), 20u);
+  for (const track_t& track : tracks_) EXPECT_EQ(track.utime / 1000 % 2, 0) << "one of the second camera";
+  EXPECT_EQ(tracks_.back().session, tracks_.front().session);
+  const std::string detail = node_->status().detail;
+  EXPECT_NE(detail.find("20 images refused: another camera"), std::string::npos) << detail;
+}
+
+TEST_F(Fixture, ACameraThatIsChangedBeginsANewSession) {
+  for (int i = 0; i < 5; ++i) give(image(1'000'000 + 1000 * i, grey_));
+  camera_.fx *= 1.1;
+  for (int i = 5; i < 30; ++i) give(image(1'000'000 + 1000 * i, grey_));
+  ASSERT_GT(tracks_.size(), 20u) << "some pass until it is clear that the first camera is gone";
+  EXPECT_NE(tracks_.back().session, tracks_.front().session);
+  EXPECT_EQ(node_->tracker()->camera().fx, camera_.fx);
+}
+
 TEST_F(Fixture, ACameraFileThatIsNoGoodStopsItAtTheStart) {
   FrontTrackerOptions options;
   options.camera_file = "/nonexistent/camera.yaml";
