@@ -56,7 +56,7 @@ TEST_P(WorkerTest, WhatAJobThrowsEndsThatJobAlone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, WorkerTest, ::testing::Bool(),
-                         [](const auto& info) { return info.param ? "InAThread" : "AtOnce"; });
+                         [](const auto& threaded) { return threaded.param ? "InAThread" : "AtOnce"; });
 
 TEST(Worker, ItsEndWaitsForTheJobAtHand) {
   std::promise<void> begun, go_on;

@@ -38,7 +38,9 @@ void expect_same(const IdMap<int>& map, const std::map<int, int>& like, int most
     const auto at = map.lower_bound(id);
     const auto expected = like.lower_bound(id);
     ASSERT_EQ(at == map.end(), expected == like.end()) << id;
-    if (expected != like.end()) ASSERT_EQ(at->first, expected->first) << id;
+    if (expected != like.end()) {
+      ASSERT_EQ(at->first, expected->first) << id;
+    }
   }
 }
 

@@ -128,7 +128,7 @@ TEST(Submap, TheFirstChangeAfterAnUpdateIsOfANewRevision) {
 
 TEST(Submap, APoseOnAKeyframeThatDoesNotExistIsNone) {
   const Submap map = small_submap();
-  EXPECT_THROW(map.cam_from_submap({.utime_us = 1500, .reference_keyframe = 99}), std::logic_error);
+  EXPECT_THROW(map.cam_from_submap(FramePose{1500, 99, SE3(), 1}), std::logic_error);
 }
 
 TEST(LandmarkView, PredictsTheOctaveItWasSeenAt) {
