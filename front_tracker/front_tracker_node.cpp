@@ -65,7 +65,7 @@ void FrontTrackerNode::refuse(const std::string& kind, const std::string& proble
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
   if (camera_from_file_) return camera_from_file_;
   const std::string text = metadata(image, kCalibrationKey);
-  if (tracker_ && text == session_calibration_) {
+  if (tracker_ && (text.empty() || text == session_calibration_)) {
     foreign_images_ = 0;
     return image_camera_;
   }

@@ -15,6 +15,8 @@ namespace {
 // Frames that may yet get a pose, and some more: what is said of others is counted as late.
 constexpr size_t kMaxUntracked = 1000;
 static_assert(kMaxUntracked >= kMostRetoldFrames);
+// Samples before a loss that front_tracker may yet withdraw: one in a stride, and some keyframes between.
+constexpr int kMayBeWithdrawn = kMostRetoldFrames / 3;
 // Samples after resuming that complete the window anyway, for a camera that stands still.
 constexpr int kMaxDeparture = 40;
 
@@ -79,7 +81,7 @@ std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& fram
   if (open_ && open_->is_lost()) resume(frame);
   const GapFrame measured_frame = measured(frame);
   approach_.add(measured_frame.sample, frame.has_image);
-  approach_.keep_newest(options_.window_length + kMostRetoldFrames, options_.shared_keyframes + kMostRetoldFrames);
+  approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
   if (frame.has_image) last_tracked_ = measured_frame.sample;
   known_submaps_.insert(frame.submap_id);
 

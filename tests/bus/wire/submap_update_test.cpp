@@ -211,7 +211,7 @@ std::vector<Damage> damages() {
       {"outside the image", [](U u) { u.features[0].y[2] = -2; }},
       {"levels 0", [](U u) { u.levels = 0; }},
       {"levels -3", [](U u) { u.levels = -3; }},
-      {"scale_factor 1,", [](U u) { u.scale_factor = 1; }},
+      {"scale_factor 1:", [](U u) { u.scale_factor = 1; }},
       {"scale_factor nan", [](U u) { u.scale_factor = kNan; }},
       {"utime", [](U u) { ++u.keyframes[0].utime; }},
       {"cam_from_submap", [](U u) { u.keyframes[0].cam_from_submap.trans[2] = kNan; }},

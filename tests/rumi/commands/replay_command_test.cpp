@@ -127,7 +127,7 @@ TEST_F(ReplayTest, LocalizesInTheMapOfAnEarlierRun) {
 
   const Outcome absent = replay(sequence_, second, flags + "absent.db");
   EXPECT_EQ(absent.exit_code, 1);
-  EXPECT_THAT(absent.output, HasSubstr("absent.db: there is no such map"));
+  EXPECT_THAT(absent.output, HasSubstr("absent.db: there is no such file"));
 }
 
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
