@@ -136,7 +136,10 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   } else {
     const std::string text = metadata(job->images.front(), kCalibrationKey);
     if (text.empty()) return "its images carry no calibration: name the camera's with ruminator.camera_file";
-    const auto is_foreign = [&](const image_t& image) { return metadata(image, kCalibrationKey) != text; };
+    const auto is_foreign = [&](const image_t& image) {
+      const std::string own = metadata(image, kCalibrationKey);
+      return !own.empty() && own != text;
+    };
     if (std::any_of(job->images.begin(), job->images.end(), is_foreign))
       return "its images are of more than one camera, by the calibrations that they carry";
     const CameraFileResult parsed = parse_camera(text, "calibration of the image");
