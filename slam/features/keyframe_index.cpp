@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-KeyframeIndex::KeyframeIndex() : heads_(kTables << kBits, kEnd) {
+KeyframeIndex::KeyframeIndex() : chains_(kTables << kBits) {
   std::mt19937 rng(20231);  // fixed: the same index everywhere
   for (auto& table : bits_) {
     std::array<uint8_t, 256> positions;
@@ -42,18 +42,45 @@ void KeyframeIndex::add(int64_t keyframe, const std::vector<Descriptor>& descrip
   for (int t = 0; t < kTables; ++t)
     for (const Descriptor& d : descriptors) {
       entry.words.push_back(hash(d, t));
-      uint32_t& first = heads_[head_of(t, entry.words.back())];
-      if (first == kEnd || postings_[first].entry != number) first = make_posting({number, first});
+      insert(number, &chains_[chain_of(t, entry.words.back())]);
     }
 }
 
-uint32_t KeyframeIndex::make_posting(Posting posting) {
-  if (free_posting_ == kEnd) {
-    postings_.push_back(posting);
-    return static_cast<uint32_t>(postings_.size() - 1);
+void KeyframeIndex::insert(uint32_t entry, Chain* chain) {
+  const uint32_t at = chain->count % kPerBlock;
+  if (chain->count > 0 && blocks_[chain->first].entries[(chain->count - 1) % kPerBlock] == entry)
+    return;  // a word twice
+  if (at == 0) chain->first = make_block(chain->first);
+  blocks_[chain->first].entries[at] = entry;
+  ++chain->count;
+}
+
+// The latest of the chain takes the place of what goes.
+void KeyframeIndex::erase(uint32_t entry, Chain* chain) {
+  uint32_t in_block = (chain->count + kPerBlock - 1) % kPerBlock + 1;  // of the first; all others are full
+  uint32_t left = chain->count;
+  for (uint32_t b = chain->first; left > 0; left -= in_block, in_block = kPerBlock, b = blocks_[b].next)
+    for (uint32_t i = 0; i < in_block; ++i) {
+      if (blocks_[b].entries[i] != entry) continue;
+      Block& first = blocks_[chain->first];
+      blocks_[b].entries[i] = first.entries[--chain->count % kPerBlock];
+      if (chain->count % kPerBlock == 0) {
+        const uint32_t emptied = std::exchange(chain->first, first.next);
+        first.next = std::exchange(free_block_, emptied);
+      }
+      return;
+    }
+}
+
+uint32_t KeyframeIndex::make_block(uint32_t next) {
+  uint32_t made = free_block_;
+  if (made == kNoBlock) {
+    made = static_cast<uint32_t>(blocks_.size());
+    blocks_.emplace_back();
+  } else {
+    free_block_ = blocks_[made].next;
   }
-  const uint32_t made = free_posting_;
-  free_posting_ = std::exchange(postings_[made], posting).next;
+  blocks_[made].next = next;
   return made;
 }
 
@@ -63,14 +90,8 @@ void KeyframeIndex::remove(int64_t keyframe) {
   const uint32_t number = it->second;
   Entry& entry = entries_[number];
   const size_t descriptors = entry.words.size() / kTables;
-  for (size_t i = 0; i < entry.words.size(); ++i) {
-    uint32_t* at = &heads_[head_of(static_cast<int>(i / descriptors), entry.words[i])];
-    while (*at != kEnd && postings_[*at].entry != number) at = &postings_[*at].next;
-    if (*at == kEnd) continue;  // the keyframe had the word twice
-    const uint32_t posting = *at;
-    *at = postings_[posting].next;
-    postings_[posting].next = std::exchange(free_posting_, posting);
-  }
+  for (size_t i = 0; i < entry.words.size(); ++i)
+    erase(number, &chains_[chain_of(static_cast<int>(i / descriptors), entry.words[i])]);
   entry = {};
   free_entries_.push_back(number);
   number_of_.erase(it);
@@ -82,13 +103,13 @@ std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Des
   const double all = static_cast<double>(size()) + 1;
   for (int t = 0; t < kTables; ++t)
     for (const Descriptor& d : descriptors) {
-      const uint32_t first = heads_[head_of(t, hash(d, t))];
-      if (first == kEnd) continue;
-      int keyframes = 0;
-      for (uint32_t p = first; p != kEnd; p = postings_[p].next) ++keyframes;
+      const Chain& chain = chains_[chain_of(t, hash(d, t))];
+      if (chain.count == 0) continue;
       // A word that every keyframe has says nothing (inverse document frequency).
-      const double weight = std::log(all / keyframes);
-      for (uint32_t p = first; p != kEnd; p = postings_[p].next) votes[postings_[p].entry] += weight;
+      const double weight = std::log(all / chain.count);
+      uint32_t in_block = (chain.count - 1) % kPerBlock + 1, left = chain.count;
+      for (uint32_t b = chain.first; left > 0; left -= in_block, in_block = kPerBlock, b = blocks_[b].next)
+        for (uint32_t i = 0; i < in_block; ++i) votes[blocks_[b].entries[i]] += weight;
     }
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < votes.size(); ++i) {

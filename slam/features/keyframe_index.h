@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <map>
 #include <vector>
@@ -40,24 +39,31 @@ class KeyframeIndex {
  private:
   static constexpr int kTables = 6;
   static constexpr int kBits = 16;
-  static constexpr uint32_t kEnd = std::numeric_limits<uint32_t>::max();  // of a chain
+  static constexpr uint32_t kPerBlock = 3;
+  static constexpr uint32_t kNoBlock = std::numeric_limits<uint32_t>::max();
   struct Entry {
     int64_t keyframe = 0;
     std::vector<uint16_t> words;  // hashes of its descriptors, table after table
   };
-  // That an entry has a word; in the chain of all entries that have it.
-  struct Posting {
-    uint32_t entry = 0;
-    uint32_t next = kEnd;
+  // The entries that have a word, some at a time.
+  struct Block {
+    std::array<uint32_t, kPerBlock> entries;
+    uint32_t next;
+  };
+  struct Chain {
+    uint32_t first = kNoBlock;  // the only block that may not be full
+    uint32_t count = 0;         // of entries
   };
   uint16_t hash(const Descriptor& d, int table) const;
-  static size_t head_of(int table, uint16_t word) { return (static_cast<size_t>(table) << kBits) + word; }
-  uint32_t make_posting(Posting posting);
+  static size_t chain_of(int table, uint16_t word) { return (static_cast<size_t>(table) << kBits) + word; }
+  void insert(uint32_t entry, Chain* chain);
+  void erase(uint32_t entry, Chain* chain);
+  uint32_t make_block(uint32_t next);
 
   std::array<std::array<uint8_t, kBits>, kTables> bits_;  // sampled positions
-  std::vector<uint32_t> heads_;                           // the first posting of a word, by head_of()
-  std::deque<Posting> postings_;                          // those that are free are a chain too
-  uint32_t free_posting_ = kEnd;
+  std::vector<Chain> chains_;                             // by chain_of()
+  std::vector<Block> blocks_;
+  uint32_t free_block_ = kNoBlock;  // those that are free are a chain too
   std::vector<Entry> entries_;
   std::vector<uint32_t> free_entries_;
   std::map<int64_t, uint32_t> number_of_;  // index into entries_, by keyframe
