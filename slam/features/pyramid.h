@@ -23,8 +23,8 @@ struct Pyramid {
     return scale;
   }
   std::vector<double> scales() const {  // of all levels
-    std::vector<double> scales;
-    for (int i = 0; i < levels; ++i) scales.push_back(scale(i));
+    std::vector<double> scales(levels);
+    for (int i = 0; i < levels; ++i) scales[i] = scale(i);
     return scales;
   }
   bool operator==(const Pyramid&) const = default;
