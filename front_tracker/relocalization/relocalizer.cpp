@@ -100,8 +100,7 @@ bool Relocalizer::relocalize(const Submap& submap, int keyframe_id, Frame* frame
     collect(id);
   }
   size_t in_view = 0;
-  const double radius_px = options_.local_radius_px * camera_.width / 640.0;
-  for (const double radius : {2 * radius_px, radius_px}) {
+  for (const double radius : {2.0 * options_.local_radius_px, options_.local_radius_px}) {
     std::set<int> matched(found.landmark_ids.begin(), found.landmark_ids.end());
     matched.erase(kNone);
     std::vector<const Landmark*> landmarks;
