@@ -114,8 +114,9 @@ std::vector<KeyframeIndex::Candidate> KeyframeIndex::query(const std::vector<Des
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < votes.size(); ++i) {
     if (votes[i] == 0) continue;
-    const auto own = static_cast<double>(entries_[i].words.size() / kTables);
-    candidates.push_back({entries_[i].keyframe, votes[i] / std::sqrt(own * static_cast<double>(descriptors.size()))});
+    const size_t own = entries_[i].words.size() / kTables;
+    const double norm = std::sqrt(static_cast<double>(own) * static_cast<double>(descriptors.size()));
+    candidates.push_back({entries_[i].keyframe, votes[i] / norm});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.score != b.score ? a.score > b.score : a.keyframe < b.keyframe;
