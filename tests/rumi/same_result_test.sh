@@ -3,7 +3,7 @@
 # The same recording gives the same files to the bit, whichever variants of its functions the C library picks and with any
 # number of BLAS threads.
 #   same_result_test.sh RUMI
-# OpenCV's variants are not in it: cv::ORB blurs in floating point, and rounds otherwise where it may fuse operations.
+# OpenCV's variants are not in it: cv::ORB describes some keypoints otherwise without AVX2.
 set -eu
 rumi=$1
 work=$(mktemp -d)
