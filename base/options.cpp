@@ -61,6 +61,12 @@ std::string value_text(const std::variant<int*, double*, bool*, std::string*>& f
       field);
 }
 
+template <class Entries>
+auto* find_in(Entries& entries, const std::string& key) {
+  const auto it = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.key == key; });
+  return it == entries.end() ? nullptr : &*it;
+}
+
 struct FlatValue {
   std::string key, text;
   bool is_empty = false;  // `key:` with nothing behind it
@@ -93,8 +99,7 @@ void OptionTable::insert(Entry entry) {
   entry.default_text = value_text(field);
   const bool is_text = std::holds_alternative<std::string*>(field);
   entry.initial = is_text ? *std::get<std::string*>(field) : entry.default_text;
-  const auto known = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == entry.key; });
-  if (known != entries_.end()) {
+  if (Entry* known = find_in(entries_, entry.key)) {
     const bool alike = describe(*known) == describe(entry) && known->initial == entry.initial;
     if (!alike) throw std::logic_error("option declared twice, and not alike: " + entry.key);
     return known->fields.push_back(field);
@@ -107,8 +112,8 @@ void OptionTable::insert(Entry entry) {
 
 void OptionTable::for_users(const std::vector<std::string>& keys) {
   for (const std::string& key : keys) {
-    const auto entry = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
-    if (entry == entries_.end()) throw std::logic_error("no such option: " + key);
+    Entry* entry = find_in(entries_, key);
+    if (!entry) throw std::logic_error("no such option: " + key);
     entry->is_for_users = true;
   }
 }
@@ -136,10 +141,7 @@ void OptionTable::add(const std::string& key, std::string* field, const std::str
   insert({key, "", help, {field}, 0, 0, choices, {}, {}, {}});
 }
 
-const OptionTable::Entry* OptionTable::find(const std::string& key) const {
-  const auto it = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.key == key; });
-  return it == entries_.end() ? nullptr : &*it;
-}
+const OptionTable::Entry* OptionTable::find(const std::string& key) const { return find_in(entries_, key); }
 
 std::string OptionTable::assign(const Entry& entry, const std::string& text, bool apply) {
   std::string problem;

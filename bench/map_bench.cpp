@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -131,8 +130,6 @@ double memory_mb(const char* field) {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-constexpr std::chrono::milliseconds kSaveBudget{15};
-
 void forget_peak_memory() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 class Server {
@@ -187,7 +184,7 @@ class Server {
     double longest_s = 0;
     do {
       const double start_s = thread_cpu_s();
-      if (const std::string error = store_.save(atlas_, {}, kSaveBudget); !error.empty())
+      if (const std::string error = store_.save(atlas_, {}, map_server::kSaveBudget); !error.empty())
         throw std::runtime_error(error);
       longest_s = std::max(longest_s, thread_cpu_s() - start_s);
     } while (store_.is_behind());

@@ -23,9 +23,8 @@ namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
-constexpr int64_t kFrameCommitUs = 1'000'000;         // frame states (unacknowledged) are written so often, at least
-constexpr std::chrono::milliseconds kSaveBudget{15};  // of a tick: nobody is heard meanwhile
-constexpr int kMaxAnswers = 4;        // large ones under way, and snapshots waited for; more are refused
+constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
+constexpr int kMaxAnswers = 4;                 // large ones under way, and snapshots waited for; more are refused
 constexpr int kMaxSmallAnswers = 64;  // refusals under way; further requests go unanswered and are repeated by who asks
 
 bool is_same_file(const std::string& a, const std::string& b) {
@@ -164,8 +163,10 @@ void MapServerNode::merge(int64_t now_us) {
   const bool all_is_merged =
       merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
-  if (all_is_merged) merged_.insert(merged_.end(), waiting_.begin(), waiting_.end());
-  if (all_is_merged) waiting_.clear();
+  if (all_is_merged) {
+    merged_.insert(merged_.end(), waiting_.begin(), waiting_.end());
+    waiting_.clear();
+  }
   answer_with_snapshot();
   begin_answer_with_snapshot();
 }

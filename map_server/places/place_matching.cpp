@@ -33,7 +33,12 @@ class Projector {
  public:
   Projector(const PlaceNeighbourhood& from, const Submap& to, const Sim3& to_from_from,
             const PlaceMatchOptions& options)
-      : from_(from), to_(to), to_from_from_(to_from_from), options_(options) {}
+      : from_(from),
+        to_(to),
+        to_from_from_(to_from_from),
+        options_(options),
+        log_factor_(std::log(to.pyramid.scale_factor)),
+        octaves_per_octave_(std::log(from.submap->pyramid.scale_factor) / log_factor_) {}
 
   // Nothing if out of view, seen from a too different direction, or too coarse or fine to be detected.
   std::optional<Prediction> predict(const PlaceLandmark& landmark, const SE3& cam_from_to) const {
@@ -49,8 +54,7 @@ class Projector {
     if (!(ray.dot(ray_here) >= options_.min_view_cosine * ray.norm() * ray_here.norm())) return std::nullopt;
     const double size_ratio = to_from_from_.scale * ray.norm() * to_.camera.fx /
                               (ray_here.norm() * from_.submap->camera.fx);  // in pixels, here over there
-    const double log_from = std::log(from_.submap->pyramid.scale_factor), log_to = std::log(to_.pyramid.scale_factor);
-    const double octave = from_.octave(seen) * (log_from / log_to) + std::log(size_ratio) / log_to;
+    const double octave = from_.octave(seen) * octaves_per_octave_ + std::log(size_ratio) / log_factor_;
     if (octave < -options_.octave_tolerance || octave > to_.pyramid.levels - 1 + options_.octave_tolerance)
       return std::nullopt;
     return Prediction{pixel.cast<float>(), octave};
@@ -84,6 +88,8 @@ class Projector {
   const Submap& to_;
   const Sim3& to_from_from_;
   const PlaceMatchOptions& options_;
+  const double log_factor_;          // of the pyramid there
+  const double octaves_per_octave_;  // there, of the one that the landmarks were seen in
 };
 
 }  // namespace

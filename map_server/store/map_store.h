@@ -18,6 +18,8 @@
 
 namespace rumi::map_server {
 
+inline constexpr std::chrono::milliseconds kSaveBudget{15};  // of map_server's tick: nobody is heard meanwhile
+
 // Held as long as the object lives, by one process at a time; the kernel gives it back when the process dies.
 class FileLock {
  public:
