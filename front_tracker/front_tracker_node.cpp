@@ -13,6 +13,7 @@
 #include "base/stage_clock.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
 #include "bus/wire/working_image.h"
 
@@ -24,7 +25,8 @@ namespace {
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // So many images in a row older than what was seen: a recording that was started again, not a hiccup.
 constexpr int kBackwardImagesOfNewSession = 10;
-// So many in a row of another calibration: the camera was changed. With ours between them they are a second camera's.
+// So many in a row of another calibration or stream: the camera was changed. With ours between them they are a second
+// camera's.
 constexpr int kForeignImagesOfNewSession = 10;
 
 // From publication to pose where the driver says when it published, else from capture.
@@ -65,10 +67,7 @@ void FrontTrackerNode::refuse(const std::string& kind, const std::string& proble
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
   if (camera_from_file_) return camera_from_file_;
   const std::string text = metadata(image, kCalibrationKey);
-  if (tracker_ && (text.empty() || text == session_calibration_)) {
-    foreign_images_ = 0;
-    return image_camera_;
-  }
+  if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
   if (text.empty()) {
     refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
     return std::nullopt;
@@ -78,34 +77,43 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
     refuse("calibration", parsed.error);
     return std::nullopt;
   }
-  if (tracker_ && !takes_over(parsed.camera)) return std::nullopt;
+  const Camera& other = parsed.camera;
+  if (tracker_ &&
+      !takes_over(fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} px "
+                              "with fx {:.2f}",
+                              other.width, other.height, other.fx, image_camera_.width, image_camera_.height,
+                              image_camera_.fx)))
+    return std::nullopt;
   return parsed.camera;
 }
 
-bool FrontTrackerNode::takes_over(const Camera& other) {
+bool FrontTrackerNode::takes_over(const std::string& problem) {
   if (++foreign_images_ < kForeignImagesOfNewSession) {
-    refuse(
-        "another camera",
-        fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} px with fx "
-                    "{:.2f}: if two cameras publish on this channel, give one of them another (--channel)",
-                    other.width, other.height, other.fx, image_camera_.width, image_camera_.height, image_camera_.fx));
+    refuse("another camera",
+           problem + ": if two cameras publish on this channel, give one of them another (--channel)");
     return false;
   }
-  log_warning("the images have another calibration: a new session begins");
+  log_warning("the images are of another camera or recording: a new session begins");
   retire_session();
   return true;
 }
 
-void FrontTrackerNode::begin_session(const Camera& camera, const std::string& calibration) {
+bool FrontTrackerNode::is_of_another_stream(const image_t& image) const {
+  const int64_t stream = stream_of(image);
+  return tracker_ && stream != kNoStream && stream != session_stream_;
+}
+
+void FrontTrackerNode::begin_session(const Camera& camera, const image_t& image) {
   image_camera_ = camera;
-  session_calibration_ = calibration;
-  foreign_images_ = 0;
+  session_calibration_ = metadata(image, kCalibrationKey);
   session_ = std::max(bus_.now_us(), session_ + 1);
+  session_stream_ = stream_of(image) != kNoStream ? stream_of(image) : session_;
   sequence_ = 0;
   without_pose_.clear();
   with_pose_.clear();
   if (back_submaps_) back_submaps_->begin_session(session_);
-  tracker_ = std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_);
+  tracker_ =
+      std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_, session_stream_);
 }
 
 void FrontTrackerNode::retire_session() {
@@ -141,15 +149,22 @@ bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
 
 cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   const StageClock clock("front_tracker.decode");
+  if (is_of_another_stream(image)) {
+    if (!takes_over(fmt::format("it is of stream {}, and the session's images are of stream {}", stream_of(image),
+                                session_stream_)))
+      return {};
+    last_utime_us_ = INT64_MIN;  // the times of two streams have nothing to do with each other
+  }
   if (!time_is_usable(image.utime)) return {};
   const std::optional<Camera> camera = camera_of(image);
   if (!camera) return {};
+  foreign_images_ = 0;
   std::string error;
   cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
   if (grey.empty())
     refuse("image", error);
   else if (!tracker_)
-    begin_session(*camera, metadata(image, kCalibrationKey));
+    begin_session(*camera, image);
   return grey;
 }
 
@@ -192,6 +207,7 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track_t track;
   track.utime = r.utime_us;
   track.session = session_;
+  track.stream = session_stream_;
   track.sequence = sequence_++;
   track.state = static_cast<int8_t>(r.state);
   set_pose(r, &track);

@@ -31,6 +31,9 @@ class FrontTrackerNode : public Node {
   bool finished() const override;
   int64_t handed_on() const override { return publisher_.handed_on(); }
 
+  // Sessions get higher numbers than this one: a map that they come into may have it.
+  void begin_sessions_after(int64_t session) { session_ = std::max(session_, session); }
+
   // Nothing before the first usable image.
   Tracker* tracker() { return tracker_.get(); }
 
@@ -44,9 +47,10 @@ class FrontTrackerNode : public Node {
   // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell or
   // is another camera's.
   std::optional<Camera> camera_of(const image_t& image);
-  // Images of another camera than the session's: whether there were so many in a row that the session is over.
-  bool takes_over(const Camera& other);
-  void begin_session(const Camera& camera, const std::string& calibration);
+  // Another image that is not of the session's: whether there were so many in a row that the session is over.
+  bool takes_over(const std::string& problem);
+  bool is_of_another_stream(const image_t& image) const;
+  void begin_session(const Camera& camera, const image_t& image);
   bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_posed_afterwards();
@@ -60,7 +64,8 @@ class FrontTrackerNode : public Node {
   std::optional<Camera> camera_from_file_;
   Camera image_camera_;              // of the session's images; the tracker's may be smaller
   std::string session_calibration_;  // as it came with them
-  int foreign_images_ = 0;           // in a row, that came with another
+  int64_t session_stream_ = 0;       // of its images
+  int foreign_images_ = 0;           // in a row, that came with another calibration, or are of another stream
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;

@@ -40,10 +40,11 @@ trajectory_t make_trajectory(const Atlas& atlas, int64_t utime_us) {
   trajectory_t message{};
   message.utime = utime_us;
   message.map_revision = atlas.revision();
-  for (const auto& [frame_utime_us, map_from_cam] : atlas.map_trajectory()) {
-    message.frame_utime.push_back(frame_utime_us);
+  for (const auto& [image, map_from_cam] : atlas.map_trajectory()) {
+    message.frame_utime.push_back(image.utime_us);
+    message.frame_stream.push_back(image.stream);
     message.map_from_cam.push_back(to_wire(map_from_cam));
-    const PoseSigmas sigmas = atlas.locate(frame_utime_us)->sigmas();
+    const PoseSigmas sigmas = atlas.locate(image)->sigmas();
     message.position_sigma.push_back(sigmas.position);
     message.rotation_sigma_rad.push_back(sigmas.rotation_rad);
     message.log_scale_sigma.push_back(sigmas.log_scale);

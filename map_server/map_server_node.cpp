@@ -123,7 +123,8 @@ void MapServerNode::on_track(const track_t& track) {
   }
   const FrameRecord record{
       .session = track.session, .state = static_cast<TrackingState>(track.state), .submap_id = track.submap_id};
-  if (atlas_.record_frame(track.utime, record)) unsaved_frames_.insert(track.utime);
+  const ImageId image{track.utime, track.stream};
+  if (atlas_.record_frame(image, record)) unsaved_frames_.insert(image);
   last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
 

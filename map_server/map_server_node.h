@@ -77,7 +77,7 @@ class MapServerNode : public Node {
   ChunkReceiver receiver_;
   std::set<SubmapKey> fixed_;      // submaps of earlier sessions, with localize_only
   std::vector<Link> fixed_links_;  // between them
-  std::set<int64_t> unsaved_frames_;
+  std::set<ImageId> unsaved_frames_;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged

@@ -25,6 +25,7 @@ submap_summary_t summarize(const AtlasSubmap& owner) {
   summary.keyframes = static_cast<int32_t>(s.keyframes.size());
   summary.landmarks = static_cast<int32_t>(s.landmarks.size());
   summary.frames = static_cast<int32_t>(s.frames.size());
+  summary.stream = s.stream;
   summary.first_utime = s.frames.empty() ? 0 : s.frames.begin()->first;
   summary.last_utime = s.frames.empty() ? 0 : s.frames.rbegin()->first;
   summary.placement_revision = owner.placement.revision;

@@ -13,6 +13,7 @@
 #include "base/stage_clock.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
 #include "ruminator/window/window_message.h"
 
@@ -25,6 +26,8 @@ constexpr size_t kMaxPending = 256;        // states that wait so
 constexpr int kMaxUnsettled = 128;         // images that wait for their states: front_tracker may be down
 constexpr int64_t kBytesPerMb = 1'000'000;
 constexpr int kJpegQuality = 95;  // of kept images that came uncompressed
+
+ImageId image_of(const track_t& track) { return {track.utime, track.stream}; }
 
 }  // namespace
 
@@ -73,7 +76,7 @@ void RuminatorNode::process_pending(int64_t now_us, bool all) {
     const PendingTrack& next = pending_.front();
     const bool has_waited = is_due(now_us, next.arrived_us, kMatchWaitUs);
     const bool must_wait = !all && !has_waited && pending_.size() <= kMaxPending;
-    if (must_wait && !ring_.find(next.track.utime) && !sampler_.is_late(event(next.track))) return;
+    if (must_wait && !ring_.find(image_of(next.track)) && !sampler_.is_late(event(next.track))) return;
     const track_t track = next.track;
     pending_.pop_front();
     process(track);
@@ -83,10 +86,11 @@ void RuminatorNode::process_pending(int64_t now_us, bool all) {
 FrameEvent RuminatorNode::event(const track_t& track) const {
   return {.utime_us = track.utime,
           .session = track.session,
+          .stream = track.stream,
           .submap_id = track.submap_id,
           .cam_from_submap = from_wire(track.cam_from_submap).value_or(SE3()),
           .is_keyframe = track.is_keyframe != 0,
-          .has_image = ring_.find(track.utime) != nullptr};
+          .has_image = ring_.find(image_of(track)) != nullptr};
 }
 
 void RuminatorNode::process(const track_t& track) {
@@ -101,7 +105,7 @@ void RuminatorNode::process(const track_t& track) {
     sampler_.continue_after(queue_.last_id(session_));
   }
   if (!sampler_.open()) motion_.reset();
-  if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(track.utime));
+  if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(image_of(track)));
   const auto phase = [this] {
     return sampler_.open() ? std::pair(sampler_.open()->id, sampler_.open()->is_lost()) : std::pair(0, false);
   };
@@ -109,19 +113,24 @@ void RuminatorNode::process(const track_t& track) {
   std::optional<RuminationWindow> ended = sampler_.process(frame);
   if (ended) hand_on(std::move(*ended));
   if (sampler_.is_settled() && phase() != before) announce(*sampler_.open(), window_t::COLLECTING);
+  stream_ = track.stream;
   settle(track.utime);
+}
+
+bool RuminatorNode::is_needed(const ImageId& image) const {
+  return (image.stream == stream_ || image.stream == kNoStream) && retained_.contains(image.utime_us);
 }
 
 void RuminatorNode::settle(int64_t utime_us) {
   retained_ = sampler_.retained();
-  ring_.settle(utime_us, [this](int64_t utime) { return retained_.contains(utime); });
+  ring_.settle({utime_us, stream_}, [this](const ImageId& image) { return is_needed(image); });
 }
 
 // What waits for its state goes last: the open window gets thinner.
 void RuminatorNode::make_room(const image_t& image) {
   while (!ring_.fits(image) && sampler_.thin_gap()) {
     retained_ = sampler_.retained();
-    ring_.sweep([this](int64_t utime) { return retained_.contains(utime); });
+    ring_.sweep([this](const ImageId& image) { return is_needed(image); });
   }
 }
 
@@ -129,7 +138,7 @@ void RuminatorNode::make_room(const image_t& image) {
 std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) const {
   job->window = std::move(window);
   for (const Sample& sample : job->window.samples())
-    if (const image_t* image = ring_.find(sample.utime_us)) job->images.push_back(*image);
+    if (const image_t* image = ring_.find({sample.utime_us, job->window.stream})) job->images.push_back(*image);
   if (job->images.empty()) return "no image of it was kept";
   if (camera_from_file_) {
     job->camera = *camera_from_file_;

@@ -51,6 +51,7 @@ class RuminatorNode : public Node {
   void process_pending(int64_t now_us, bool all);
   void process(const track_t& track);
   FrameEvent event(const track_t& track) const;
+  bool is_needed(const ImageId& image) const;
   void settle(int64_t utime_us);
   void make_room(const image_t& image);
   void end_window();
@@ -71,7 +72,7 @@ class RuminatorNode : public Node {
   int64_t last_utime_us_ = 0;
   int64_t without_image_ = 0;
   int64_t rejected_ = 0;
-  int64_t session_ = 0;  // of the last state
+  int64_t session_ = 0, stream_ = 0;  // of the last state
   RebuildQueue queue_;
 };
 

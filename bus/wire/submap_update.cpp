@@ -160,6 +160,7 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
   u.closed = submap.closed;
   u.base_revision = base_revision;
   u.revision = submap.revision;
+  u.stream = submap.stream;
   u.calibration = camera_to_yaml(submap.camera);
   u.levels = static_cast<int8_t>(submap.pyramid.levels);
   u.scale_factor = submap.pyramid.scale_factor;
@@ -215,6 +216,7 @@ std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   submap->key = {update.session, update.submap_id};
   submap->kind = static_cast<SubmapKind>(update.kind);
   submap->camera = calibration.camera;
+  submap->stream = update.stream;
   submap->pyramid = {update.levels, update.scale_factor};
   submap->closed = update.closed;
   submap->revision = update.revision;

@@ -219,6 +219,8 @@ std::string check_update_header(const submap_update_t& update, const Submap& sub
   if (!pyramid.is_possible())
     return fmt::format("levels {}, scale_factor {}: must be 1 to {}, and {} to {}", update.levels, update.scale_factor,
                        Pyramid::kMostLevels, Pyramid::kLeastFactor, Pyramid::kMostFactor);
+  if (update.base_revision > 0 && update.stream != submap.stream)
+    return fmt::format("stream {}: the submap is of stream {}", update.stream, submap.stream);
   if (update.base_revision > 0 && pyramid != submap.pyramid)
     return fmt::format("levels {}, scale_factor {}: the submap has {}, {}", update.levels, update.scale_factor,
                        submap.pyramid.levels, submap.pyramid.scale_factor);

@@ -4,11 +4,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "base/log.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "camera_driver/source/encode_as.h"
+#include "camera_driver/source/stream_name.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -38,7 +41,25 @@ RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> re
   if (!utimes.empty() && !options_.loop) total_ = count_wanted(utimes, options_);
 }
 
+// By the times and the first image, whichever part is played. With times of our own it is another stream.
+void RecordedSource::name_stream() {
+  StreamName name;
+  name.add(std::llround(options_.rate_hz * 1e6));
+  for (const int64_t utime_us : reader_->utimes()) name.add(utime_us);
+  std::error_code is_folder;  // of a file, whose times are not known before it has been read, its size
+  if (const auto bytes = std::filesystem::file_size(name_, is_folder); !is_folder)
+    name.add(static_cast<int64_t>(bytes));
+  std::string ignored;
+  if (const std::optional<FrameStamp> first = reader_->advance()) {
+    name.add(first->utime_us);
+    if (const std::optional<image_t> image = reader_->load(false, &ignored)) name.add(image->data);
+  }
+  reader_->rewind();
+  stream_ = name.number();
+}
+
 std::string RecordedSource::start() {
+  name_stream();
   starting_ = true;
   ahead_ = fetch();
   starting_ = false;
@@ -62,8 +83,11 @@ std::optional<image_t> RecordedSource::fetch() {
     if (!image && starting_ && skipped_.wrong_size > 0) return std::nullopt;
     if (!image) continue;
     image->utime = utime_us;
-    // What an earlier process noted in a log, such as when it was published, is not true of this one.
+    // What an earlier process noted in a log, such as when it was published, is not true of this one. What it is an
+    // image of is.
+    const int64_t in_log = options_.rate_hz > 0 ? kNoStream : stream_of(*image);
     image->metadata.clear();
+    set_stream(in_log == kNoStream ? stream_ : in_log, &*image);
     set_metadata(&*image, kCalibrationKey, calibration_);
     return image;
   }

@@ -23,6 +23,7 @@ class RecordedSource : public ImageSource {
   const SkippedFrames& skipped() const override { return skipped_; }
 
  private:
+  void name_stream();
   std::optional<image_t> fetch();
   std::optional<FrameStamp> next_wanted();
   bool begin_next_pass();
@@ -37,6 +38,7 @@ class RecordedSource : public ImageSource {
   CameraOptions options_;
   FrameSelector selector_;
   int64_t total_ = -1;
+  int64_t stream_ = 0;
   std::optional<image_t> ahead_;
   bool starting_ = false;  // the first image decides whether the calibration fits
   bool have_ahead_ = false, reported_ = false;

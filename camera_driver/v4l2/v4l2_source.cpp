@@ -10,7 +10,9 @@
 #include "base/log.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "camera_driver/source/encode_as.h"
+#include "camera_driver/source/stream_name.h"
 #include "camera_driver/v4l2/video_controls.h"
 
 namespace rumi::camera_driver {
@@ -243,6 +245,10 @@ std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
     return std::nullopt;
   }
   image->utime = utime_us;
+  StreamName stream;  // not of this process: one that comes after it goes on with it, for the clock does
+  stream.add(input_);
+  stream.add(card_);
+  set_stream(stream.number(), &*image);
   if (!calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
   return image;
 }

@@ -22,10 +22,11 @@ constexpr int64_t kMayBeWrong_us = 4'000'000;
 
 }  // namespace
 
-Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t session)
+Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t session, int64_t stream)
     : camera_(camera),
       options_(options),
       session_(session),
+      stream_(stream),
       extractor_(options.orb),
       scales_(options.orb.pyramid.scales()),
       initializer_(camera, options.initializer, scales_),
@@ -252,6 +253,7 @@ FrontSubmap& Tracker::open_submap(Submap known) {
   const SubmapKey key{session_, static_cast<int32_t>(submaps_.size()) + 1};
   known.camera = camera_;
   known.pyramid = options_.orb.pyramid;
+  known.stream = stream_;
   return *submaps_.emplace_back(std::make_unique<FrontSubmap>(std::move(known), key));
 }
 

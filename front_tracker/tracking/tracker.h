@@ -36,8 +36,9 @@ struct TrackResult {
 
 class Tracker {
  public:
-  // The camera is that of the images given to process(). `session` goes into the submaps' keys.
-  Tracker(const Camera& camera, const TrackerOptions& options, int64_t session);
+  // The camera is that of the images given to process(). `session` goes into the submaps' keys, `stream` is that of the
+  // images.
+  Tracker(const Camera& camera, const TrackerOptions& options, int64_t session, int64_t stream = 0);
 
   // Images in order of time; one that is not newer than the last is refused (nothing). 8-bit grey, of the camera's
   // size.
@@ -120,7 +121,7 @@ class Tracker {
 
   Camera camera_;
   TrackerOptions options_;
-  int64_t session_;
+  int64_t session_, stream_;
   OrbExtractor extractor_;
   std::vector<double> scales_;
   Initializer initializer_;

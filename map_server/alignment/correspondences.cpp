@@ -75,6 +75,7 @@ bool same_corners(const Features& a, const Features& b) {
 
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px) {
   Correspondences common;
+  if (a.stream != b.stream) return common;
   for (const auto& [utime_us, frame] : a.frames)
     if (b.frames.contains(utime_us)) common.frames.push_back(utime_us);
   if (common.frames.empty()) return common;

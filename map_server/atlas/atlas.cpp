@@ -25,14 +25,14 @@ bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) 
   return keyframe && (places.empty() || places.contains(keyframe->utime_us));
 }
 
-bool is_between_its_frames(int64_t utime_us, const Submap& submap) {
-  return !submap.frames.empty() && submap.frames.begin()->first <= utime_us &&
-         utime_us <= submap.frames.rbegin()->first;
+bool is_between_its_frames(ImageId image, const Submap& submap) {
+  return image.stream == submap.stream && !submap.frames.empty() && submap.frames.begin()->first <= image.utime_us &&
+         image.utime_us <= submap.frames.rbegin()->first;
 }
 
 bool overlap_in_time(const Submap& a, const Submap& b) {
-  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
-         b.frames.begin()->first <= a.frames.rbegin()->first;
+  return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
+         a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;
 }
 
 bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
@@ -81,8 +81,8 @@ std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(
   return {};
 }
 
-bool Atlas::record_frame(int64_t utime_us, const FrameRecord& record) {
-  const auto [it, is_new] = frames_.try_emplace(utime_us, record);
+bool Atlas::record_frame(ImageId image, const FrameRecord& record) {
+  const auto [it, is_new] = frames_.try_emplace(image, record);
   if (is_new) return true;
   if (it->second == record) return false;
   it->second = record;
@@ -97,7 +97,8 @@ void Atlas::restore_submap(AtlasSubmap submap) {
 
 void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
   for (const auto& [utime_us, frame] : submap.frames)
-    if (frame.revision > after_revision) frames_.try_emplace(utime_us, FrameRecord{.session = submap.key.session});
+    if (frame.revision > after_revision)
+      frames_.try_emplace({utime_us, submap.stream}, FrameRecord{.session = submap.key.session});
 }
 
 void Atlas::check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
@@ -206,30 +207,30 @@ int64_t Atlas::frames_in_map() const {
   return frames;
 }
 
-std::optional<LocatedFrame> Atlas::locate(int64_t utime_us) const {
-  const auto record = frames_.find(utime_us);
+std::optional<LocatedFrame> Atlas::locate(ImageId image) const {
+  const auto record = frames_.find(image);
   const auto order = [&](const AtlasSubmap& s) {
     const bool tracked_in =
         record != frames_.end() && s.submap.key == SubmapKey{record->second.session, record->second.submap_id};
-    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, *s.submap.frame(utime_us));
+    const bool follows = s.in_map && !hangs_on_placed_keyframe(s, *s.submap.frame(image.utime_us));
     return std::make_tuple(!s.in_map, follows, !tracked_in, s.submap.kind != SubmapKind::kFront);
   };
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_)
-    if (is_between_its_frames(utime_us, candidate.submap) && candidate.submap.frame(utime_us) &&
+    if (is_between_its_frames(image, candidate.submap) && candidate.submap.frame(image.utime_us) &&
         (!best || order(candidate) < order(*best)))
       best = &candidate;
   if (!best) return std::nullopt;
-  return LocatedFrame{best, best->submap.frame(utime_us)};
+  return LocatedFrame{best, best->submap.frame(image.utime_us)};
 }
 
-std::map<int64_t, SE3> Atlas::map_trajectory() const {
-  std::map<int64_t, SE3> trajectory;
+std::map<ImageId, SE3> Atlas::map_trajectory() const {
+  std::map<ImageId, SE3> trajectory;
   for (const auto& [key, owner] : submaps_) {
     if (!owner.in_map) continue;
     for (const auto& [utime_us, frame] : owner.submap.frames) {
-      if (trajectory.contains(utime_us)) continue;
-      trajectory.emplace(utime_us, locate(utime_us)->cam_from_map().inverse());
+      const ImageId image{utime_us, owner.submap.stream};
+      if (!trajectory.contains(image)) trajectory.emplace(image, locate(image)->cam_from_map().inverse());
     }
   }
   return trajectory;

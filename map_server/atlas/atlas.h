@@ -69,7 +69,7 @@ class Atlas {
   void check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const;
   void check_links(const std::vector<Link>& links) const;
   // Takes what a RUMI_TRACK message says. True if that is news.
-  bool record_frame(int64_t utime_us, const FrameRecord& record);
+  bool record_frame(ImageId image, const FrameRecord& record);
   // For loading: puts a submap as it was, with its place in the map.
   void restore_submap(AtlasSubmap submap);
   void restore_placement(SubmapKey key, Placement placement) { submaps_.at(key).placement = std::move(placement); }
@@ -79,7 +79,7 @@ class Atlas {
   std::set<SubmapKey> in_map() const;
   const std::vector<Link>& links() const { return links_; }
   const AtlasSubmap* find(SubmapKey key) const;
-  const std::map<int64_t, FrameRecord>& frames() const { return frames_; }  // all ever heard of, by utime_us
+  const std::map<ImageId, FrameRecord>& frames() const { return frames_; }  // all ever heard of
   int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed
   int64_t frames_in_map() const;
 
@@ -88,9 +88,9 @@ class Atlas {
 
   // A pose in the served map comes first; in the map, one that hangs on a keyframe which was placed itself, not by its
   // neighbours; then one in the submap that the frame was tracked in, then front before back.
-  std::optional<LocatedFrame> locate(int64_t utime_us) const;
-  // map_from_cam of every frame with a pose in the served map, by utime_us. Lengths are the map's.
-  std::map<int64_t, SE3> map_trajectory() const;
+  std::optional<LocatedFrame> locate(ImageId image) const;
+  // map_from_cam of every frame with a pose in the served map. Lengths are the map's.
+  std::map<ImageId, SE3> map_trajectory() const;
 
  private:
   void note_frames(const Submap& submap, int64_t after_revision);
@@ -98,7 +98,7 @@ class Atlas {
   bool choose_map();       // true if the served map is now made of other submaps than before
 
   std::map<SubmapKey, AtlasSubmap> submaps_;
-  std::map<int64_t, FrameRecord> frames_;
+  std::map<ImageId, FrameRecord> frames_;
   std::vector<Link> links_;
   int64_t revision_ = 0;
 };

@@ -42,7 +42,7 @@ class Groups {
 };
 
 struct GroupSize {
-  std::set<int64_t> frames;
+  std::set<ImageId> frames;
   bool has_front = false;  // which decides between equals
 
   bool operator<(const GroupSize& other) const {
@@ -84,13 +84,14 @@ void MapBuilder::find_links(const Submaps& submaps) {
 }
 
 bool MapBuilder::is_joined(const Place& a, const Place& b) const {
-  if (joined_.contains(std::minmax(a.utime_us, b.utime_us))) return true;
+  if (joined_.contains(std::minmax(a.image, b.image))) return true;
   if (a.submap == b.submap) return false;
   const auto pair = pairs_.find(std::minmax(a.submap, b.submap));
   if (pair == pairs_.end() || !pair->second.link) return false;
   const Link& link = *pair->second.link;
   if (link.accepted())
-    return static_cast<double>(std::abs(a.utime_us - b.utime_us)) <= options_.places.min_apart_s * 1e6;
+    return a.image.stream == b.image.stream &&
+           static_cast<double>(std::abs(a.image.utime_us - b.image.utime_us)) <= options_.places.min_apart_s * 1e6;
   // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
   return link.keyframes >= kMinSharedKeyframes && link.landmarks >= options_.pairs.alignment.min_landmarks;
 }
@@ -128,7 +129,7 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
   for (const auto& [key, submap] : submaps) {
     GroupSize& size = sizes[groups.find(key)];
     size.has_front = size.has_front || submap->kind == SubmapKind::kFront;
-    for (const auto& [utime_us, frame] : submap->frames) size.frames.insert(utime_us);
+    for (const auto& [utime_us, frame] : submap->frames) size.frames.insert({utime_us, submap->stream});
   }
   if (!fixed_.empty()) std::erase_if(sizes, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
   const auto largest =
@@ -405,7 +406,7 @@ void MapBuilder::note_joined(const MapModel& model, bool whole) {
           if (o.view < static_cast<int>(v) && shared[o.view]++ == 0) met.push_back(o.view);
     for (int other : met)
       if (std::exchange(shared[other], 0) >= options_.joined_points)
-        joined_.insert(std::minmax(model.views[other].utime_us, model.views[v].utime_us));
+        joined_.insert(std::minmax(model.views[other].image, model.views[v].image));
     met.clear();
   }
   for (const MapModel::Point& point : model.points)

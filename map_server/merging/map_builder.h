@@ -147,7 +147,7 @@ class MapBuilder {
   PlaceSearch places_;
   std::set<SubmapKey> fixed_;
   std::set<SubmapKey> built_;                     // the submaps of the last build
-  std::set<std::pair<int64_t, int64_t>> joined_;  // views of the map as it was built last, by utime_us, lower first
+  std::set<std::pair<ImageId, ImageId>> joined_;  // views of the map as it was built last, lower first
   SubmapContacts fused_;                          // submaps that have points in common there
 };
 

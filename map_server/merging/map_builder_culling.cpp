@@ -28,10 +28,10 @@ CommonImages MapBuilder::common_images(const Submaps& submaps) const {
     common.needed[place.joint.b.submap].insert(place.joint.b.id);
   }
   // Where two do not agree, the back submap is believed; and what was refused is tried again when more is known.
-  std::map<int64_t, std::vector<KeyframeRef>> images;
+  std::map<ImageId, std::vector<KeyframeRef>> images;
   for (const auto& [key, submap] : submaps)
-    for (const auto& [id, keyframe] : submap->keyframes) images[keyframe.utime_us].push_back({key, id});
-  for (const auto& [utime_us, same] : images)
+    for (const auto& [id, keyframe] : submap->keyframes) images[submap->image(keyframe)].push_back({key, id});
+  for (const auto& [image, same] : images)
     for (auto a = same.begin(); a != same.end(); ++a)
       for (auto b = std::next(a); b != same.end(); ++b) {
         if (agree.contains({a->submap, a->id, b->submap, b->id})) continue;

@@ -103,13 +103,17 @@ class Bundle {
     return chosen;
   }
 
-  // Where the view is if it goes with that which is next to it in time of those that were placed.
+  // Where the view is if it goes with that which is next to it in time of those that were placed, of its own stream if
+  // it can be.
   SE3 carried_along(size_t view) const {
     const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
-    const auto apart_us = [&](size_t v) { return std::abs(before(v).utime_us - before(view).utime_us); };
+    const auto apart = [&](size_t v) {
+      const ImageId &a = before(v).image, &b = before(view).image;
+      return std::pair(a.stream != b.stream, std::abs(a.utime_us - b.utime_us));
+    };
     std::optional<size_t> next;
     for (size_t v = 0; v < views_.size(); ++v)
-      if (is_placed_[v] && (!next || apart_us(v) < apart_us(*next))) next = v;
+      if (is_placed_[v] && (!next || apart(v) < apart(*next))) next = v;
     const SE3& was = before(view).cam_from_map;
     if (!next || problem_.views[*next].fixed) return was;
     return was * before(*next).cam_from_map.inverse() * problem_.views[*next].cam_from_submap;

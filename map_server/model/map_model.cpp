@@ -66,10 +66,11 @@ class Joiner {
   };
 
   void make_views() {
-    std::map<int64_t, std::vector<KeyframeRef>> images;
+    std::map<ImageId, std::vector<KeyframeRef>> images;
     for (const auto& [key, placed] : submaps_)  // back submaps have the lower keys
-      for (const auto& [id, keyframe] : placed.submap->keyframes) images[keyframe.utime_us].push_back({key, id});
-    for (auto& [utime_us, keyframes] : images) {
+      for (const auto& [id, keyframe] : placed.submap->keyframes)
+        images[placed.submap->image(keyframe)].push_back({key, id});
+    for (auto& [image, keyframes] : images) {
       const int index = static_cast<int>(model_.views.size());
       MapModel::View& view = model_.views.emplace_back();
       const auto fixed = std::find_if(keyframes.begin(), keyframes.end(),
@@ -78,7 +79,7 @@ class Joiner {
       const KeyframeRef& best = view.fixed ? *fixed : keyframes.front();
       const PlacedSubmap& first = submaps_.at(best.submap);
       const Keyframe& chosen = *first.submap->keyframe(best.id);
-      view.utime_us = utime_us;
+      view.image = image;
       view.cam_from_map = first.placement.cam_from_map(chosen);
       view.camera = first.submap->camera;
       view.pyramid = first.submap->pyramid;
@@ -238,9 +239,9 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
       const PlacedSubmap& before = submaps.at(ref.submap);
       const Keyframe& keyframe = *before.submap->keyframe(ref.id);
       const double scale = scale_at(model, view, point_of[ref.submap], *before.submap, keyframe,
-                                    before.placement.at(view.utime_us).scale);
+                                    before.placement.at(view.image.utime_us).scale);
       const Sim3 map_from_submap = similarity_through(keyframe.cam_from_submap, view.cam_from_map, scale);
-      if (map_from_submap.is_finite()) placements[ref.submap].map_from_submap[view.utime_us] = map_from_submap;
+      if (map_from_submap.is_finite()) placements[ref.submap].map_from_submap[view.image.utime_us] = map_from_submap;
     }
   for (const auto& [key, placed] : submaps)
     if (placed.fixed) placements[key] = placed.placement;

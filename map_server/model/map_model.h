@@ -17,7 +17,7 @@ namespace rumi::map_server {
 
 struct MapModel {
   struct View {
-    int64_t utime_us = 0;
+    ImageId image;
     SE3 cam_from_map;
     bool fixed = false;
     Camera camera;
@@ -36,7 +36,7 @@ struct MapModel {
     std::vector<Observation> observations;  // at most one per view
     std::vector<LandmarkRef> landmarks;     // that it is; empty: fused into another point
   };
-  std::vector<View> views;  // by utime_us
+  std::vector<View> views;  // by image
   std::vector<Point> points;
 
   // False, and nothing changed, if the view observes the point already or the keypoint observes something.

@@ -109,18 +109,27 @@ void add_point(const MapModel& map, const MapModel::Point& point, ColmapExport* 
   }
 }
 
+// COLMAP knows an image by its name. The times of several recordings may be the same.
+std::string image_name(const ImageId& image, bool of_several_streams) {
+  const std::string name = seconds_text(image.utime_us) + ".jpg";
+  return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
+}
+
 ColmapExport make_model(const Atlas& atlas) {
   std::map<SubmapKey, PlacedSubmap> placed;
   for (const auto& [key, owner] : atlas.submaps())
     if (owner.in_map) placed[key] = {&owner.submap, owner.placement};
   const MapModel map = join(placed, kSameKeypointPx);
   ColmapExport model;
+  const bool of_several_streams = std::any_of(map.views.begin(), map.views.end(), [&](const MapModel::View& view) {
+    return view.image.stream != map.views.front().image.stream;
+  });
   for (const MapModel::View& view : map.views) {
     ExportedImage& image = model.images.emplace_back();
     image.id = static_cast<uint32_t>(model.images.size());
     image.camera = camera_id(view.camera, &model);
     image.cam_from_map = view.cam_from_map;
-    image.name = seconds_text(view.utime_us) + ".jpg";
+    image.name = image_name(view.image, of_several_streams);
     for (const Keypoint& keypoint : view.features->keypoints)
       image.points.emplace_back(keypoint.pixel.cast<double>().array() + kPixelShift, kNoPoint);
   }

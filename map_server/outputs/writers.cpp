@@ -73,7 +73,7 @@ Colour submap_colour(SubmapKey key) {
 
 std::string write_trajectory_tum(const Atlas& atlas, const std::string& file) {
   WholeFile out(file);
-  for (const auto& [utime_us, map_from_cam] : atlas.map_trajectory()) out.write(tum_line(utime_us, map_from_cam));
+  for (const auto& [image, map_from_cam] : atlas.map_trajectory()) out.write(tum_line(image.utime_us, map_from_cam));
   return out.commit();
 }
 
@@ -95,11 +95,11 @@ std::string submap_file_name(const Atlas& atlas, SubmapKey key) {
 std::string write_frames_csv(const Atlas& atlas, const std::string& file) {
   WholeFile out(file);
   out.write("utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n");
-  for (const auto& [utime_us, record] : atlas.frames()) {
-    const std::optional<LocatedFrame> located = atlas.locate(utime_us);
+  for (const auto& [image, record] : atlas.frames()) {
+    const std::optional<LocatedFrame> located = atlas.locate(image);
     const PoseSigmas sigmas = located ? located->sigmas() : PoseSigmas();
     out.write(fmt::format(
-        "{},{},{},{},{}\n", utime_us, to_string(record.state), located ? located->owner->submap.key.id : 0,
+        "{},{},{},{},{}\n", image.utime_us, to_string(record.state), located ? located->owner->submap.key.id : 0,
         located && located->owner->in_map ? 1 : 0,
         sigmas.are_known() ? fmt::format("{:.6g},{:.6g},{:.6g}", sigmas.position, sigmas.rotation_rad, sigmas.log_scale)
                            : ",,"));
@@ -108,7 +108,7 @@ std::string write_frames_csv(const Atlas& atlas, const std::string& file) {
 }
 
 std::string write_ply(const Atlas& atlas, const std::string& file) {
-  const std::map<int64_t, SE3> trajectory = atlas.map_trajectory();
+  const std::map<ImageId, SE3> trajectory = atlas.map_trajectory();
   std::string body;
   size_t vertices = 0;
   const auto add = [&](const Eigen::Vector3d& p, Colour colour) {
@@ -124,7 +124,7 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
         add(owner.placement.position_in_map(owner.submap, landmark), submap_colour(key));
   }
   const size_t landmarks = vertices;
-  for (const auto& [utime_us, map_from_cam] : trajectory) add(map_from_cam.translation, {255, 255, 255});
+  for (const auto& [image, map_from_cam] : trajectory) add(map_from_cam.translation, {255, 255, 255});
 
   WholeFile out(file);
   out.write(

@@ -7,12 +7,12 @@
 
 namespace rumi::map_server {
 
-void PlaceIndex::add(SubmapKey submap, const Keyframe& keyframe) {
-  remove(submap, keyframe.id);
+void PlaceIndex::add(const Submap& submap, const Keyframe& keyframe) {
+  remove(submap.key, keyframe.id);
   const int64_t number = next_number_++;
   index_.add(number, landmark_descriptors(keyframe));
-  numbers_[{submap, keyframe.id}] = number;
-  places_[number] = {submap, keyframe.id, keyframe.utime_us};
+  numbers_[{submap.key, keyframe.id}] = number;
+  places_[number] = {submap.key, keyframe.id, submap.image(keyframe)};
 }
 
 void PlaceIndex::remove(SubmapKey submap, int keyframe) {
@@ -39,7 +39,8 @@ std::vector<PlaceCandidate> PlaceIndex::query(const std::vector<Descriptor>& des
     const Place& place = places_.at(number);
     if (exclude && exclude(place)) continue;
     const bool shown = std::any_of(found.begin(), found.end(), [&](const PlaceCandidate& better) {
-      return better.place.submap == place.submap && std::abs(better.place.utime_us - place.utime_us) < separation_us;
+      return better.place.submap == place.submap &&
+             std::abs(better.place.image.utime_us - place.image.utime_us) < separation_us;
     });
     if (!shown) found.push_back({place, score});
   }
@@ -67,7 +68,8 @@ std::function<bool(const Place&)> exclude_surroundings(const Submap& submap, int
   const Keyframe* keyframe = submap.keyframe(keyframe_id);
   const int64_t utime_us = keyframe ? keyframe->utime_us : 0;
   return [near, utime_us, min_apart_us, key = submap.key](const Place& place) {
-    return place.submap == key && (near.contains(place.keyframe) || std::abs(place.utime_us - utime_us) < min_apart_us);
+    return place.submap == key &&
+           (near.contains(place.keyframe) || std::abs(place.image.utime_us - utime_us) < min_apart_us);
   };
 }
 

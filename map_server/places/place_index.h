@@ -16,7 +16,7 @@ namespace rumi::map_server {
 struct Place {
   SubmapKey submap;
   int keyframe = kNone;  // id
-  int64_t utime_us = 0;
+  ImageId image = {};
   bool operator==(const Place&) const = default;
 };
 
@@ -28,7 +28,7 @@ struct PlaceCandidate {
 class PlaceIndex {
  public:
   // Replaces what the index knew of the keyframe. Only keypoints that observe a landmark count.
-  void add(SubmapKey submap, const Keyframe& keyframe);
+  void add(const Submap& submap, const Keyframe& keyframe);
   void remove(SubmapKey submap, int keyframe);
   void remove_if(const std::function<bool(const Place&)>& gone);
   bool contains(SubmapKey submap, int keyframe) const { return numbers_.contains({submap, keyframe}); }

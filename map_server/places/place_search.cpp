@@ -37,7 +37,7 @@ PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps
                             std::max(alignment.sigma_rotation_deg, o.sigma_rotation_deg) * M_PI / 180,
                             std::max(alignment.sigma_translation, o.sigma_translation) * depth,
                             std::max(alignment.sigma_log_scale, o.sigma_log_scale)};
-  return {depth, make_link(a, b, alignment), a.utime_us, b.utime_us, joint, std::move(alignment.landmarks)};
+  return {depth, make_link(a, b, alignment), a.image.utime_us, b.image.utime_us, joint, std::move(alignment.landmarks)};
 }
 
 // Landmarks of the two images, by themselves, that look alike. Some five do by chance.
@@ -68,11 +68,11 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes)
       if (seen_.insert({key, id}).second) {
-        index_.add(key, keyframe);
-        fresh.push_back({key, id, keyframe.utime_us});
+        index_.add(*submap, keyframe);
+        fresh.push_back({key, id, submap->image(keyframe)});
       }
   for (const Place& place : fresh) {
-    std::vector<Place>& same_image = searched_for_[place.utime_us];
+    std::vector<Place>& same_image = searched_for_[place.image];
     // What the image shows has been looked for by its other keyframe, where that tells of this one too.
     const bool known =
         std::any_of(same_image.begin(), same_image.end(), [&](const Place& other) { return joined(place, other); });
@@ -92,7 +92,7 @@ void PlaceSearch::forget_removed(const Submaps& submaps) {
 
 void PlaceSearch::add(const Submap& submap) {
   for (const auto& [id, keyframe] : submap.keyframes)
-    if (seen_.insert({submap.key, id}).second) index_.add(submap.key, keyframe);
+    if (seen_.insert({submap.key, id}).second) index_.add(submap, keyframe);
 }
 
 bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
@@ -101,19 +101,19 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
   for (const SubmapKey& key : alone) {
     const Submap& submap = *submaps.at(key);
     if (std::exchange(searched_again_[key], submap.revision) == submap.revision) continue;
-    for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, keyframe.utime_us});
+    for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, submap.image(keyframe)});
   }
   if (places.empty()) return false;
   forget_removed(submaps);
   for (const auto& [key, submap] : submaps)
-    for (const auto& [id, keyframe] : submap->keyframes) index_.add(key, keyframe);
+    for (const auto& [id, keyframe] : submap->keyframes) index_.add(*submap, keyframe);
   for (const Place& place : places) search(place, submaps, joined);
   return true;
 }
 
 bool PlaceSearch::is_known(const Place& a, const Place& b) const {
   const auto near = [&](SubmapKey key, int64_t utime_us, const Place& place) {
-    return key == place.submap && std::abs(utime_us - place.utime_us) < o_.once_within_s * 1e6;
+    return key == place.submap && std::abs(utime_us - place.image.utime_us) < o_.once_within_s * 1e6;
   };
   return std::any_of(found_.begin(), found_.end(), [&](const PlaceLink& known) {
     return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||

@@ -79,8 +79,8 @@ class PlaceSearch {
   PlaceSearchOptions o_;
   PlaceIndex index_;
   std::set<std::pair<SubmapKey, int>> seen_;
-  std::map<SubmapKey, int64_t> searched_again_;         // at this revision
-  std::map<int64_t, std::vector<Place>> searched_for_;  // by utime_us
+  std::map<SubmapKey, int64_t> searched_again_;  // at this revision
+  std::map<ImageId, std::vector<Place>> searched_for_;
   std::vector<PlaceLink> found_;
   std::vector<PlaceLink> unconfirmed_;
   std::map<std::pair<SubmapKey, SubmapKey>, Link> refused_;

@@ -133,7 +133,18 @@ void MapStore::open() {
     db_.execute(kMapSchema);
     db_.execute(kMapSchemaPlacements);
     db_.execute(kMapSchemaLinks);
+    db_.execute(kMapSchemaFrames);
   } else {
+    bring_up(version);
+    log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
+  }
+  db_.execute(
+      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kMapApplicationId, kMapSchemaVersion));
+  transaction.commit();
+}
+
+void MapStore::bring_up(int64_t version) {
+  if (version <= 4) {
     if (version > 1) db_.execute(kMapSchemaFrom4);
     db_.execute(kMapSchemaPlacements);
     if (version > 1) db_.execute(kMapSchemaTo5);
@@ -144,11 +155,10 @@ void MapStore::open() {
     if (version <= 2) db_.execute(kMapSchemaFrom2To3);
     if (version <= 3) db_.execute(kMapSchemaFrom3To4);
     db_.execute(kMapSchemaPyramids);
-    log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
   }
-  db_.execute(
-      fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {};", kMapApplicationId, kMapSchemaVersion));
-  transaction.commit();
+  db_.execute(kMapSchemaFrom5);
+  db_.execute(kMapSchemaFrames);
+  db_.execute(kMapSchemaTo6);
 }
 
 std::string MapStore::explain(const SqliteError& error) const {

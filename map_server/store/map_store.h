@@ -64,7 +64,7 @@ class MapStore {
   // transaction: all of it or, with a reason, nothing. After a failure the next save() catches up. Submaps and
   // where they lie may take long to write: when the time of a `budget` is over, the rest is left to the next save(),
   // and until all is written the file has the map as it was before, with its links.
-  std::string save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
+  std::string save(const Atlas& atlas, const std::vector<ImageId>& frames,
                    std::optional<std::chrono::milliseconds> budget = {});
   // Something is left to the next save().
   bool is_behind() const { return is_behind_; }
@@ -100,6 +100,7 @@ class MapStore {
   using Rows = std::map<SubmapKey, Stored>;
   using Deadline = std::chrono::steady_clock::time_point;
   void open();  // db_: checks what is there, or makes it
+  void bring_up(int64_t version);
   bool save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows);
   Stored save_submap(const AtlasSubmap& owner, const Stored& before);
   bool remove_elements(const Submap& submap, const Stored& row);
@@ -111,7 +112,7 @@ class MapStore {
   void save_map(const Atlas& atlas, Rows* rows);
   bool remove_other_placements(Deadline deadline, Rows* rows);
   void save_links(const Atlas& atlas, const Rows& rows);
-  void save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us);
+  void save_frames(const Atlas& atlas, const std::vector<ImageId>& frames);
   int64_t camera_row(const Camera& camera);
   Camera load_camera(int64_t row);
   void load_submaps(Atlas* atlas);

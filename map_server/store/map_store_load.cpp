@@ -61,11 +61,12 @@ Atlas MapStore::load() {
   try {
     stored_.clear();
     is_behind_ = false;
-    Statement frames(db_, "SELECT utime, session, state, submap FROM frames");
+    Statement frames(db_, "SELECT utime, stream, session, state, submap FROM frames");
     while (frames.step())
-      atlas.record_frame(frames.integer(0), {.session = frames.integer(1),
-                                             .state = static_cast<TrackingState>(frames.integer(2)),
-                                             .submap_id = static_cast<int32_t>(frames.integer(3))});
+      atlas.record_frame({frames.integer(0), frames.integer(1)},
+                         {.session = frames.integer(2),
+                          .state = static_cast<TrackingState>(frames.integer(3)),
+                          .submap_id = static_cast<int32_t>(frames.integer(4))});
     load_submaps(&atlas);
     atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
   } catch (const SqliteError& error) {
@@ -80,7 +81,7 @@ void MapStore::load_submaps(Atlas* atlas) {
   std::map<int64_t, SubmapKey> keys;
   Statement rows(db_,
                  "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision, levels, "
-                 "scale_factor FROM submaps");
+                 "scale_factor, stream FROM submaps");
   while (rows.step()) {
     AtlasSubmap owner;
     Submap& s = owner.submap;
@@ -90,6 +91,7 @@ void MapStore::load_submaps(Atlas* atlas) {
     s.revision = rows.integer(5);
     s.camera = load_camera(rows.integer(6));
     s.pyramid = checked_pyramid(rows.integer(9), rows.real(10));
+    s.stream = rows.integer(11);
     owner.in_map = rows.integer(7) != 0;
     load_elements(rows.integer(0), &s);
     stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8), rows.integer(8)};

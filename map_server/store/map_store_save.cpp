@@ -37,14 +37,14 @@ void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
 
 }  // namespace
 
-std::string MapStore::save(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us,
+std::string MapStore::save(const Atlas& atlas, const std::vector<ImageId>& frames,
                            std::optional<std::chrono::milliseconds> budget) {
   const Deadline deadline = budget ? std::chrono::steady_clock::now() + *budget : Deadline::max();
   try {
     Transaction transaction(db_);
     Rows rows = stored_;
     const bool has_submaps = save_submaps(atlas, deadline, &rows);
-    save_frames(atlas, frame_utimes_us);
+    save_frames(atlas, frames);
     const bool is_whole = has_submaps && save_placements(atlas, deadline, &rows);
     if (is_whole) {
       save_map(atlas, &rows);
@@ -78,13 +78,14 @@ bool MapStore::save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows) {
 MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
   const Submap& s = owner.submap;
   Statement upsert(db_,
-                   "INSERT INTO submaps (session, id, kind, closed, revision, camera, levels, scale_factor) "
-                   "VALUES (?, ?, ?, ?, ?, ?, ?, ?) "
+                   "INSERT INTO submaps (session, id, kind, closed, revision, camera, levels, scale_factor, stream) "
+                   "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
                    "ON CONFLICT (session, id) DO UPDATE SET kind = excluded.kind, closed = excluded.closed, "
                    "revision = excluded.revision, camera = excluded.camera, "
-                   "levels = excluded.levels, scale_factor = excluded.scale_factor RETURNING submap");
+                   "levels = excluded.levels, scale_factor = excluded.scale_factor, stream = excluded.stream "
+                   "RETURNING submap");
   upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera),
-              s.pyramid.levels, s.pyramid.scale_factor);
+              s.pyramid.levels, s.pyramid.scale_factor, s.stream);
   upsert.step();
   Stored since = before;
   since.row = upsert.integer(0);
@@ -156,12 +157,13 @@ void MapStore::save_poses(const Submap& s, const Stored& since) {
   }
 }
 
-void MapStore::save_frames(const Atlas& atlas, const std::vector<int64_t>& frame_utimes_us) {
-  Statement insert(db_, "INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?)");
-  for (const int64_t utime_us : frame_utimes_us) {
-    const auto it = atlas.frames().find(utime_us);
+void MapStore::save_frames(const Atlas& atlas, const std::vector<ImageId>& frames) {
+  Statement insert(db_, "INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?, ?)");
+  for (const ImageId& image : frames) {
+    const auto it = atlas.frames().find(image);
     if (it == atlas.frames().end() || it->second.state == TrackingState::kUnknown) continue;
-    insert.bind(utime_us, it->second.session, static_cast<int>(it->second.state), it->second.submap_id).run();
+    const FrameRecord& record = it->second;
+    insert.bind(image.stream, image.utime_us, record.session, static_cast<int>(record.state), record.submap_id).run();
   }
 }
 

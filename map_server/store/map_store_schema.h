@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 5. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 6. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 5;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 6;           // PRAGMA user_version; raise it with every change of the schema
 
 // What version 2 added to version 1: where the submaps of the map lie in it. Since version 5 with the revision: rows of
 // another one than submaps.placement_revision are on their way in or out, and do not count.
@@ -84,6 +84,7 @@ CREATE TABLE submaps (
   placement_revision INTEGER NOT NULL DEFAULT 0,  -- of the map when its place there last changed; 0: never placed
   levels INTEGER NOT NULL DEFAULT 8,      -- of the pyramid that octaves are levels of,
   scale_factor REAL NOT NULL DEFAULT 1.2, -- and the size of a level's pixels over that of the level below
+  stream INTEGER NOT NULL DEFAULT 0,      -- the camera or recording that its images are of
   UNIQUE (session, id)
 );
 
@@ -134,12 +135,18 @@ CREATE TABLE frame_poses (                -- cam_from_submap = cam_from_keyframe
   PRIMARY KEY (submap, utime)
 ) WITHOUT ROWID;
 
+)sql";
+
+// Until version 5 a frame was a time, whatever it was an image of.
+inline constexpr const char* kMapSchemaFrames = R"sql(
 CREATE TABLE frames (                     -- what front_tracker said when it saw the frame
-  utime INTEGER PRIMARY KEY,
+  stream INTEGER NOT NULL,                -- as in submaps
+  utime INTEGER NOT NULL,
   session INTEGER NOT NULL,
   state INTEGER NOT NULL,                 -- 0 NOT_INITIALIZED, 1 TRACKING, 2 RECENTLY_LOST, 3 LOST
-  submap INTEGER NOT NULL                 -- submaps.id that it was tracked in, 0: in none
-);
+  submap INTEGER NOT NULL,                -- submaps.id that it was tracked in, 0: in none
+  PRIMARY KEY (stream, utime)
+) WITHOUT ROWID;
 )sql";
 
 // Version 1 had one similarity for a whole submap, of which only the identity (the blob below) was ever written; any
@@ -189,6 +196,18 @@ DROP TABLE fused_landmarks_4;
 inline constexpr const char* kMapSchemaPyramids = R"sql(
 ALTER TABLE submaps ADD COLUMN levels INTEGER NOT NULL DEFAULT 8;
 ALTER TABLE submaps ADD COLUMN scale_factor REAL NOT NULL DEFAULT 1.2;
+)sql";
+
+// Versions before 6 did not know which images a session was of: each has a stream of its own. Before and after
+// kMapSchemaFrames.
+inline constexpr const char* kMapSchemaFrom5 = R"sql(
+ALTER TABLE submaps ADD COLUMN stream INTEGER NOT NULL DEFAULT 0;
+UPDATE submaps SET stream = session;
+ALTER TABLE frames RENAME TO frames_5;
+)sql";
+inline constexpr const char* kMapSchemaTo6 = R"sql(
+INSERT INTO frames SELECT session, utime, session, state, submap FROM frames_5;
+DROP TABLE frames_5;
 )sql";
 
 }  // namespace rumi::map_server

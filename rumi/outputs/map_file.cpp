@@ -58,8 +58,9 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
     if (owner.in_map) shown = &(result.placed[key] = map_server::place(owner.submap, owner.placement));
     result.picture.submaps.push_back({shown, owner.in_map});
   }
-  for (const auto& [utime_us, frame] : atlas.frames())
-    result.picture.frames.push_back({utime_us, static_cast<int8_t>(frame.state), {frame.session, frame.submap_id}});
+  for (const auto& [image, frame] : atlas.frames())
+    result.picture.frames.push_back(
+        {image.utime_us, static_cast<int8_t>(frame.state), {frame.session, frame.submap_id}});
   for (const map_server::Link& link : atlas.links())
     result.picture.links.push_back({link.a, link.b, link.kind == map_server::Link::Kind::kSameImages, link.accepted()});
   return result;
@@ -75,7 +76,7 @@ AtlasCounts count(const map_server::Atlas& atlas) {
   AtlasCounts counts;
   counts.frames = static_cast<int64_t>(atlas.frames().size());
   counts.frames_in_map = atlas.frames_in_map();
-  for (const auto& [utime_us, frame] : atlas.frames()) counts.tracked_frames += atlas.locate(utime_us).has_value();
+  for (const auto& [image, frame] : atlas.frames()) counts.tracked_frames += atlas.locate(image).has_value();
   counts.submaps = static_cast<int>(atlas.submaps().size());
   for (const auto& [key, owner] : atlas.submaps()) {
     counts.keyframes += static_cast<int>(owner.submap.keyframes.size());

@@ -25,12 +25,12 @@ WithoutPose find_frames_without_pose(const map_server::Atlas& atlas) {
   WithoutPose found;
   Gap open;
   bool any_posed = false;
-  for (const auto& [utime_us, frame] : atlas.frames()) {
-    if (!atlas.locate(utime_us)) {
-      if (open.frames++ == 0) open.begin_us = utime_us;
+  for (const auto& [image, frame] : atlas.frames()) {
+    if (!atlas.locate(image)) {
+      if (open.frames++ == 0) open.begin_us = image.utime_us;
       continue;
     }
-    open.end_us = utime_us;
+    open.end_us = image.utime_us;
     if (!any_posed)
       found.before = open.frames;
     else if (open.frames > 0)
@@ -91,10 +91,10 @@ std::vector<std::string> left_out(const map_server::Atlas& atlas) {
   std::vector<std::string> lines;
   const WithoutPose without = find_frames_without_pose(atlas);
   if (without.before + without.inside + without.after > 0)
-    lines.push_back(describe(without, atlas.frames().begin()->first));
+    lines.push_back(describe(without, atlas.frames().begin()->first.utime_us));
   std::map<SubmapKey, int64_t> frames;
-  for (const auto& [utime_us, frame] : atlas.frames())
-    if (const auto located = atlas.locate(utime_us); located && !located->owner->in_map)
+  for (const auto& [image, frame] : atlas.frames())
+    if (const auto located = atlas.locate(image); located && !located->owner->in_map)
       ++frames[located->owner->submap.key];
   for (const auto& [key, count] : frames)
     lines.push_back(fmt::format("{} {} of submap {}: {}", count, count == 1 ? "frame" : "frames", key.id,

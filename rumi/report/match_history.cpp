@@ -36,16 +36,16 @@ const map_server::Link* link_of(const map_server::Atlas& atlas, SubmapKey a, Sub
 }
 
 std::vector<std::pair<int64_t, int64_t>> untracked_spans(const map_server::Atlas& atlas) {
-  std::set<int64_t> tracked;
+  std::set<ImageId> tracked;
   for (const auto& [key, owner] : atlas.submaps())
     if (owner.submap.kind == SubmapKind::kFront)
-      for (const auto& [utime_us, frame] : owner.submap.frames) tracked.insert(utime_us);
+      for (const auto& [utime_us, frame] : owner.submap.frames) tracked.insert({utime_us, owner.submap.stream});
   std::vector<std::pair<int64_t, int64_t>> spans;
   bool inside = false;
-  for (const auto& [utime_us, record] : atlas.frames()) {
-    const bool untracked = !tracked.contains(utime_us);
-    if (untracked && !inside) spans.emplace_back(utime_us, utime_us);
-    if (untracked) spans.back().second = utime_us;
+  for (const auto& [image, record] : atlas.frames()) {
+    const bool untracked = !tracked.contains(image);
+    if (untracked && !inside) spans.emplace_back(image.utime_us, image.utime_us);
+    if (untracked) spans.back().second = image.utime_us;
     inside = untracked;
   }
   return spans;
@@ -56,8 +56,8 @@ std::vector<std::pair<int64_t, int64_t>> untracked_spans(const map_server::Atlas
 MatchHistory match_history(const map_server::Atlas& atlas, double max_reprojection_px) {
   MatchHistory history;
   if (atlas.frames().empty()) return history;
-  history.first_us = atlas.frames().begin()->first;
-  history.last_us = atlas.frames().rbegin()->first;
+  history.first_us = atlas.frames().begin()->first.utime_us;
+  history.last_us = atlas.frames().rbegin()->first.utime_us;
   history.untracked = untracked_spans(atlas);
   const auto& submaps = atlas.submaps();
   for (auto one = submaps.begin(); one != submaps.end(); ++one)

@@ -43,7 +43,8 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   if (camera_driver::is_camera(input))
     throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error);
   camera_ = add<camera_driver::CameraNode>("camera_driver", input, options.camera_driver);
-  front_tracker_ = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker);
+  auto* tracker = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker);
+  front_tracker_ = tracker;
   ruminator::RuminatorOptions ruminator = options.ruminator;
   ruminator.build_thread = false;
   ruminator.spool.clear();
@@ -51,6 +52,9 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
       "ruminator", ruminator,
       ruminator::RuminatorHooks{ruminator::colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
+  // In a replay the clock does not tell one session from another: every folder of images begins at 0.
+  if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty())
+    tracker->begin_sessions_after(submaps.rbegin()->first.session);
   viewer_ = options.viewer_offscreen;
   viewer_.series_goes_on = false;
   if (viewer_.series) add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);

@@ -5,6 +5,7 @@
 
 #include <charconv>
 
+#include "bus/wire/image_stream.h"
 #include "camera_driver/source/image_source.h"
 
 namespace rumi::tool {
@@ -82,6 +83,7 @@ CutWindow cut_window(camera_driver::ImageSource& source, const WindowCut& cut) {
     result.job.images.push_back(std::move(*image));
   }
   window.session = result.job.images.front().utime;
+  window.stream = stream_of(result.job.images.front());
   return result;
 }
 

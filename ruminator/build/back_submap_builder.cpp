@@ -138,6 +138,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
 
   Submap submap;
   submap.key = {job.window.session, -job.window.id};
+  submap.stream = job.window.stream;
   submap.kind = SubmapKind::kBack;
   submap.camera = camera;
   submap.pyramid = options.pyramid;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
 
 namespace rumi::ruminator {
@@ -32,18 +33,24 @@ bool FrameRing::add(const image_t& image) {
     ++broken_;
     return false;
   }
-  if (frames_.contains(image.utime)) return true;
+  const ImageId id{image.utime, stream_of(image)};
+  if (frames_.contains(id)) return true;
   if (!fits(image)) {
     ++dropped_;
     return false;
   }
   bytes_ += size_of(image);
-  frames_.emplace(image.utime, Entry{image, arrivals_++, false});
+  frames_.emplace(id, Entry{image, arrivals_++, false});
   return true;
 }
 
-const image_t* FrameRing::find(int64_t utime_us) const {
-  const auto it = frames_.find(utime_us);
+FrameRing::Frames::const_iterator FrameRing::look_up(const ImageId& image) const {
+  const auto named = frames_.find(image);
+  return named != frames_.end() ? named : frames_.find({image.utime_us, kNoStream});
+}
+
+const image_t* FrameRing::find(const ImageId& image) const {
+  const auto it = look_up(image);
   return it == frames_.end() ? nullptr : &it->second.image;
 }
 
@@ -52,8 +59,8 @@ FrameRing::Frames::iterator FrameRing::erase(Frames::iterator it) {
   return frames_.erase(it);
 }
 
-void FrameRing::settle(int64_t utime_us, const Needed& needed) {
-  const auto settled = frames_.find(utime_us);
+void FrameRing::settle(const ImageId& image, const Needed& needed) {
+  const auto settled = look_up(image);
   if (settled == frames_.end()) return sweep(needed);
   const int64_t newest = settled->second.arrival;
   for (auto it = frames_.begin(); it != frames_.end();) {

@@ -9,12 +9,13 @@
 #include <string>
 
 #include "lcmtypes/rumi/image_t.hpp"
+#include "slam/map/image_id.h"
 
 namespace rumi::ruminator {
 
 class FrameRing {
  public:
-  using Needed = std::function<bool(int64_t utime_us)>;
+  using Needed = std::function<bool(const ImageId& image)>;
 
   FrameRing(int64_t max_bytes, int jpeg_quality) : max_bytes_(max_bytes), jpeg_quality_(jpeg_quality) {}
 
@@ -22,11 +23,12 @@ class FrameRing {
   // (sizes, format). One that is here already stays as it is.
   bool add(const image_t& image);
   bool fits(const image_t& image) const;
-  const image_t* find(int64_t utime_us) const;
+  // That of this stream, else one of this time whose stream is not named.
+  const image_t* find(const ImageId& image) const;
 
   // The fate of this image is known: it and those that came before it go unless needed. What stays and came
   // uncompressed is compressed, the newest excepted (most newest ones are not needed a frame later).
-  void settle(int64_t utime_us, const Needed& needed);
+  void settle(const ImageId& image, const Needed& needed);
   // Removes everything that has been settled and is not needed.
   void sweep(const Needed& needed);
   // Removes all but the newest `count` images whose fate is not known. They are counted as dropped.
@@ -43,7 +45,8 @@ class FrameRing {
     int64_t arrival = 0;
     bool is_settled = false;
   };
-  using Frames = std::map<int64_t, Entry>;  // by utime_us
+  using Frames = std::map<ImageId, Entry>;
+  Frames::const_iterator look_up(const ImageId& image) const;
   Frames::iterator erase(Frames::iterator it);
   bool compress(Entry& entry);
 

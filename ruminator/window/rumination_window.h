@@ -21,6 +21,7 @@ struct Sample {
 struct RuminationWindow {
   int32_t id = 0;  // 1, 2, 3, ... in its session; the back submap made of it is -id
   int64_t session = 0;
+  int64_t stream = 0;  // of its images
   int32_t submap_before = kNoSubmap, submap_after = kNoSubmap;
   int64_t lost_utime_us = 0;
   int64_t resumed_utime_us = 0;                  // 0 while lost

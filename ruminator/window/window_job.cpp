@@ -79,6 +79,7 @@ std::string read_manifest(const window_job_t& m, WindowJob* job) {
   RuminationWindow& window = job->window;
   window.id = w.window_id;
   window.session = w.session;
+  window.stream = w.stream;
   window.submap_before = w.submap_before;
   window.submap_after = w.submap_after;
   window.lost_utime_us = w.lost_utime;

@@ -28,6 +28,7 @@ window_t to_message(const RuminationWindow& window, int64_t utime_us, int8_t sta
   window_t message;
   message.utime = utime_us;
   message.session = window.session;
+  message.stream = window.stream;
   message.window_id = window.id;
   message.state = state;
   message.reason = window.reason;

@@ -35,7 +35,7 @@ WindowSampler::WindowSampler(const WindowOptions& options)
 std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) {
   if (!has_begun_ || frame.session != session_) {
     std::optional<RuminationWindow> ended = finish("front_tracker was started again");
-    start_session(frame.session);
+    start_session(frame);
     process(frame);  // the first frame of a session opens a window or not, but ends none
     return ended;
   }
@@ -52,8 +52,9 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
   return ended;
 }
 
-void WindowSampler::start_session(int64_t session) {
-  session_ = session;
+void WindowSampler::start_session(const FrameEvent& first) {
+  session_ = first.session;
+  stream_ = first.stream;
   has_begun_ = true;
   last_utime_us_ = std::numeric_limits<int64_t>::min();
   submap_ = kNoSubmap;
@@ -214,6 +215,7 @@ void WindowSampler::begin_window(int64_t utime_us) {
   open_.emplace();
   open_->id = last_id_ + 1;
   open_->session = session_;
+  open_->stream = stream_;
   open_->submap_before = submap_;
   open_->lost_utime_us = before_since_us_ = before_until_us_ = utime_us;
   if (submap_ == kNoSubmap) return;

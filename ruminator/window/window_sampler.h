@@ -45,6 +45,7 @@ namespace rumi::ruminator {
 struct FrameEvent {
   int64_t utime_us = 0;
   int64_t session = 0;
+  int64_t stream = 0;
   int32_t submap_id = kNoSubmap;  // that it has a pose in
   SE3 cam_from_submap = {};
   bool is_keyframe = false;
@@ -103,11 +104,11 @@ class WindowSampler {
   bool is_complete() const;
   std::optional<RuminationWindow> close(const std::string& reason);
   void forget_window();
-  void start_session(int64_t session);
+  void start_session(const FrameEvent& first);
   GapFrame measured(const FrameEvent& frame);
 
   WindowOptions options_;
-  int64_t session_ = 0;
+  int64_t session_ = 0, stream_ = 0;
   int64_t last_utime_us_ = 0;
   bool has_begun_ = false;
   int32_t submap_ = kNoSubmap;       // that the last frame was tracked in

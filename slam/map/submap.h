@@ -20,6 +20,7 @@
 #include "slam/geometry/camera.h"
 #include "slam/geometry/transform.h"
 #include "slam/map/id_map.h"
+#include "slam/map/image_id.h"
 #include "slam/map/pose_sigmas.h"
 #include "slam/map/removals.h"
 
@@ -85,17 +86,19 @@ class Submap {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   Camera camera;
-  Pyramid pyramid;  // of the keyframes' keypoints
+  Pyramid pyramid;     // of the keyframes' keypoints
+  int64_t stream = 0;  // of its images
   bool closed = false;
   int64_t revision = 0;
 
   std::map<int, Keyframe> keyframes;    // by id
   IdMap<Landmark> landmarks;            // by id
-  std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
+  std::map<int64_t, FramePose> frames;  // by utime_us, of the stream; keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
   const Keyframe* keyframe(int id) const;
+  ImageId image(const Keyframe& keyframe) const { return {keyframe.utime_us, stream}; }
   Landmark* landmark(int id) { return landmarks.get(id); }
   const Landmark* landmark(int id) const { return landmarks.get(id); }
 

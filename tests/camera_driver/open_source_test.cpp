@@ -7,6 +7,7 @@
 
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
 #include "tests/camera_driver/recording.h"
 
@@ -57,6 +58,54 @@ TEST(ImageSource, ImagesCarryTheCalibration) {
   EXPECT_EQ(metadata(*image, kCalibrationKey), camera_to_yaml(opened.source->camera()));
   EXPECT_EQ(opened.source->camera().fy, 51);
   EXPECT_EQ(opened.source->total(), 1);
+}
+
+int64_t stream_of(const fs::path& input, const CameraOptions& options = {}) {
+  const OpenedSource opened = open_image_source(input.string(), options);
+  EXPECT_EQ(opened.error, "");
+  const std::optional<image_t> image = opened.source->next();
+  const int64_t stream = rumi::stream_of(*image);
+  while (const std::optional<image_t> later = opened.source->next()) EXPECT_EQ(rumi::stream_of(*later), stream);
+  return stream;
+}
+
+TEST(ImageSource, ARecordingIsOneStreamWhereverItLiesAndWhicheverPartIsPlayed) {
+  const TemporaryFolder folder;
+  write_tum(folder / "a", 5);
+  const int64_t stream = stream_of(folder / "a");
+  EXPECT_NE(stream, kNoStream);
+  fs::copy(folder / "a", folder / "b", fs::copy_options::recursive);
+  EXPECT_EQ(stream_of(folder / "b"), stream);
+  CameraOptions part;
+  part.start_s = 0.2, part.every = 2;
+  EXPECT_EQ(stream_of(folder / "a", part), stream);
+
+  CameraOptions other_times;
+  other_times.rate_hz = 5;
+  EXPECT_NE(stream_of(folder / "a", other_times), stream);
+  cv::imwrite(folder / "b/rgb/0.png", picture(99));
+  EXPECT_NE(stream_of(folder / "b"), stream) << "the same times, and another first image";
+  write_tum(folder / "c", 6);
+  EXPECT_NE(stream_of(folder / "c"), stream) << "other times";
+}
+
+TEST(ImageSource, ALogKeepsTheStreamOfItsImages) {
+  const TemporaryFolder folder;
+  for (const bool is_named : {true, false}) {
+    const std::string file = folder / fmt::format("{}.lcmlog", is_named);
+    LogWriter log(file);
+    for (int i = 0; i < 3; ++i) {
+      image_t image = make_grey_image(1'000'000 * (i + 1), picture(i));
+      if (is_named) set_stream(77, &image);
+      log.write(image.utime, channels::kCamera, encode_message(image));
+    }
+    ASSERT_TRUE(log.close());
+    write(folder / "calibration.yaml", kCalibration);
+    if (is_named)
+      EXPECT_EQ(stream_of(file), 77);
+    else
+      EXPECT_NE(stream_of(file), kNoStream);
+  }
 }
 
 TEST(ImageSource, EurocFolderAtEveryDepth) {

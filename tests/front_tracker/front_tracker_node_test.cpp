@@ -10,6 +10,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/track_t.hpp"
@@ -177,6 +178,46 @@ TEST_F(Fixture, ACameraThatIsChangedBeginsANewSession) {
   ASSERT_GT(tracks_.size(), 20u) << "some pass until it is clear that the first camera is gone";
   EXPECT_NE(tracks_.back().session, tracks_.front().session);
   EXPECT_EQ(node_->tracker()->camera().fx, camera_.fx);
+}
+
+TEST_F(Fixture, ASecondStreamOfTheSameCalibrationIsToldAndKeptApart) {
+  for (int i = 0; i < 40; ++i) {
+    image_t message = image(1'000'000 + 1000 * i, grey_);
+    set_stream(i % 2 == 0 ? 5 : 6, &message);
+    give(message);
+  }
+  ASSERT_EQ(tracks_.size(), 20u);
+  for (const track_t& track : tracks_) EXPECT_TRUE(track.utime / 1000 % 2 == 0 && track.stream == 5);
+  const std::string detail = node_->status().detail;
+  EXPECT_NE(detail.find("20 images refused: another camera"), std::string::npos) << detail;
+}
+
+TEST_F(Fixture, AnotherRecordingIsAnotherSessionWhateverItsTimes) {
+  for (const int64_t stream : {5, 6}) {  // of the same times, as folders of images are
+    for (int i = 0; i < 30; ++i) {
+      image_t message = image(1000 * i, grey_);
+      set_stream(stream, &message);
+      give(message);
+    }
+  }
+  EXPECT_EQ(tracks_.front().stream, 5);
+  EXPECT_EQ(tracks_.back().stream, 6);
+  EXPECT_GT(tracks_.back().session, tracks_.front().session);
+  EXPECT_EQ(tracks_.size(), 30u + 21u) << "some pass until it is clear that the first recording is over";
+}
+
+TEST_F(Fixture, ImagesWithoutANameAreOfTheirSessionsStream) {
+  for (int i = 0; i < 20; ++i) give(image(1'000'000 + 1000 * i, grey_));
+  for (int i = 0; i < 20; ++i) give(image(1000 * i, grey_));
+  EXPECT_EQ(tracks_.front().stream, tracks_.front().session);
+  EXPECT_EQ(tracks_.back().stream, tracks_.back().session);
+  EXPECT_NE(tracks_.back().stream, tracks_.front().stream);
+}
+
+TEST_F(Fixture, SessionsBeginAfterThoseOfTheMapThatTheyComeInto) {
+  node_->begin_sessions_after(9'000'000'000);
+  give(image(1000, grey_));
+  EXPECT_EQ(tracks_.front().session, 9'000'000'001);
 }
 
 TEST_F(Fixture, ACameraFileThatIsNoGoodStopsItAtTheStart) {

@@ -118,7 +118,7 @@ TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
   const auto trajectory = node_->atlas().map_trajectory();
   double worst = 0, worst_deg = 0;
   for (size_t i = 0; i < path.size(); ++i) {
-    const SE3& estimate = trajectory.at(first_utime_us(kLater) + 1'000'000 * static_cast<int64_t>(i + 1));
+    const SE3& estimate = trajectory.at({first_utime_us(kLater) + 1'000'000 * static_cast<int64_t>(i + 1)});
     const SE3 truth = map_from_world_.transform_camera(path[i]).inverse();
     worst = std::max(worst, (estimate.translation - truth.translation).norm() / map_from_world_.scale);
     worst_deg = std::max(worst_deg, estimate.rotation.angularDistance(truth.rotation) * 180 / M_PI);

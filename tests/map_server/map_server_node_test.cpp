@@ -314,7 +314,7 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   MapStore store(folder / "map.db");
   const Atlas loaded = store.load();
   expect_same(node_->atlas(), loaded);
-  EXPECT_EQ(loaded.frames().at(900'000).state, TrackingState::kLost);
+  EXPECT_EQ(loaded.frames().at({900'000}).state, TrackingState::kLost);
 }
 
 TEST_F(MapServerNodeTest, RefusesWithAReason) {
@@ -358,11 +358,12 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   trajectory_t trajectory;
   EXPECT_EQ(answers_[1].kind, chunk_t::TRAJECTORY);
   ASSERT_TRUE(Bus::decode(answers_[1].bytes, &trajectory));
-  const std::map<int64_t, SE3> expected = node_->atlas().map_trajectory();
+  const std::map<ImageId, SE3> expected = node_->atlas().map_trajectory();
   EXPECT_EQ(trajectory.map_revision, node_->atlas().revision());
   ASSERT_EQ(trajectory.n, 16);
   for (int i = 0; i < trajectory.n; ++i) {
-    EXPECT_EQ(from_wire(trajectory.map_from_cam[i])->translation, expected.at(trajectory.frame_utime[i]).translation);
+    EXPECT_EQ(from_wire(trajectory.map_from_cam[i])->translation,
+              expected.at({trajectory.frame_utime[i], trajectory.frame_stream[i]}).translation);
     const PoseSigmas& sigmas = placed.frames.at(trajectory.frame_utime[i]).sigmas;
     EXPECT_EQ(trajectory.position_sigma[i], sigmas.position);
     EXPECT_EQ(trajectory.rotation_sigma_rad[i], sigmas.rotation_rad);
@@ -611,7 +612,7 @@ TEST_F(MapServerNodeOnDisk, GoesOnWhereItsPredecessorStopped) {
   MemoryBus next;
   MapServerNode successor(next, options_);
   expect_same(before, successor.atlas());
-  EXPECT_EQ(successor.atlas().frames().at(900'000).state, TrackingState::kNotInitialized);
+  EXPECT_EQ(successor.atlas().frames().at({900'000}).state, TrackingState::kNotInitialized);
 }
 
 TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {

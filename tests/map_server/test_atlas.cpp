@@ -154,6 +154,7 @@ void expect_same(const Submap& a, const Submap& b) {
   EXPECT_EQ(a.kind, b.kind);
   EXPECT_EQ(a.closed, b.closed);
   EXPECT_EQ(a.pyramid, b.pyramid);
+  EXPECT_EQ(a.stream, b.stream);
   EXPECT_EQ(a.revision, b.revision);
   EXPECT_EQ(a.camera.k1, b.camera.k1);
   EXPECT_EQ(a.camera.cx, b.camera.cx);

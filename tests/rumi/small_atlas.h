@@ -65,8 +65,8 @@ inline map_server::Atlas make_test_atlas() {
     *target = submap;
     return std::string();
   });
-  for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame(utime_us, {1, TrackingState::kTracking, 1});
-  atlas.record_frame(1'400'000, {1, TrackingState::kLost, kNoSubmap});
+  for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame({utime_us}, {1, TrackingState::kTracking, 1});
+  atlas.record_frame({1'400'000}, {1, TrackingState::kLost, kNoSubmap});
   return atlas;
 }
 

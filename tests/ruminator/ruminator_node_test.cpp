@@ -10,6 +10,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "tests/ruminator/test_jobs.h"
@@ -43,11 +44,16 @@ class RuminatorNodeTest : public ::testing::Test {
     set_metadata(&image, kCalibrationKey, camera_to_yaml(testing::small_camera()));
     return image;
   }
-  void send_image(int64_t utime_us) { bus_.publish(channels::kCamera, make_image(utime_us, jpeg_)); }
+  void send_image(int64_t utime_us) {
+    image_t image = make_image(utime_us, jpeg_);
+    if (stream_ != kNoStream) set_stream(stream_, &image);
+    bus_.publish(channels::kCamera, image);
+  }
   void send_track(int64_t utime_us, int32_t submap, bool is_keyframe) {
     track_t track{};
     track.utime = utime_us;
-    track.session = 7;
+    track.session = 7 + stream_;
+    track.stream = stream_;
     track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
     track.submap_id = submap;
     track.cam_from_submap = to_wire(SE3());
@@ -83,6 +89,7 @@ class RuminatorNodeTest : public ::testing::Test {
   std::vector<WindowJob> jobs_;
   int64_t now_ = 1'000'000;
   bool jpeg_ = true;
+  int64_t stream_ = kNoStream;
 };
 
 TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
@@ -116,6 +123,24 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   ASSERT_EQ(jobs_.size(), 1);
   expect_images_of(jobs_[0]);
   EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
+  start();
+  stream_ = 5;
+  frames(20, 1);
+  frames(5, kNoSubmap);
+  now_ = 1'000'000;  // another recording with the same times
+  stream_ = 6;
+  frames(20, 1);
+  frames(5, kNoSubmap);
+  frames(60, 2);
+  ASSERT_EQ(jobs_.size(), 2);
+  for (size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(jobs_[i].window.stream, i == 0 ? 5 : 6);
+    expect_images_of(jobs_[i]);
+    for (const image_t& image : jobs_[i].images) EXPECT_EQ(stream_of(image), jobs_[i].window.stream);
+  }
 }
 
 TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {

@@ -148,6 +148,15 @@ TEST(Correspondences, NothingInCommon) {
   EXPECT_TRUE(common.landmarks.empty());
 }
 
+TEST(Correspondences, ImagesOfTwoStreamsAreNotTheSameHoweverMuchTheirTimesAre) {
+  const Submap a = hand_made({{10, {{{100, 100}, 1}, {{200, 100}, 2}}}});
+  Submap b = a;
+  EXPECT_EQ(find_correspondences(a, b).landmarks.size(), 2);
+  b.stream = 1;
+  const Correspondences none = find_correspondences(a, b);
+  EXPECT_TRUE(none.frames.empty() && none.keyframes.empty() && none.landmarks.empty());
+}
+
 TEST(Correspondences, AKeypointFarOutsideTheImageDoesNoHarm) {
   const Submap a = hand_made({{10, {{{-1e6f, 4e5f}, 1}, {{100, 100}, 2}}}});
   const Correspondences common = find_correspondences(a, a, 1.0);

@@ -88,16 +88,16 @@ TEST(Atlas, ARejectedChangeLeavesNoTrace) {
 
 TEST(Atlas, PosesMayComeLaterAndStatesMayComeLate) {
   Atlas atlas;
-  EXPECT_TRUE(atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kNotInitialized}));
-  EXPECT_FALSE(atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kNotInitialized}));
-  EXPECT_FALSE(atlas.locate(1'000'000));
+  EXPECT_TRUE(atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kNotInitialized}));
+  EXPECT_FALSE(atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kNotInitialized}));
+  EXPECT_FALSE(atlas.locate({1'000'000}));
   update_atlas(&atlas, make_submap({7, 1}, 1, 1));
-  EXPECT_EQ(atlas.frames().at(1'000'000).state, TrackingState::kNotInitialized);
-  ASSERT_TRUE(atlas.locate(1'000'000));
-  EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, 1);
-  EXPECT_EQ(atlas.frames().at(1'033'333).state, TrackingState::kUnknown);
-  EXPECT_TRUE(atlas.record_frame(1'033'333, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1}));
-  EXPECT_EQ(atlas.frames().at(1'033'333).state, TrackingState::kTracking);
+  EXPECT_EQ(atlas.frames().at({1'000'000}).state, TrackingState::kNotInitialized);
+  ASSERT_TRUE(atlas.locate({1'000'000}));
+  EXPECT_EQ(atlas.locate({1'000'000})->owner->submap.key.id, 1);
+  EXPECT_EQ(atlas.frames().at({1'033'333}).state, TrackingState::kUnknown);
+  EXPECT_TRUE(atlas.record_frame({1'033'333}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1}));
+  EXPECT_EQ(atlas.frames().at({1'033'333}).state, TrackingState::kTracking);
 }
 
 TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
@@ -105,16 +105,38 @@ TEST(Atlas, AFrameInSeveralSubmapsIsWhereTheMapIsThenWhereItWasTracked) {
   update_atlas(&atlas, make_submap({7, -1}, 1, 2));
   update_atlas(&atlas, make_submap({7, 2}, 2, 3));
   update_atlas(&atlas, make_submap({7, 3}, 3, 9));
-  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
-  EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, 3);
+  atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
+  EXPECT_EQ(atlas.locate({1'000'000})->owner->submap.key.id, 3);
   Atlas without_big;
   update_atlas(&without_big, make_submap({7, -1}, 1, 2));
   update_atlas(&without_big, make_submap({7, 2}, 2, 2));
   update_atlas(&without_big, make_submap({7, 9}, 3, 9, 800'000'000));
-  EXPECT_EQ(without_big.locate(1'000'000)->owner->submap.key.id, 2);  // front before back
+  EXPECT_EQ(without_big.locate({1'000'000})->owner->submap.key.id, 2);  // front before back
   update_atlas(&without_big, make_submap({7, -2}, 1, 2));
-  without_big.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = -2});
-  EXPECT_EQ(without_big.locate(1'000'000)->owner->submap.key.id, -2);
+  without_big.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = -2});
+  EXPECT_EQ(without_big.locate({1'000'000})->owner->submap.key.id, -2);
+}
+
+TEST(Atlas, FramesOfTwoStreamsThatHaveTheSameTimesAreKeptApart) {
+  Atlas atlas;
+  Submap first = make_submap({7, 1}, 1, 3), second = make_submap({8, 1}, 2, 5);
+  first.stream = 70;
+  second.stream = 80;
+  update_atlas(&atlas, first);
+  update_atlas(&atlas, second);
+  const ImageId in_first{1'000'000, 70}, in_second{1'000'000, 80};
+  EXPECT_TRUE(atlas.record_frame(in_first, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1}));
+  EXPECT_TRUE(atlas.record_frame(in_second, {.session = 8, .state = TrackingState::kLost}));
+  EXPECT_EQ(atlas.frames().size(), 12 + 20);
+  EXPECT_EQ(atlas.frames().at(in_first).state, TrackingState::kTracking);
+  EXPECT_EQ(atlas.locate(in_first)->owner->submap.key, first.key);
+  EXPECT_EQ(atlas.locate(in_second)->owner->submap.key, second.key);
+  EXPECT_FALSE(atlas.locate({1'000'000, 90}));
+  std::map<SubmapKey, Placement> placements;
+  for (const Submap* submap : {&first, &second}) placements[submap->key] = make_placement(*submap, 9);
+  atlas.place_map(placements);
+  EXPECT_EQ(atlas.map_trajectory().size(), 12 + 20);
+  EXPECT_EQ(atlas.frames_in_map(), 12 + 20);
 }
 
 // Submaps 1, with 20 frames, and -1, with 12 of the same times, in the map; submap 2 not.
@@ -210,17 +232,17 @@ TEST(Atlas, InTheMapAPlacedKeyframeIsBelievedBeforeOneThatFollows) {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 3));
   update_atlas(&atlas, make_submap({7, -1}, 2, 3));
-  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
+  atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
   std::map<SubmapKey, Placement> placements;
   for (const SubmapKey key : {SubmapKey{7, 1}, SubmapKey{7, -1}})
     for (const auto& [id, keyframe] : atlas.find(key)->submap.keyframes)
       placements[key].map_from_submap[keyframe.utime_us] = Sim3();
   atlas.place_map(placements);
-  EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, 1);
+  EXPECT_EQ(atlas.locate({1'000'000})->owner->submap.key.id, 1);
   placements[{7, 1}].map_from_submap.erase(placements[{7, 1}].map_from_submap.begin());
   atlas.place_map(placements);
-  EXPECT_EQ(atlas.locate(1'000'000)->owner->submap.key.id, -1);
-  EXPECT_EQ(atlas.locate(1'133'332)->owner->submap.key.id, 1);  // on the next keyframe
+  EXPECT_EQ(atlas.locate({1'000'000})->owner->submap.key.id, -1);
+  EXPECT_EQ(atlas.locate({1'133'332})->owner->submap.key.id, 1);  // on the next keyframe
 }
 
 TEST(Atlas, AFusedLandmarkIsThereOnceAsLongAsTheOtherIs) {

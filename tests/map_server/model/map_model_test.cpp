@@ -84,6 +84,17 @@ TEST_F(MapModelTest, SameTimeIsOneViewAndTheBackSubmapIsBelieved) {
   EXPECT_EQ(inconsistency(model), "");
 }
 
+TEST_F(MapModelTest, SameTimesOfTwoStreamsAreTwoViews) {
+  const size_t views = join(placed(), 1.0F).views.size();
+  made_[back_].submap.stream = 1;
+  const MapModel model = join(placed(), 1.0F);
+  size_t keyframes = 0;
+  for (const auto& [key, made] : made_) keyframes += made.submap.keyframes.size();
+  EXPECT_LT(views, keyframes);
+  EXPECT_EQ(model.views.size(), keyframes);
+  for (const MapModel::View& view : model.views) EXPECT_EQ(view.keyframes.size(), 1);
+}
+
 TEST_F(MapModelTest, LandmarksAtTheSameKeypointAreOnePoint) {
   const MapModel model = join(placed(), 1);
   EXPECT_EQ(inconsistency(model), "");

@@ -199,8 +199,8 @@ TEST_F(PostCullingTest, BackSubmapsLoseWhatTheMapCanDoWithout) {
   // Nobody sees a frame move.
   const auto was = whole.map_trajectory(), is = atlas_.map_trajectory();
   ASSERT_EQ(is.size(), size_t{Chain::kImages});
-  for (const auto& [utime_us, map_from_cam] : was)
-    EXPECT_LT((is.at(utime_us).translation - map_from_cam.translation).norm(), 1e-8);
+  for (const auto& [image, map_from_cam] : was)
+    EXPECT_LT((is.at(image).translation - map_from_cam.translation).norm(), 1e-8);
 }
 
 TEST_F(PostCullingTest, TheMapCanBeBuiltAgainOfWhatIsLeft) {

@@ -78,12 +78,12 @@ TEST(Writers, FramesTableTellsStateSubmapAndMap) {
   update_atlas(&atlas, small_submap(1));
   update_atlas(&atlas, make_submap({7, 2}, 3, 1, 1'800'000'000'000'000));  // 4 frames: this is the served map
   const int64_t t = 1'700'000'000'000'042;
-  atlas.record_frame(t - 1, {.session = 7, .state = TrackingState::kNotInitialized});
-  atlas.record_frame(t, {.session = 7, .state = TrackingState::kNotInitialized});  // got its pose later
-  atlas.record_frame(t + 33'333, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
-  atlas.record_frame(t + 40'000, {.session = 7, .state = TrackingState::kRecentlyLost});
-  atlas.record_frame(t + 50'000, {.session = 7, .state = TrackingState::kLost});
-  atlas.record_frame(1'800'000'000'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
+  atlas.record_frame({t - 1}, {.session = 7, .state = TrackingState::kNotInitialized});
+  atlas.record_frame({t}, {.session = 7, .state = TrackingState::kNotInitialized});  // got its pose later
+  atlas.record_frame({t + 33'333}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
+  atlas.record_frame({t + 40'000}, {.session = 7, .state = TrackingState::kRecentlyLost});
+  atlas.record_frame({t + 50'000}, {.session = 7, .state = TrackingState::kLost});
+  atlas.record_frame({1'800'000'000'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
   ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
   const auto table = lines(read_file(folder / "frames.csv"));
   ASSERT_EQ(table.size(), 1 + 3 + 3 + 4);

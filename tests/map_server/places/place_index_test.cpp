@@ -18,7 +18,7 @@ class PlaceIndexTest : public ::testing::Test {
     submaps_.push_back(scene.submap({1, 2}, other, scene.path(0, 0, 0), Sim3()));
     submaps_.push_back(scene.submap({2, 1}, room, scene.path(0.2, 0, 0.1), scene.gauge(2)));
     for (const Submap& s : submaps_)
-      for (const auto& [id, keyframe] : s.keyframes) index_.add(s.key, keyframe);
+      for (const auto& [id, keyframe] : s.keyframes) index_.add(s, keyframe);
   }
   std::vector<PlaceCandidate> query(const Submap& s, int keyframe, size_t count, int64_t separation_us = 0,
                                     int64_t apart_us = 0) const {
@@ -36,7 +36,7 @@ TEST_F(PlaceIndexTest, FindsThePlaceInAnotherSubmap) {
     ASSERT_EQ(found.size(), 9u);
     for (const PlaceCandidate& c : found) EXPECT_EQ(c.place.submap, submaps_[2].key);
     for (size_t i = 1; i < found.size(); ++i) EXPECT_LE(found[i].score, found[i - 1].score);
-    EXPECT_EQ(found[0].place.utime_us, 1'000'000 * found[0].place.keyframe);
+    EXPECT_EQ(found[0].place.image.utime_us, 1'000'000 * found[0].place.keyframe);
   }
 }
 
@@ -69,7 +69,7 @@ TEST_F(PlaceIndexTest, WhatIsRemovedIsNotFound) {
 TEST_F(PlaceIndexTest, OfNeighboursOnlyTheBest) {
   const auto found = query(submaps_[0], 5, 100, 3'000'000);
   std::map<SubmapKey, std::vector<int64_t>> times;
-  for (const PlaceCandidate& c : found) times[c.place.submap].push_back(c.place.utime_us);
+  for (const PlaceCandidate& c : found) times[c.place.submap].push_back(c.place.image.utime_us);
   for (const auto& [key, of] : times)
     for (size_t i = 0; i < of.size(); ++i)
       for (size_t j = 0; j < i; ++j) EXPECT_GE(std::abs(of[i] - of[j]), 3'000'000);

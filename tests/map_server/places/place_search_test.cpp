@@ -41,7 +41,9 @@ class PlaceSearchTest : public ::testing::Test {
   Submap front_, back_, later_;
 };
 
-bool near_in_time(const Place& a, const Place& b) { return std::abs(a.utime_us - b.utime_us) < kLaterUs / 2; }
+bool near_in_time(const Place& a, const Place& b) {
+  return std::abs(a.image.utime_us - b.image.utime_us) < kLaterUs / 2;
+}
 
 TEST_F(PlaceSearchTest, FindsAPlaceSeenTwice) {
   PlaceSearch search({});

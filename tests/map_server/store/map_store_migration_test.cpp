@@ -111,16 +111,17 @@ void write_version_1(const Atlas& atlas, const std::string& file, const Sim3& ma
   const std::string present = file + ".present";
   {
     MapStore store(present);
-    std::vector<int64_t> utimes;
-    for (const auto& [utime_us, record] : atlas.frames()) utimes.push_back(utime_us);
-    ASSERT_EQ(store.save(atlas, utimes), "");
+    std::vector<ImageId> images;
+    for (const auto& [image, record] : atlas.frames()) images.push_back(image);
+    ASSERT_EQ(store.save(atlas, images), "");
   }
   Database database(file);
   database.execute(kSchema1);
   Statement(database, "ATTACH ? AS present").bind(present).run();
   database.execute("DELETE FROM atlas");
-  for (const std::string table : {"atlas", "cameras", "keyframes", "features", "observations", "landmarks", "frames"})
+  for (const std::string table : {"atlas", "cameras", "keyframes", "features", "observations", "landmarks"})
     database.execute("INSERT INTO main." + table + " SELECT * FROM present." + table);
+  database.execute("INSERT INTO main.frames SELECT utime, session, state, submap FROM present.frames");
   database.execute(
       "INSERT INTO main.frame_poses SELECT submap, utime, reference_keyframe, cam_from_keyframe, revision FROM "
       "present.frame_poses");
@@ -140,7 +141,19 @@ Submap without_sigmas(Submap submap) {
   return submap;
 }
 
+// Versions before 6 knew frames by their times alone.
+void drop_streams(const std::string& file) {
+  Database(file).execute(R"sql(
+    CREATE TABLE f (utime INTEGER PRIMARY KEY, session INTEGER NOT NULL, state INTEGER NOT NULL,
+                    submap INTEGER NOT NULL);
+    INSERT INTO f SELECT utime, session, state, submap FROM frames;
+    DROP TABLE frames;
+    ALTER TABLE f RENAME TO frames;
+    ALTER TABLE submaps DROP COLUMN stream;)sql");
+}
+
 void drop_pyramids(const std::string& file) {
+  drop_streams(file);
   for (const std::string column : {"levels", "scale_factor"})
     Database(file).execute("ALTER TABLE submaps DROP COLUMN " + column);
 }
@@ -169,11 +182,18 @@ void drop_placement_revisions(const std::string& file) {
     ALTER TABLE f RENAME TO fused_landmarks;)sql");
 }
 
+// In files of older versions each session has a stream of its own.
+Submap old_submap(int32_t id, int steps, int64_t first_utime_us = 1'000'000) {
+  Submap submap = make_submap({7, id}, static_cast<uint32_t>(id), steps, first_utime_us);
+  submap.stream = 7;
+  return submap;
+}
+
 Atlas old_atlas() {
   Atlas atlas;
-  update_atlas(&atlas, without_sigmas(make_submap({7, 1}, 1, 12)));
-  update_atlas(&atlas, without_sigmas(make_submap({7, 2}, 2, 5, 9'000'000)));
-  atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
+  update_atlas(&atlas, without_sigmas(old_submap(1, 12)));
+  update_atlas(&atlas, without_sigmas(old_submap(2, 5, 9'000'000)));
+  atlas.record_frame({500'000, 7}, {.session = 7, .state = TrackingState::kNotInitialized});
   return atlas;
 }
 
@@ -194,6 +214,13 @@ std::string columns(const std::string& file) {
   return all;
 }
 
+// map.db is made as a fresh one is.
+void expect_present_version(const TemporaryFolder& folder) {
+  { MapStore store(folder / "fresh.db"); }
+  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+}
+
 TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
   const TemporaryFolder folder;
   Atlas atlas = old_atlas();
@@ -201,7 +228,7 @@ TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
   {
     MapStore store(folder / "map.db");
     expect_same(atlas, store.load());
-    update_atlas(&atlas, make_submap({7, 1}, 1, 14));  // it goes on
+    update_atlas(&atlas, old_submap(1, 14));  // it goes on
     atlas.place_map({{{7, 2}, testing::make_placement(atlas.find({7, 2})->submap, 1)}});
     ASSERT_EQ(store.save(atlas, {}), "");
   }
@@ -209,9 +236,7 @@ TEST(MapStoreMigration, AFileOfVersion1IsTakenOver) {
     MapStore store(folder / "map.db");
     expect_same(atlas, store.load());
   }
-  { MapStore store(folder / "fresh.db"); }
-  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
-  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+  expect_present_version(folder);
 }
 
 TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
@@ -219,7 +244,7 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
   const Atlas atlas = old_atlas();
   {
     MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {500'000}), "");
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
   }
   drop_sigmas(folder / "map.db");
   drop_placement_revisions(folder / "map.db");
@@ -232,9 +257,7 @@ TEST(MapStoreMigration, AFileOfVersion2IsTakenOver) {
     MapStore store(folder / "map.db");
     expect_same(atlas, store.load());
   }
-  { MapStore store(folder / "fresh.db"); }
-  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
-  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+  expect_present_version(folder);
 }
 
 // Its poses stay, how well they are known is not known; what comes now is.
@@ -243,7 +266,7 @@ TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
   Atlas atlas = old_atlas();
   {
     MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {500'000}), "");
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
   }
   drop_sigmas(folder / "map.db");
   drop_placement_revisions(folder / "map.db");
@@ -251,16 +274,14 @@ TEST(MapStoreMigration, AFileOfVersion3IsTakenOver) {
   {
     MapStore store(folder / "map.db");
     expect_same(atlas, store.load());
-    update_atlas(&atlas, make_submap({7, 1}, 1, 14));  // it goes on
+    update_atlas(&atlas, old_submap(1, 14));  // it goes on
     ASSERT_EQ(store.save(atlas, {}), "");
   }
   const Atlas loaded = MapStore(folder / "map.db").load();
   expect_same(atlas, loaded);
   EXPECT_TRUE(loaded.find({7, 1})->submap.frames.rbegin()->second.sigmas.are_known());
   EXPECT_FALSE(loaded.find({7, 2})->submap.frames.rbegin()->second.sigmas.are_known());
-  { MapStore store(folder / "fresh.db"); }
-  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
-  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+  expect_present_version(folder);
 }
 
 TEST(MapStoreMigration, AFileOfVersion4IsTakenOver) {
@@ -272,7 +293,7 @@ TEST(MapStoreMigration, AFileOfVersion4IsTakenOver) {
   atlas.place_map(placements);
   {
     MapStore store(folder / "map.db");
-    ASSERT_EQ(store.save(atlas, {500'000}), "");
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
   }
   drop_placement_revisions(folder / "map.db");
   drop_pyramids(folder / "map.db");
@@ -284,9 +305,30 @@ TEST(MapStoreMigration, AFileOfVersion4IsTakenOver) {
     ASSERT_EQ(store.save(atlas, {}), "");
     expect_same(atlas, store.load());
   }
-  { MapStore store(folder / "fresh.db"); }
-  EXPECT_EQ(columns(folder / "map.db"), columns(folder / "fresh.db"));
-  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), kMapSchemaVersion);
+  expect_present_version(folder);
+}
+
+TEST(MapStoreMigration, AFileOfVersion5IsTakenOver) {
+  const TemporaryFolder folder;
+  Atlas atlas = old_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, {{500'000, 7}}), "");
+  }
+  drop_streams(folder / "map.db");
+  Database(folder / "map.db").execute("PRAGMA user_version = 5");
+  {
+    MapStore store(folder / "map.db");
+    expect_same(atlas, store.load());
+    // A recording with the same times comes beside it.
+    Submap other = make_submap({8, 1}, 3, 4);
+    other.stream = 123;
+    update_atlas(&atlas, other);
+    atlas.record_frame({500'000, 123}, {.session = 8, .state = TrackingState::kLost});
+    ASSERT_EQ(store.save(atlas, {{500'000, 123}}), "");
+    expect_same(atlas, store.load());
+  }
+  expect_present_version(folder);
 }
 
 TEST(MapStoreMigration, ADeviationThatIsNoneIsNotKnown) {

@@ -38,9 +38,12 @@ Atlas full_atlas() {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 1, 12));
   update_atlas(&atlas, make_submap({7, 2}, 2, 5, 9'000'000));
-  update_atlas(&atlas, make_submap({8, -1}, 3, 3, 12'000'000));
-  atlas.record_frame(500'000, {.session = 7, .state = TrackingState::kNotInitialized});
-  atlas.record_frame(1'000'000, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
+  Submap of_another_stream = make_submap({8, -1}, 3, 3, 12'000'000);
+  of_another_stream.stream = 9;
+  update_atlas(&atlas, of_another_stream);
+  atlas.record_frame({1'000'000, 9}, {.session = 8, .state = TrackingState::kLost});
+  atlas.record_frame({500'000}, {.session = 7, .state = TrackingState::kNotInitialized});
+  atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
   return atlas;
 }
 
@@ -68,9 +71,9 @@ Atlas merged_atlas() {
 }
 
 std::vector<int64_t> all_frames(const Atlas& atlas) {
-  std::vector<int64_t> utimes;
-  for (const auto& [utime, record] : atlas.frames()) utimes.push_back(utime);
-  return utimes;
+  std::vector<ImageId> images;
+  for (const auto& [image, record] : atlas.frames()) images.push_back(image);
+  return images;
 }
 
 TEST(MapStore, LoadsWhatWasSavedBitForBit) {

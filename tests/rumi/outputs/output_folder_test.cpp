@@ -94,7 +94,7 @@ class MapFileTest : public testing::Test {
 TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
   map_server::MapStore store(file_);
   const map_server::Atlas atlas = make_test_atlas();
-  ASSERT_EQ(store.save(atlas, {1'000'000, 1'400'000}), "");
+  ASSERT_EQ(store.save(atlas, {{1'000'000}, {1'400'000}}), "");
   const map_server::Atlas loaded = load_map(file_);
   ASSERT_EQ(loaded.submaps().size(), 1u);
   EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
@@ -180,7 +180,7 @@ TEST(LeftOut, NothingOfAMapOfAllFrames) {
 TEST(LeftOut, FramesWithoutAPoseByWhereTheyAre) {
   map_server::Atlas atlas = make_test_atlas();  // from 1.0 to 1.3 s, and one at the end that was lost
   for (const int64_t utime_us : {700'000, 800'000, 1'140'000, 1'160'000, 1'250'000})
-    atlas.record_frame(utime_us, {1, TrackingState::kNotInitialized, kNoSubmap});
+    atlas.record_frame({utime_us}, {1, TrackingState::kNotInitialized, kNoSubmap});
   EXPECT_THAT(left_out(atlas), ElementsAre("6 frames have no pose: 2 before the first submap, 3 in 2 gaps (the longest "
                                            "0.06 s, from 0.44 s on), 1 at the end"));
 }

@@ -134,9 +134,9 @@ class ReportTest : public testing::Test {
     });
     atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}});
     EXPECT_EQ(write_run_outputs(atlas_, folder_.string()), "");
-    std::vector<int64_t> utimes;
-    for (const auto& [utime_us, frame] : atlas_.frames()) utimes.push_back(utime_us);
-    EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, utimes), "");
+    std::vector<ImageId> images;
+    for (const auto& [image, frame] : atlas_.frames()) images.push_back(image);
+    EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, images), "");
     write_run({{"finished", true}, {"input", "a <recording>"}, {"cpu_ms_per_frame", {{"front_tracker", 12.5}}}});
     fs::create_directory(folder_ / "windows");
     EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
@@ -196,9 +196,9 @@ TEST_F(ReportTest, ThePicturesAreWhole) {
 
 TEST_F(ReportTest, TellsTheErrorWhereTheTruthIsGiven) {
   std::ofstream truth(folder_ / "truth.txt");
-  for (const auto& [utime_us, pose] : atlas_.map_trajectory()) {
+  for (const auto& [image, pose] : atlas_.map_trajectory()) {
     const Eigen::Vector3d p = 3 * pose.translation;
-    truth << static_cast<double>(utime_us) * 1e-6 << " " << p.x() << " " << p.y() << " " << p.z() << " 0 0 0 1\n";
+    truth << static_cast<double>(image.utime_us) * 1e-6 << " " << p.x() << " " << p.y() << " " << p.z() << " 0 0 0 1\n";
   }
   truth.close();
   const std::string html = make_report(folder_.string(), {.groundtruth = (folder_ / "truth.txt").string()});

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which camera or recording an image is of: times alone do not tell (docs/wire.md, "Streams").
+#pragma once
+
+#include <cstdint>
+
+#include "lcmtypes/rumi/image_t.hpp"
+
+namespace rumi {
+
+// Decimal, above 0.
+inline constexpr const char* kStreamKey = "stream";
+
+inline constexpr int64_t kNoStream = 0;
+
+// kNoStream where the image does not name it, or names none that there can be.
+int64_t stream_of(const image_t& image);
+void set_stream(int64_t stream, image_t* image);
+
+}  // namespace rumi

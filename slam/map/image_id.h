@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which image? Times alone do not tell: every recording that is a folder of images begins at 0.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+
+namespace rumi {
+
+// In order of time.
+struct ImageId {
+  int64_t utime_us = 0;
+  int64_t stream = 0;  // a camera, or a recording; see docs/wire.md
+  auto operator<=>(const ImageId&) const = default;
+};
+
+}  // namespace rumi
