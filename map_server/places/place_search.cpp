@@ -13,6 +13,9 @@ namespace {
 
 using Submaps = PlaceSearch::Submaps;
 
+// A second alignment comes within seconds or not at all; a few are found in the minute.
+constexpr size_t kMostUnconfirmed = 1000;
+
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
   return {.a = a.submap,
           .b = b.submap,
@@ -84,9 +87,16 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
 
 // In a place that is seen for hours front_tracker makes and removes keyframes without end.
 void PlaceSearch::forget_removed(const Submaps& submaps) {
-  index_.remove_if([&](const Place& place) {
-    const auto owner = submaps.find(place.submap);
-    return owner == submaps.end() || !owner->second->keyframe(place.keyframe);
+  const auto is_gone = [&](SubmapKey key, int keyframe) {
+    const auto owner = submaps.find(key);
+    return owner == submaps.end() || !owner->second->keyframe(keyframe);
+  };
+  const auto is_place_gone = [&](const Place& place) { return is_gone(place.submap, place.keyframe); };
+  index_.remove_if(is_place_gone);
+  std::erase_if(seen_, [&](const auto& seen) { return is_gone(seen.first, seen.second); });
+  std::erase_if(searched_for_, [&](auto& of_image) {
+    std::erase_if(of_image.second, is_place_gone);
+    return of_image.second.empty();
   });
 }
 
@@ -134,6 +144,7 @@ void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
   const auto other = std::find_if(unconfirmed_.begin(), unconfirmed_.end(), confirms);
   if (other == unconfirmed_.end()) {
     unconfirmed_.push_back(std::move(link));
+    if (unconfirmed_.size() > kMostUnconfirmed) unconfirmed_.erase(unconfirmed_.begin());
     return;
   }
   found_.push_back(std::move(*other));
