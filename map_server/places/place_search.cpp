@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 #include "slam/features/matching.h"
@@ -94,10 +95,10 @@ void PlaceSearch::forget_removed(const Submaps& submaps) {
   const auto is_place_gone = [&](const Place& place) { return is_gone(place.submap, place.keyframe); };
   index_.remove_if(is_place_gone);
   std::erase_if(seen_, [&](const auto& seen) { return is_gone(seen.first, seen.second); });
-  std::erase_if(searched_for_, [&](auto& of_image) {
-    std::erase_if(of_image.second, is_place_gone);
-    return of_image.second.empty();
-  });
+  for (auto it = searched_for_.begin(); it != searched_for_.end();) {
+    std::erase_if(it->second, is_place_gone);
+    it = it->second.empty() ? searched_for_.erase(it) : std::next(it);
+  }
 }
 
 void PlaceSearch::add(const Submap& submap) {

@@ -148,7 +148,23 @@ TEST_F(MapGraphTest, AWrongJointDoesNotTearTheMap) {
   std::printf("ATE %.1f mm, with a wrong joint %.1f mm; its chi2 %.0f\n", 1000 * error().rmse, 1000 * with_wrong,
               report.joint_chi2.back().back());
   EXPECT_LT(with_wrong, 0.1);
-  EXPECT_GT(report.joint_chi2.back(), 1000);
+  EXPECT_GT(report.joint_chi2.back().back(), 1000);
+  EXPECT_EQ(std::count(report.is_wrong.begin(), report.is_wrong.end(), true), 0) << "none may be wrong";
+}
+
+TEST_F(MapGraphTest, WrongLinksAreFoundAtOnceAndCountForNothing) {
+  const Placed before = placed_;
+  bend({1, 1});
+  const Placed good = std::exchange(placed_, before);
+  for (const int keyframe : {2, 5, 8})
+    links_.push_back({joint({{1, 1}, keyframe}, {{1, 3}, keyframe},
+                            SE3(so3_exp({0, 0.3 * keyframe, 0}), Eigen::Vector3d(1, 0, keyframe)))});
+  const MapGraphReport report = bend({1, 1}, true);
+  ASSERT_EQ(report.is_wrong.size(), links_.size());
+  for (size_t i = 0; i < links_.size(); ++i) EXPECT_EQ(report.is_wrong[i], i + 3 >= links_.size()) << i;
+  const double with_wrong = error().rmse;
+  placed_ = good;
+  EXPECT_NEAR(with_wrong, error().rmse, 1e-3);
 }
 
 TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
