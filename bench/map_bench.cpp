@@ -144,18 +144,17 @@ class Server {
       atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
     });
     time("store it", [&] { save(); });
-    std::map<SubmapKey, map_server::Placement> placed;
-    time("copy", [&] { placed = copy(); });
+    time("copy", [&] { copy(); });
     time("search", [&] { builder_.find_links(submaps_); });
     time("search, no news", [&] { builder_.find_links(submaps_); });
-    time("weld", [&] { built_ = builder_.build(submaps_, placed, map_server::MapBuilder::Scope::kWeld); });
+    time("weld", [&] { built_ = builder_.build(submaps_, placed_, map_server::MapBuilder::Scope::kWeld); });
     welded_views_ = built_.report.adjusted_views;
     absorb("");
   }
 
   void adjust() {
-    const std::map<SubmapKey, map_server::Placement> placed = copy();
-    time("adjust all", [&] { built_ = builder_.build(submaps_, placed, map_server::MapBuilder::Scope::kAll); });
+    copy();
+    time("adjust all", [&] { built_ = builder_.build(submaps_, placed_, map_server::MapBuilder::Scope::kAll); });
     absorb(" all");
   }
 
@@ -192,19 +191,29 @@ class Server {
   }
 
   // As MapMerger does.
-  std::map<SubmapKey, map_server::Placement> copy() {
-    std::map<SubmapKey, map_server::Placement> placed;
+  void copy() {
     for (const auto& [key, owner] : atlas_.submaps()) {
       std::shared_ptr<const Submap>& copy = copies_[key];
       if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
       submaps_[key] = copy.get();
-      if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
     }
-    return placed;
+  }
+
+  // What MapMerger does in its thread: which placements are as they were, and the copies for the next build.
+  std::set<SubmapKey> find_same() {
+    std::set<SubmapKey> same;
+    for (const auto& [key, placement] : built_.placements) {
+      const auto before = placed_.find(key);
+      if (before != placed_.end() && same_place(before->second, placement)) same.insert(key);
+      placed_[key] = placement;
+    }
+    return same;
   }
 
   // As MapServerNode does.
   void absorb(const std::string& which) {
+    const std::set<SubmapKey> same = find_same();
+    std::vector<map_server::Placement> before;
     time("place" + which, [&] {
       atlas_.set_links(builder_.links());
       for (const auto& [key, left] : built_.culled)
@@ -212,8 +221,9 @@ class Server {
           *submap = *left;
           return std::string();
         });
-      if (!built_.placements.empty()) atlas_.place_map(std::move(built_.placements), built_.unmoved);
+      if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
     });
+    for (auto& [key, placement] : placed_) placement.revision = atlas_.find(key)->placement.revision;
     time("tell", [&] { status_pages_.next(atlas_, 0); });
     double longest_s = 0;
     time("store" + which, [&] { longest_s = save(); });
@@ -226,6 +236,7 @@ class Server {
   map_server::MapStatusPages status_pages_;
   std::map<SubmapKey, std::shared_ptr<const Submap>> copies_;
   map_server::MapBuilder::Submaps submaps_;
+  std::map<SubmapKey, map_server::Placement> placed_;
   map_server::BuiltMap built_;
   int welded_views_ = 0;
   std::vector<std::pair<std::string, double>> times_;

@@ -178,7 +178,7 @@ void MapServerNode::absorb(MergeResult result) {
   if (!result.placements.empty()) {
     cull(result.culled);
     const std::set<SubmapKey> before = atlas_.in_map();
-    atlas_.place_map(std::move(result.placements), result.unmoved);
+    merger_.free(atlas_.swap_map(std::move(result.placements), result.unmoved, result.same));
     tell_of_map(before);
     log_debug("adjusted: {} images, {} points, {:.2f} px, {:.1f} s", result.report.views, result.report.points,
               result.report.rmse, result.cpu_s);

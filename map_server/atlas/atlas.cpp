@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -101,38 +102,43 @@ void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
       frames_.try_emplace({utime_us, submap.stream}, FrameRecord{.session = submap.key.session});
 }
 
-void Atlas::check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
-  const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
-  const auto check_here = [this](SubmapKey key) {
+void Atlas::check_here(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
+  const auto check = [this](SubmapKey key) {
     if (!submaps_.contains(key))
       throw std::invalid_argument(fmt::format("submap {} of session {} is not here to be placed", key.id, key.session));
   };
-  for (const SubmapKey& key : unmoved) check_here(key);
-  for (const auto& [key, placement] : placements) {
-    check_here(key);
-    check_placement(key, placement, is_in_map);
-  }
+  for (const SubmapKey& key : unmoved) check(key);
+  for (const auto& [key, placement] : placements) check(key);
+}
+
+void Atlas::check_numbers(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) {
+  const auto is_in_map = [&](SubmapKey key) { return placements.contains(key) || unmoved.contains(key); };
+  for (const auto& [key, placement] : placements) check_placement(key, placement, is_in_map);
 }
 
 void Atlas::place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved) {
-  check_map(placements, unmoved);
+  check_numbers(placements, unmoved);
+  std::set<SubmapKey> same;
+  for (const auto& [key, placement] : placements)
+    if (const AtlasSubmap* owner = find(key); owner && same_place(owner->placement, placement)) same.insert(key);
+  swap_map(std::move(placements), unmoved, same);
+}
+
+std::vector<Placement> Atlas::swap_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved,
+                                       const std::set<SubmapKey>& same) {
+  check_here(placements, unmoved);
   ++revision_;
+  std::vector<Placement> before;
   for (auto& [key, owner] : submaps_) {
-    if (unmoved.contains(key)) {
-      owner.in_map = true;
-      continue;
-    }
     const auto placed = placements.find(key);
-    owner.in_map = placed != placements.end();
-    if (!owner.in_map) {
-      owner.placement = {};
-      continue;
-    }
-    const bool is_new = owner.placement.revision == 0 || !same_place(owner.placement, placed->second);
-    placed->second.revision = is_new ? revision_ : owner.placement.revision;
-    owner.placement = std::move(placed->second);
+    owner.in_map = unmoved.contains(key) || placed != placements.end();
+    if (unmoved.contains(key)) continue;
+    const int64_t revision = owner.placement.revision;
+    before.push_back(std::exchange(owner.placement, owner.in_map ? std::move(placed->second) : Placement()));
+    if (owner.in_map) owner.placement.revision = revision > 0 && same.contains(key) ? revision : revision_;
   }
   choose_map();
+  return before;
 }
 
 void Atlas::check_links(const std::vector<Link>& links) const {
@@ -192,17 +198,26 @@ std::set<SubmapKey> Atlas::in_map() const {
 }
 
 int64_t Atlas::frames_in_map() const {
-  std::vector<const Submap*> counted;
+  std::vector<const Submap*> earlier;
   int64_t frames = 0;
   for (const auto& [key, owner] : submaps_) {
     if (!owner.in_map) continue;
     std::vector<const Submap*> beside;
-    for (const Submap* other : counted)
-      if (overlap_in_time(*other, owner.submap)) beside.push_back(other);
-    for (const auto& [utime_us, frame] : owner.submap.frames)
-      frames += std::none_of(beside.begin(), beside.end(),
-                             [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
-    counted.push_back(&owner.submap);
+    std::vector<std::pair<SubmapKey, int64_t>> of{{key, owner.submap.revision}};
+    for (const Submap* other : earlier)
+      if (overlap_in_time(*other, owner.submap)) {
+        beside.push_back(other);
+        of.emplace_back(other->key, other->revision);
+      }
+    Counted& counted = counted_[key];
+    if (counted.of != of) {
+      counted = {std::move(of), 0};
+      for (const auto& [utime_us, frame] : owner.submap.frames)
+        counted.frames += std::none_of(beside.begin(), beside.end(),
+                                       [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
+    }
+    frames += counted.frames;
+    earlier.push_back(&owner.submap);
   }
   return frames;
 }

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "map_server/atlas/placement.h"
@@ -62,11 +63,16 @@ class Atlas {
   // landmark fused into one of a submap that is not among these, or a number that is not finite.
   // `unmoved`: submaps that form it too and stay where they are in it.
   void place_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved = {});
+  // The same at a price that does not grow with the submaps, of placements that hold: check_numbers() was content, and
+  // `same` are those that lie where they lay, to the bit. Returns the placements before, to be freed elsewhere.
+  std::vector<Placement> swap_map(std::map<SubmapKey, Placement> placements, const std::set<SubmapKey>& unmoved,
+                                  const std::set<SubmapKey>& same);
   // All there are, instead of those before. Throws std::invalid_argument, and changes nothing, for a submap that is not
   // here or a number that is not finite.
   void set_links(std::vector<Link> links);
-  // Throw what these two would throw.
-  void check_map(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const;
+  // Throw what these would throw: of what is not here, and of numbers, which can be asked without an atlas.
+  void check_here(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const;
+  static void check_numbers(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved);
   void check_links(const std::vector<Link>& links) const;
   // Takes what a RUMI_TRACK message says. True if that is news.
   bool record_frame(ImageId image, const FrameRecord& record);
@@ -97,10 +103,17 @@ class Atlas {
   bool is_placed() const;  // somebody has said what the map is made of
   bool choose_map();       // true if the served map is now made of other submaps than before
 
+  // Frames of a submap of the map that no earlier one has, as it was counted last, and of what.
+  struct Counted {
+    std::vector<std::pair<SubmapKey, int64_t>> of;  // the submap and those beside it, with their revisions
+    int64_t frames = 0;
+  };
+
   std::map<SubmapKey, AtlasSubmap> submaps_;
   std::map<ImageId, FrameRecord> frames_;
   std::vector<Link> links_;
   int64_t revision_ = 0;
+  mutable std::map<SubmapKey, Counted> counted_;
 };
 
 }  // namespace rumi::map_server

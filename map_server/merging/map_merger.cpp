@@ -126,11 +126,31 @@ void MapMerger::note_places(const Atlas& atlas) {
   }
 }
 
+// The atlas has them by now, under a revision of its own. Nobody else places.
+void MapMerger::take_over_places(const Atlas& atlas) {
+  for (auto& [key, placement] : to_be_placed_) {
+    const AtlasSubmap* owner = atlas.find(key);
+    if (!owner || !owner->in_map) continue;
+    placement.revision = owner->placement.revision;
+    std::swap(placed_[key], placement);
+  }
+  worker_.post([before = std::make_shared<std::map<SubmapKey, Placement>>(std::move(to_be_placed_))] {});
+  to_be_placed_.clear();
+}
+
+void MapMerger::free(std::vector<Placement> placements) {
+  worker_.post([placements = std::make_shared<std::vector<Placement>>(std::move(placements))]() mutable {
+    placements.reset();
+    malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
+  });
+}
+
 void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
   {
     const StageClock clock("map_server.copy");
     copy_submaps(atlas);
     choose(scope);
+    take_over_places(atlas);
     note_places(atlas);
   }
   last_begin_us_ = now_us;
@@ -151,6 +171,7 @@ void MapMerger::run(MapBuilder::Scope scope) {
   try {
     builder_.find_links(submaps);
     built = builder_.build(submaps, placed_, scope);
+    Atlas::check_numbers(built.placements, built.unmoved);
   } catch (...) {
     to_blame_ = find_those_to_blame();
     throw;
@@ -158,10 +179,15 @@ void MapMerger::run(MapBuilder::Scope scope) {
   result_ = {.placements = std::move(built.placements),
              .unmoved = std::move(built.unmoved),
              .culled = std::move(built.culled),
+             .same = {},
              .links = builder_.links(),
              .report = built.report,
              .scope = scope,
              .cpu_s = thread_cpu_s() - start_s};
+  for (const auto& [key, placement] : result_.placements)
+    if (const auto before = placed_.find(key); before != placed_.end() && same_place(before->second, placement))
+      result_.same.insert(key);
+  to_be_placed_ = result_.placements;
 }
 
 // Most likely something is wrong with one submap: then it is not to be built with by itself either.
@@ -187,7 +213,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
     keep_what_was_left_out();
     reason = thrown_by([&] {
       atlas.check_links(result_.links);
-      atlas.check_map(result_.placements, result_.unmoved);
+      atlas.check_here(result_.placements, result_.unmoved);
     });
   }
   last_broke_off_ = !reason.empty();
@@ -204,7 +230,6 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
   }
   if (result_.scope != MapBuilder::Scope::kWeld) note_adjusted();
   chosen_.clear();
-  malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
   return std::move(result_);
 }
 
@@ -218,12 +243,14 @@ void MapMerger::keep_what_was_left_out() {
   } else {
     result_.placements.clear();
     result_.culled.clear();
+    to_be_placed_.clear();
   }
 }
 
 // What the builder knew may be half of what it was about to know: it begins anew.
 void MapMerger::give_up(const std::string& reason) {
   result_ = {};
+  to_be_placed_.clear();
   chosen_.clear();
   builder_ = MapBuilder(options_.builder, &cancel_);
   if (!fixed_in_map_.empty()) builder_.fix(fixed_in_map_);

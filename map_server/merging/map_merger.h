@@ -34,6 +34,7 @@ struct MergeResult {
   std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
   std::set<SubmapKey> unmoved;                // form it too, among them what is in doubt and was in it
   CulledSubmaps culled;                       // take the place of these; placed like that
+  std::set<SubmapKey> same;                   // of the placements, those that are as they were
   std::vector<Link> links;
   MapBuildReport report;
   MapBuilder::Scope scope = MapBuilder::Scope::kWeld;
@@ -57,6 +58,8 @@ class MapMerger {
     return !running_ && !wants_adjustment_ && !suspects_.unfinished() && !has_news(atlas);
   }
   bool running() const { return running_; }
+  // Frees them where the map is built: that takes long.
+  void free(std::vector<Placement> placements);
   // Builds that threw.
   const Failures& refused() const { return refused_; }
   // The last build threw, or submaps are still to be tried or left out because one did.
@@ -72,6 +75,7 @@ class MapMerger {
   void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
   void copy_submaps(const Atlas& atlas);
   void choose(MapBuilder::Scope scope);
+  void take_over_places(const Atlas& atlas);
   void note_places(const Atlas& atlas);
   void run(MapBuilder::Scope scope);
   std::set<SubmapKey> find_those_to_blame();
@@ -84,9 +88,10 @@ class MapMerger {
   MapBuilder builder_;
   std::set<SubmapKey> fixed_, fixed_in_map_;
   // Of the submaps, and of where they lay, when the last build began.
-  Copies copies_, chosen_;                 // all, and those it is made of
-  std::map<SubmapKey, Placement> placed_;  // of those chosen
-  std::set<SubmapKey> left_in_map_;        // not chosen
+  Copies copies_, chosen_;                       // all, and those it is made of
+  std::map<SubmapKey, Placement> placed_;        // of those chosen
+  std::map<SubmapKey, Placement> to_be_placed_;  // copies of the last result, made where it was
+  std::set<SubmapKey> left_in_map_;              // not chosen
   Suspects suspects_;
   std::set<SubmapKey> to_blame_;  // that the last build threw
   Failures refused_{"a build of the map"};
