@@ -214,13 +214,13 @@ class Server {
   void absorb(const std::string& which) {
     const std::set<SubmapKey> same = find_same();
     std::vector<map_server::Placement> before;
+    for (const auto& [key, left] : built_.culled)  // in slices, as it saves
+      atlas_.change_submap(key, [&left = left](Submap* submap) {
+        *submap = *left;
+        return std::string();
+      });
     time("place" + which, [&] {
       atlas_.set_links(builder_.links());
-      for (const auto& [key, left] : built_.culled)
-        atlas_.change_submap(key, [&left = left](Submap* submap) {
-          *submap = *left;
-          return std::string();
-        });
       if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
     });
     for (auto& [key, placement] : placed_) placement.revision = atlas_.find(key)->placement.revision;

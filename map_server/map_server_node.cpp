@@ -159,6 +159,8 @@ void MapServerNode::end_snapshot() {
 }
 
 void MapServerNode::merge(int64_t now_us) {
+  cull_some();
+  if (!to_cull_.empty()) return;  // what is built next is built of what is left
   std::optional<MergeResult> result = merger_.tick(now_us, atlas_);
   // An adjustment that had begun before somebody asked lacks what came since.
   const bool all_is_merged =
@@ -176,7 +178,8 @@ void MapServerNode::absorb(MergeResult result) {
   result.links.insert(result.links.end(), fixed_links_.begin(), fixed_links_.end());
   atlas_.set_links(std::move(result.links));
   if (!result.placements.empty()) {
-    cull(result.culled);
+    to_cull_ = std::move(result.culled);
+    cull_some();
     const std::set<SubmapKey> before = atlas_.in_map();
     merger_.free(atlas_.swap_map(std::move(result.placements), result.unmoved, result.same));
     tell_of_map(before);
@@ -202,17 +205,26 @@ void MapServerNode::tell_of_map(const std::set<SubmapKey>& before) const {
            gone.empty() ? "" : fmt::format("; no longer in it: {}", describe(gone)));
 }
 
-void MapServerNode::cull(const CulledSubmaps& culled) {
-  for (const auto& [key, left] : culled) {
-    const Submap& all = atlas_.find(key)->submap;
-    log_debug("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
-              all.keyframes.size() - left->keyframes.size(), all.keyframes.size(),
-              all.landmarks.size() - left->landmarks.size(), all.landmarks.size());
-    atlas_.change_submap(key, [&left = left](Submap* submap) {
-      if (submap->revision + 1 == left->revision) *submap = *left;
-      return std::string();
-    });
+// Live, for the time of a save; the rest with the next ticks. A submap lies where it lies with or without what it can
+// do without.
+void MapServerNode::cull_some() {
+  const auto begin = std::chrono::steady_clock::now();
+  while (!to_cull_.empty()) {
+    cull(to_cull_.begin()->first, *to_cull_.begin()->second);
+    to_cull_.erase(to_cull_.begin());
+    if (options_.merge.thread && std::chrono::steady_clock::now() - begin >= kSaveBudget) return;
   }
+}
+
+void MapServerNode::cull(SubmapKey key, const Submap& left) {
+  const Submap& all = atlas_.find(key)->submap;
+  log_debug("back submap {}: the map can do without {} of its {} keyframes and {} of its {} landmarks", key.id,
+            all.keyframes.size() - left.keyframes.size(), all.keyframes.size(),
+            all.landmarks.size() - left.landmarks.size(), all.landmarks.size());
+  atlas_.change_submap(key, [&left](Submap* submap) {
+    if (submap->revision + 1 == left.revision) *submap = left;
+    return std::string();
+  });
 }
 
 void MapServerNode::tick(int64_t now_us) {
@@ -271,7 +283,8 @@ NodeStatus MapServerNode::status() {
 bool MapServerNode::finished() const {
   const bool all_is_said = sender_.pending() == 0 && merged_.empty() && !copying_for_ && !status_pages_.round_goes_on();
   const bool all_is_stored = !store_.is_behind() || !trouble_.empty();
-  return all_is_said && all_is_stored && (!finishing_ || merger_.idle(atlas_));
+  const bool all_is_merged = to_cull_.empty() && merger_.idle(atlas_);
+  return all_is_said && all_is_stored && (!finishing_ || all_is_merged);
 }
 
 void MapServerNode::tell_all() {

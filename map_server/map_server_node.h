@@ -45,7 +45,8 @@ class MapServerNode : public Node {
   void merge(int64_t now_us);
   void absorb(MergeResult result);
   void tell_of_map(const std::set<SubmapKey>& before) const;
-  void cull(const CulledSubmaps& culled);
+  void cull_some();  // of to_cull_
+  void cull(SubmapKey key, const Submap& left);
   void on_request(const map_request_t& request);
   void answer(const map_request_t& request);
   const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
@@ -72,6 +73,7 @@ class MapServerNode : public Node {
   MapStore store_;
   Atlas atlas_;
   MapMerger merger_;
+  CulledSubmaps to_cull_;  // of the last merge, what is not yet done
   MapStatusPages status_pages_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
