@@ -2,6 +2,7 @@
 // map.db. Byte 0 even: the rest is the file. Odd: it is a list of changes to the cells of a good one, seven bytes each,
 // because few changes of a file get past SQLite's own checks. What can be loaded is served.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <fstream>
@@ -30,14 +31,16 @@ Bytes contents(const std::string& file) {
 Bytes make_good_file() {
   const std::string file = scratch() / "good.db", copy = scratch() / "copy.db";
   Atlas atlas;
-  for (const SubmapKey& key : {SubmapKey{kSession, 1}, SubmapKey{kSession, -1}})
-    if (!atlas.update(make_submap_update(good_submap(key, 2), 0)).empty()) throw std::logic_error("no good submap");
+  for (const SubmapKey& key : {SubmapKey{kSession, 1}, SubmapKey{kSession, -1}}) {
+    const submap_update_t update = make_submap_update(good_submap(key, 2), 0);
+    if (!atlas.change_submap(key, [&](Submap* s) { return apply_submap_update(update, s); }).empty())
+      throw std::logic_error("no good submap");
+  }
   Placement placement;
   placement.map_from_submap[kSession + 100'000] = Sim3();
   placement.landmarks[0] = {1, 2, 3};
   placement.fused[1] = {{kSession, 1}, 2};
-  placement.revision = 1;
-  atlas.set_map({{{kSession, 1}, {}}, {{kSession, -1}, placement}});
+  atlas.place_map({{{kSession, 1}, {}}, {{kSession, -1}, placement}});
   Link link;
   link.a = {kSession, 1};
   link.b = {kSession, -1};

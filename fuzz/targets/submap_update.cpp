@@ -3,6 +3,7 @@
 #include "bus/wire/submap_update.h"
 
 #include "fuzz/good_messages.h"
+#include "lcmtypes/rumi/chunk_t.hpp"
 #include "map_server/atlas/placement.h"
 
 namespace rumi::fuzz {
