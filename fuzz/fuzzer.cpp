@@ -13,7 +13,11 @@ const Target& the_target() { return rumi::fuzz::targets().front(); }
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const bool warm = (the_target().run({}), true);  // what is made once
+  if (!warm) return -1;
+  rumi::fuzz::limit_steps();
   the_target().run({data, size});
+  rumi::fuzz::end_step();
   return 0;
 }
 

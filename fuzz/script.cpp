@@ -55,6 +55,7 @@ void pass(const Stage& stage, int64_t time_us) {
   stage.bus->dispatch();
   stage.node->tick(stage.bus->now_us());
   stage.bus->dispatch();
+  end_step();
 }
 
 }  // namespace
@@ -102,7 +103,7 @@ void play(const Script& script, const Stage& stage) {
     pass(stage, time_us);
   }
   stage.node->status();
-  if (!finished) stage.node->finish();
+  if (stage.finish && !finished) stage.node->finish();
   for (int i = 0; i < kStepsToEnd; ++i) pass(stage, kBegin_us);
 }
 

@@ -39,6 +39,7 @@ struct Stage {
   std::vector<std::string> channels;  // by number
   std::string chunk_channel;          // of payloads, which come in chunks that are whole and have the right checksum
   void (*picture)(MemoryBus& bus, int number) = nullptr;
+  bool finish = true;  // also where the script does not say so
 };
 
 // Plays it to the node, which afterwards finishes.

@@ -33,6 +33,11 @@ struct Registered {
   explicit Registered(Target target);
 };
 
+// A step of an input, a message, is over. While fuzzing, none may take more than a second of CPU time: time on the
+// clock is other processes', too.
+void end_step();
+void limit_steps();  // from now on
+
 inline Bytes to_bytes(const std::string& text) { return {text.begin(), text.end()}; }
 inline std::string to_text(View bytes) { return {bytes.begin(), bytes.end()}; }
 

@@ -18,7 +18,8 @@ void run(View input) {
   const Stage stage{.bus = &bus,
                     .node = &node,
                     .channels = {channels::kCamera, channels::kTrack, channels::kMapStatus, channels::kMapChunk},
-                    .chunk_channel = channels::kMapChunk};
+                    .chunk_channel = channels::kMapChunk,
+                    .finish = false};
   play(parse_script(input), stage);
 }
 
