@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <string_view>
 
 namespace rumi::camera_driver {
@@ -13,8 +14,7 @@ using File = std::span<const uint8_t>;
 constexpr int64_t kMostPnm = 1'000'000'000;  // digits beyond it change nothing
 
 bool has(File file, size_t at, std::string_view text) {
-  return file.size() >= at + text.size() &&
-         std::equal(text.begin(), text.end(), file.begin() + static_cast<ptrdiff_t>(at));
+  return file.size() >= at + text.size() && std::memcmp(&file[at], text.data(), text.size()) == 0;
 }
 
 // Precondition: the bytes are there.
