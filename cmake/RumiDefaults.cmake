@@ -20,7 +20,7 @@ if(CCACHE)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${launcher})
 endif()
 
-add_compile_options(-Wall -Wextra -Wpedantic -Wshadow=local)
+add_compile_options(-Wall -Wextra -Wpedantic $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
 # The generated code is repeatable to the bit only if the compiler may not fuse or reorder floating point.
 add_compile_options(-ffp-contract=off)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -32,6 +32,16 @@ if(RUMI_SANITIZE)
   add_compile_options(-fsanitize=${RUMI_SANITIZE} -fno-sanitize=null,vptr,alignment,object-size -fno-sanitize-recover=all
                       -fno-omit-frame-pointer -Wno-maybe-uninitialized)
   add_link_options(-fsanitize=${RUMI_SANITIZE})
+endif()
+
+if(RUMI_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+    message(FATAL_ERROR "RUMI_FUZZ needs clang (-DCMAKE_CXX_COMPILER=clang++-14): libFuzzer is part of it")
+  endif()
+  # What is fuzzed is instrumented; the fuzzer itself is linked into the programs of fuzz/ only.
+  set(fuzz_sanitizers address,undefined,float-cast-overflow)
+  add_compile_options(-fsanitize=fuzzer-no-link,${fuzz_sanitizers} -fno-sanitize=vptr -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${fuzz_sanitizers})
 endif()
 
 # Every file gets this header before Eigen, so that all have the same one. It comes after the options: GCC takes a

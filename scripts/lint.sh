@@ -17,7 +17,7 @@ if [ "$version" != "$wanted" ]; then
 fi
 if [ "$mode" = quick ]; then
   set -- --checks=-clang-analyzer-*
-  files=$(git ls-files '*.cpp' ':!tests' ':!bench')
+  files=$(git ls-files '*.cpp' ':!tests' ':!bench' ':!fuzz')
 elif [ "${3:-}" = all ]; then
   set --
   files=$(git ls-files '*.cpp')

@@ -8,12 +8,14 @@
 
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_decoder.h"
+#include "camera_driver/recording/image_header.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
+constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 
 std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
   std::error_code code;
@@ -43,6 +45,15 @@ bool looks_like_jpeg(const std::vector<uint8_t>& bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
+// What is wrong with a file that OpenCV is to decode, or an empty string.
+std::string check_header(const std::vector<uint8_t>& bytes) {
+  const std::optional<HeaderSize> size = size_in_header(bytes);
+  if (!size) return "is corrupt, or not a JPEG, PNG, BMP, TIFF, PGM, PPM or WebP image";
+  if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide)
+    return fmt::format("has {} x {} pixels: must have 1 to {} a side", size->width, size->height, kMaxSide);
+  return {};
+}
+
 }  // namespace
 
 std::optional<image_t> load_image_file(const fs::path& file, bool colour, std::string* error) {
@@ -53,6 +64,8 @@ std::optional<image_t> load_image_file(const fs::path& file, bool colour, std::s
     if (!inspect_jpeg(*bytes, &size, error)) return std::nullopt;
     return wrap_jpeg(0, size.width, size.height, std::move(*bytes));
   }
+  *error = check_header(*bytes);
+  if (!error->empty()) return std::nullopt;
   cv::Mat pixels;
   try {
     const int wanted = colour ? cv::IMREAD_ANYCOLOR : cv::IMREAD_GRAYSCALE;

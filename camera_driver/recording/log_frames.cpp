@@ -19,8 +19,8 @@ class LogFrameReader : public FrameReader {
   std::optional<FrameStamp> advance() override {
     while (const std::optional<LogEvent> event = log_->next_on(channel_)) {
       const std::string where = fmt::format("{}: image {}", file_, number_++);
-      if (Bus::decode(event->data, &image_)) return FrameStamp{image_.utime, where};
-      if (malformed_.count++ == 0) malformed_.first = where + ": is no image_t message, or broken";
+      if (Bus::decode(event->data, &image_) && plausible_utime(image_.utime)) return FrameStamp{image_.utime, where};
+      if (malformed_.count++ == 0) malformed_.first = where + ": is no image_t message, broken, or of no time";
     }
     if (!log_->error().empty()) log_warning("{}", log_->error());
     return std::nullopt;

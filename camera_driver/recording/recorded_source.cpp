@@ -83,6 +83,7 @@ std::optional<image_t> RecordedSource::fetch() {
     if (!image && starting_ && skipped_.wrong_size > 0) return std::nullopt;
     if (!image) continue;
     image->utime = utime_us;
+    ++handed_out_in_pass_;
     // What an earlier process noted in a log, such as when it was published, is not true of this one. What it is an
     // image of is.
     const int64_t in_log = options_.rate_hz > 0 ? kNoStream : stream_of(*image);
@@ -116,12 +117,13 @@ bool RecordedSource::begin_next_pass() {
     skip(&SkippedFrames::malformed, malformed.first);
     skipped_.malformed = malformed.count;
   }
-  if (!options_.loop || taken_in_pass_ == 0) return false;
+  // Another pass would give nothing either, for ever.
+  if (!options_.loop || handed_out_in_pass_ == 0) return false;
   const int64_t span_us = pass_last_us_ - pass_first_us_;
   const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
   const int64_t period_us = taken_in_pass_ > 1 ? span_us / (taken_in_pass_ - 1) : std::llround(1e6 / nominal_hz);
   offset_us_ += span_us + period_us;
-  taken_in_pass_ = 0;
+  taken_in_pass_ = handed_out_in_pass_ = 0;
   ++pass_;
   selector_.rewind();
   reader_->rewind();

@@ -47,6 +47,7 @@ class RecordedSource : public ImageSource {
   int pass_ = 0;
   int64_t taken_ = 0;  // over all passes
   int64_t taken_in_pass_ = 0;
+  int64_t handed_out_in_pass_ = 0;                // of those taken: could be read, and fit
   int64_t pass_first_us_ = 0, pass_last_us_ = 0;  // recorded times of taken frames
   int64_t origin_us_ = 0;                         // recorded time of the first taken frame
   int64_t offset_us_ = 0;                         // added to recorded times in later passes

@@ -39,7 +39,7 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   if (at < text.size() && text[at] == '+') ++at;
   int power = 0;
   const auto [end, code] = std::from_chars(text.data() + at, text.data() + text.size(), power);
-  if (code != std::errc() || end != text.data() + text.size() || std::abs(power) > 100) return std::nullopt;
+  if (code != std::errc() || end != text.data() + text.size() || power < -100 || power > 100) return std::nullopt;
   decimal.exponent += power;
   return decimal;
 }

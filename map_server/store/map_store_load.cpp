@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 
+#include "bus/transport/bus.h"
 #include "map_server/store/blob.h"
 #include "map_server/store/map_store.h"
 
@@ -17,6 +19,37 @@ namespace {
 int checked_keyframe_id(int64_t id) {
   if (id < 0 || id > kMaxKeyframeId) throw std::runtime_error(fmt::format("keyframe {}: ids count up from 0", id));
   return static_cast<int>(id);
+}
+
+SE3 checked_pose(std::span<const uint8_t> blob) {
+  constexpr double kUnitTolerance = 1e-3;  // as on the wire
+  const SE3 pose = pose_from_numbers(array_from_blob<PoseNumbers>(blob));
+  if (!pose.is_finite() || std::abs(pose.rotation.norm() - 1) > kUnitTolerance)
+    throw std::runtime_error("a pose is none");
+  return pose;
+}
+
+int64_t checked_utime(int64_t utime_us) {
+  if (!plausible_utime(utime_us)) throw std::runtime_error(fmt::format("{} is no time", utime_us));
+  return utime_us;
+}
+
+// A number of an enumeration that counts up.
+template <class Enum>
+Enum checked_enum(const char* what, int64_t value, Enum first, Enum last) {
+  if (value < static_cast<int64_t>(first) || value > static_cast<int64_t>(last))
+    throw std::runtime_error(fmt::format("{} {} is none", what, value));
+  return static_cast<Enum>(value);
+}
+
+Keypoint checked_keypoint(const float* x_y_angle, uint8_t octave, const Submap& submap) {
+  const Keypoint keypoint{{x_y_angle[0], x_y_angle[1]}, x_y_angle[2], octave};
+  if (octave >= submap.pyramid.levels)
+    throw std::runtime_error(fmt::format("keypoint of octave {}, there are {}", octave, submap.pyramid.levels));
+  // NaN is outside, too.
+  if (!submap.camera.contains(keypoint.pixel.cast<double>(), -1) || !std::isfinite(keypoint.angle_rad))
+    throw std::runtime_error(fmt::format("keypoint at {}, {}: not in the image", x_y_angle[0], x_y_angle[1]));
+  return keypoint;
 }
 
 Pyramid checked_pyramid(int64_t levels, double scale_factor) {
@@ -33,11 +66,8 @@ std::shared_ptr<const Features> features_from_row(const Statement& row, int firs
   features->descriptors = vector_from_blob<Descriptor>(row.blob(first_column + 2));
   if (keypoints.size() != octaves.size() * 3 || features->descriptors.size() != octaves.size())
     throw std::runtime_error("keypoints, octaves and descriptors do not have the same length");
-  for (size_t i = 0; i < octaves.size(); ++i) {
-    if (octaves[i] >= submap.pyramid.levels)
-      throw std::runtime_error(fmt::format("keypoint of octave {}, there are {}", octaves[i], submap.pyramid.levels));
-    features->keypoints.push_back({{keypoints[3 * i], keypoints[3 * i + 1]}, keypoints[3 * i + 2], octaves[i]});
-  }
+  for (size_t i = 0; i < octaves.size(); ++i)
+    features->keypoints.push_back(checked_keypoint(&keypoints[3 * i], octaves[i], submap));
   features->undistort(submap.camera);
   return features;
 }
@@ -49,6 +79,9 @@ void restore_observations(const std::vector<int32_t>& pairs, Keyframe* keyframe,
     Landmark* landmark = submap->landmark(pairs[i + 1]);
     if (pairs[i] < 0 || pairs[i] >= static_cast<int>(keyframe->landmark_ids.size()) || !landmark)
       throw std::runtime_error(fmt::format("keyframe {} observes what does not exist", keyframe->id));
+    const bool again = !landmark->observations.empty() && landmark->observations.back().keyframe_id == keyframe->id;
+    if (again || keyframe->landmark_ids[pairs[i]] != kNone)
+      throw std::runtime_error(fmt::format("keyframe {} observes twice", keyframe->id));
     keyframe->landmark_ids[pairs[i]] = landmark->id;
     landmark->observations.push_back({keyframe->id, pairs[i]});
   }
@@ -63,10 +96,11 @@ Atlas MapStore::load() {
     is_behind_ = false;
     Statement frames(db_, "SELECT utime, stream, session, state, submap FROM frames");
     while (frames.step())
-      atlas.record_frame({frames.integer(0), frames.integer(1)},
-                         {.session = frames.integer(2),
-                          .state = static_cast<TrackingState>(frames.integer(3)),
-                          .submap_id = static_cast<int32_t>(frames.integer(4))});
+      atlas.record_frame(
+          {checked_utime(frames.integer(0)), frames.integer(1)},
+          {.session = frames.integer(2),
+           .state = checked_enum("a state", frames.integer(3), TrackingState::kUnknown, TrackingState::kLost),
+           .submap_id = static_cast<int32_t>(frames.integer(4))});
     load_submaps(&atlas);
     atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
   } catch (const SqliteError& error) {
@@ -86,7 +120,7 @@ void MapStore::load_submaps(Atlas* atlas) {
     AtlasSubmap owner;
     Submap& s = owner.submap;
     s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
-    s.kind = static_cast<SubmapKind>(rows.integer(3));
+    s.kind = checked_enum("a kind of submap", rows.integer(3), SubmapKind::kFront, SubmapKind::kBack);
     s.closed = rows.integer(4) != 0;
     s.revision = rows.integer(5);
     s.camera = load_camera(rows.integer(6));
@@ -106,12 +140,13 @@ Camera MapStore::load_camera(int64_t row) {
   Statement select(db_, "SELECT * FROM cameras WHERE camera = ?");
   if (!select.bind(row).step()) throw std::runtime_error(fmt::format("camera {} is missing", row));
   Camera c;
-  c.model = static_cast<Camera::Model>(select.integer(1));
+  c.model = checked_enum("a lens", select.integer(1), Camera::Model::kPinhole, Camera::Model::kKannalaBrandt);
   c.width = static_cast<int>(select.integer(2));
   c.height = static_cast<int>(select.integer(3));
   int column = 4;
   for (double* field : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3, &c.k4, &c.fps})
     *field = select.real(column++);
+  if (const std::string wrong = c.check(); !wrong.empty()) throw std::runtime_error("a camera's " + wrong);
   return c;
 }
 
@@ -122,6 +157,7 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     landmark.id = static_cast<int>(landmarks.integer(0));
     const auto position = array_from_blob<std::array<double, 3>>(landmarks.blob(1));
     landmark.position = {position[0], position[1], position[2]};
+    if (!landmark.position.allFinite()) throw std::runtime_error(fmt::format("landmark {} is nowhere", landmark.id));
     landmark.descriptor = array_from_blob<Descriptor>(landmarks.blob(2));
     landmark.revision = landmarks.integer(3);
     s->landmarks.emplace(landmark.id, std::move(landmark));
@@ -134,8 +170,8 @@ void MapStore::load_elements(int64_t row, Submap* s) {
   for (keyframes.bind(row); keyframes.step();) {
     Keyframe keyframe;
     keyframe.id = checked_keyframe_id(keyframes.integer(0));
-    keyframe.utime_us = keyframes.integer(1);
-    keyframe.cam_from_submap = pose_from_numbers(array_from_blob<PoseNumbers>(keyframes.blob(2)));
+    keyframe.utime_us = checked_utime(keyframes.integer(1));
+    keyframe.cam_from_submap = checked_pose(keyframes.blob(2));
     keyframe.revision = keyframes.integer(3);
     keyframe.created_revision = keyframes.integer(4);
     keyframe.features = features_from_row(keyframes, 6, *s);
@@ -147,9 +183,8 @@ void MapStore::load_elements(int64_t row, Submap* s) {
                   "SELECT utime, reference_keyframe, cam_from_keyframe, revision, position_sigma, rotation_sigma_rad, "
                   "log_scale_sigma FROM frame_poses WHERE submap = ?");
   for (poses.bind(row); poses.step();) {
-    FramePose pose{poses.integer(0), static_cast<int>(poses.integer(1)),
-                   pose_from_numbers(array_from_blob<PoseNumbers>(poses.blob(2))), poses.integer(3),
-                   pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // NULL is 0: not known
+    FramePose pose{checked_utime(poses.integer(0)), static_cast<int>(poses.integer(1)), checked_pose(poses.blob(2)),
+                   poses.integer(3), pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // NULL is 0: not known
     if (!s->keyframe(pose.reference_keyframe))
       throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
     s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);

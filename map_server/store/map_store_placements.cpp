@@ -148,7 +148,7 @@ void MapStore::load_links(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys
     Link& link = links.emplace_back();
     link.a = key_of(rows.integer(0), keys);
     link.b = key_of(rows.integer(1), keys);
-    link.kind = static_cast<Link::Kind>(rows.integer(2));
+    link.kind = rows.integer(2) == 0 ? Link::Kind::kSameImages : Link::Kind::kAppearance;
     link.b_from_a = checked_similarity(rows.blob(3));
     int column = 4;
     for (int* count : {&link.keyframes, &link.keyframe_inliers, &link.landmarks, &link.landmark_inliers})

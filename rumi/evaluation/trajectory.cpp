@@ -78,6 +78,9 @@ std::optional<SE3> make_pose(double x, double y, double z, double qw, double qx,
   return SE3(q, {x, y, z});
 }
 
+// Far enough from the ends of the numbers for the difference of two times.
+bool is_time(int64_t utime_us) { return std::abs(static_cast<double>(utime_us)) < 0x1p53; }
+
 // Six decimals of a second fit a double until the year 2255, so rounding recovers the microsecond that was written.
 int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
 
@@ -101,7 +104,7 @@ TrajectoryFile read_lines(const std::string& file, const std::string& expected, 
   for (std::string line; std::getline(in, line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[line.find_first_not_of(" \t")] == '#') continue;
     const std::optional<TimedPose> pose = parse(line);
-    if (pose) {
+    if (pose && is_time(pose->utime_us)) {
       result.poses.push_back(*pose);
     } else {
       ++result.skipped_lines;
@@ -205,7 +208,7 @@ FramesFile read_frames(const std::string& file) {
     const auto fields = split_csv(line);
     InputFrame frame;
     int in_map_value = 0;
-    if (fields.size() != names.size() || !parse(fields[utime], &frame.utime_us) ||
+    if (fields.size() != names.size() || !parse(fields[utime], &frame.utime_us) || !is_time(frame.utime_us) ||
         !parse(fields[submap], &frame.submap) || !parse(fields[in_map], &in_map_value) ||
         !parse_sigmas(fields, sigmas, &frame.sigmas)) {
       result.error = fmt::format("{}, line {}: '{}' is not utime,state,submap,in_map", file, number, line);

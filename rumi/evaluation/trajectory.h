@@ -18,7 +18,7 @@ struct TimedPose {
 
 struct TrajectoryFile {
   std::vector<TimedPose> poses;  // by time, one per time
-  int skipped_lines = 0;         // not a number, not finite, no rotation, or a time that was there before
+  int skipped_lines = 0;         // not a number, not finite, no rotation, no time, or one that was there before
   std::string error;             // empty, or why the file could not be used
   bool ok() const { return error.empty(); }
 };

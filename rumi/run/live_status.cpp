@@ -31,9 +31,22 @@ double per_second(double amount, int64_t span_us) {
   return span_us > 0 ? rounded(amount * 1e6 / static_cast<double>(span_us)) : 0;
 }
 
+// 0 where no value is a number.
 double quantile(std::vector<double> values, double q) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });  // they have no order
+  if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
   return rounded(values[static_cast<size_t>(q * static_cast<double>(values.size() - 1))]);
+}
+
+// Of messages, frames or bytes. Sums and differences of such numbers overflow nothing.
+bool is_count(int64_t n) { return n >= 0 && n < int64_t{1} << 45; }
+
+bool is_possible(const process_status_t& status) {
+  return plausible_utime(status.started_utime) && is_count(status.messages_in) && is_count(status.messages_out) &&
+         std::all_of(status.channels.begin(), status.channels.end(), [](const channel_count_t& channel) {
+           return is_count(channel.dropped) && is_count(channel.undecodable) && channel.queue_depth >= 0;
+         });
 }
 
 // What takes most, in a line.
@@ -62,6 +75,7 @@ LiveStatus::LiveStatus(Bus& bus) : bus_(bus) {
 }
 
 void LiveStatus::on_status(const process_status_t& status) {
+  if (!is_possible(status)) return;
   Process& process = processes_[status.process];
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
   if (same_run) process.before = std::move(process.latest);
@@ -75,6 +89,7 @@ void LiveStatus::on_status(const process_status_t& status) {
 }
 
 void LiveStatus::on_track(const track_t& track) {
+  if (!is_count(track.sequence)) return;
   const bool told_again = !tracks_.empty() && track.session == tracks_.back().track.session &&
                           track.sequence <= tracks_.back().track.sequence;
   if (told_again) return;
@@ -159,7 +174,7 @@ Json LiveStatus::map_json() const {
           {"keyframes", map_->keyframes},
           {"landmarks", map_->landmarks},
           {"links_accepted", map_->links_accepted},
-          {"links_refused", map_->links_in_all - map_->links_accepted},
+          {"links_refused", int64_t{map_->links_in_all} - map_->links_accepted},
           {"merging", static_cast<bool>(map_->merging)},
           {"database_mb", rounded(static_cast<double>(map_->database_bytes) / 1e6)}};
 }

@@ -29,8 +29,12 @@ class KeypointGrid {
 
  private:
   static constexpr float kCell = 16;  // pixels
-  int column(float x) const { return std::clamp(static_cast<int>(x / kCell), 0, columns_ - 1); }
-  int row(float y) const { return std::clamp(static_cast<int>(y / kCell), 0, rows_ - 1); }
+  int column(float x) const { return cell(x, columns_); }
+  int row(float y) const { return cell(y, rows_); }
+  // However far outside; NaN counts to the first one. Compared as floats: not every one fits an int.
+  static int cell(float at, int count) {
+    return at > 0 ? static_cast<int>(std::min(at / kCell, static_cast<float>(count - 1))) : 0;
+  }
   int columns_ = 1, rows_ = 1;
   std::vector<int> start_{0, 0};  // per cell, where its points begin in index_; one past the end at the end
   std::vector<int> index_;

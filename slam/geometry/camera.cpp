@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "slam/geometry/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -19,7 +20,12 @@ double distort_angle(const Camera& c, double theta) {
   return theta * (1 + t2 * (c.k1 + t2 * (c.k2 + t2 * (c.k3 + t2 * c.k4))));
 }
 
-// Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself.
+// Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to this angle.
+constexpr double kWidestAngle_rad = 89.0 * M_PI / 180.0;
+constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens that can be undone sees farther to the side
+
+// Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself. Not a number for a
+// lens that cannot be undone there.
 double undistort_angle(const Camera& c, double distorted) {
   double theta = distorted;
   for (int i = 0; i < 20; ++i) {
@@ -41,14 +47,15 @@ Eigen::Vector3d unproject_pinhole(const Camera& c, double xd, double yd) {
     y += ey;
     if (ex * ex + ey * ey < 1e-20) break;
   }
-  return {x, y, 1};
+  const bool is_undone = std::abs(x) <= kSteepestSlope && std::abs(y) <= kSteepestSlope;
+  return is_undone ? Eigen::Vector3d(x, y, 1) : Eigen::Vector3d(xd, yd, 1);
 }
 
 Eigen::Vector3d unproject_fisheye(const Camera& c, double xd, double yd) {
   const double r = std::hypot(xd, yd);
   if (r < 1e-12) return {xd, yd, 1};
-  // Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to 89 degrees.
-  const double theta = std::min(undistort_angle(c, r), 89.0 * M_PI / 180.0);
+  const double angle = undistort_angle(c, r);
+  const double theta = std::clamp(std::isfinite(angle) ? angle : r, -kWidestAngle_rad, kWidestAngle_rad);
   const double k = std::tan(theta) / r;
   return {k * xd, k * yd, 1};
 }
@@ -106,8 +113,9 @@ std::string Camera::check() const {
     if (!std::isfinite(value)) return fail(name, value, "must be a finite number");
   if (width < 16 || width > 16384) return fail("width", width, "must be 16 to 16384 pixels");
   if (height < 16 || height > 16384) return fail("height", height, "must be 16 to 16384 pixels");
-  if (fx <= 0 || fx > 100.0 * width) return fail("fx", fx, "must be positive and of the order of the image width");
-  if (fy <= 0 || fy > 100.0 * width) return fail("fy", fy, "must be positive and of the order of the image width");
+  const auto is_focal_length = [this](double f) { return f >= 1e-3 * width && f <= 100.0 * width; };
+  if (!is_focal_length(fx)) return fail("fx", fx, "must be positive and of the order of the image width");
+  if (!is_focal_length(fy)) return fail("fy", fy, "must be positive and of the order of the image width");
   if (cx < 0 || cx > width) return fail("cx", cx, "must lie in the image");
   if (cy < 0 || cy > height) return fail("cy", cy, "must lie in the image");
   return {};

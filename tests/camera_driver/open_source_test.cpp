@@ -183,6 +183,29 @@ TEST(ImageSource, SelectionAndNewTimes) {
   EXPECT_THAT(error_of(folder.path(), options), HasSubstr("start is nan"));
 }
 
+TEST(ImageSource, ALoopOfNothingUsableEnds) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  for (int i = 0; i < 3; ++i) write(folder.path() / fmt::format("rgb/{}.png", i), "no image");
+  CameraOptions options;
+  options.loop = true;
+  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("corrupt"));
+}
+
+TEST(ImageSource, ImagesOfNoTimeAreLeftOut) {
+  const TemporaryFolder folder;
+  const std::string log = folder / "x.lcm";
+  {
+    LogWriter writer(log);
+    for (const int64_t utime_us : {INT64_MIN, int64_t{5}, INT64_MAX, int64_t{9}}) {
+      image_t image = make_grey_image(utime_us, picture(1));
+      set_metadata(&image, kCalibrationKey, kCalibration);
+      writer.write(1, "CAMERA", encode_message(image));
+    }
+  }
+  EXPECT_THAT(times(log), ElementsAre(5, 9));
+}
+
 TEST(ImageSource, Encodings) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 1, ".jpg");

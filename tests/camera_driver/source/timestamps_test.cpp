@@ -23,8 +23,9 @@ TEST(Timestamps, SecondsAreExact) {
 }
 
 TEST(Timestamps, WhatIsNoTimeIsRefused) {
-  for (const char* bad : {"", ".", "-1", "nan", "inf", "1.2.3", "1e", "1e99", "12s", "0x10", "1,5", " 1",
-                          "1403636579763555584", "99999999999999999999999999999999999999999999999999999999999999999"})
+  for (const char* bad :
+       {"", ".", "-1", "nan", "inf", "1.2.3", "1e", "1e99", "1e-2147483648", "12s", "0x10", "1,5", " 1",
+        "1403636579763555584", "99999999999999999999999999999999999999999999999999999999999999999"})
     EXPECT_FALSE(parse_seconds_us(bad)) << bad;
   for (const char* bad : {"", "1.5", "-1", "1e9", "99999999999999999999999999"})
     EXPECT_FALSE(parse_nanoseconds_us(bad)) << bad;

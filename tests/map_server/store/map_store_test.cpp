@@ -458,19 +458,43 @@ constexpr const char* kKeyframeIdsOutOfBounds = R"(
     UPDATE features SET keyframe = keyframe + 20000000;
     UPDATE frame_poses SET reference_keyframe = reference_keyframe + 20000000)";
 
+// NaN in place of the first numbers.
+constexpr const char* kLandmarkNowhere =
+    "UPDATE landmarks SET position = CAST(x'000000000000F87F' || substr(position, 9) AS BLOB)";
+constexpr const char* kKeypointNowhere =
+    "UPDATE features SET keypoints = CAST(x'0000C07F' || substr(keypoints, 5) AS BLOB)";
+constexpr const char* kNoRotation =
+    "UPDATE keyframes SET cam_from_submap = CAST(zeroblob(32) || substr(cam_from_submap, 33) AS BLOB)";
+
 // Pages are sound, but what they say would crash whoever follows it.
 TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
-  for (const char* sql :
-       {"UPDATE observations SET pairs = x'FFFFFF7F00000000'", "UPDATE observations SET pairs = x'00'",
-        "UPDATE frame_poses SET reference_keyframe = 4711",
-        "UPDATE landmarks SET id = -2 WHERE id = (SELECT min(id) FROM landmarks)", kKeyframeIdsOutOfBounds,
-        "UPDATE features SET octaves = x''", "UPDATE submaps SET levels = 5", "UPDATE submaps SET levels = 0",
-        "UPDATE submaps SET scale_factor = 1", "UPDATE landmarks SET position = x'00'", "DELETE FROM cameras",
-        "UPDATE placed_keyframes SET map_from_submap = x'00'",
-        "UPDATE placed_keyframes SET map_from_submap = zeroblob(64)",
-        "UPDATE placed_landmarks SET position = x'000000000000F87F000000000000F87F000000000000F87F'",
-        "UPDATE OR REPLACE placed_landmarks SET submap = 4711", "UPDATE fused_landmarks SET into_submap = 4711",
-        "UPDATE links SET b = 4711 WHERE doubt = ''", "UPDATE links SET b_from_a = x'00'"}) {
+  for (const char* sql : {"UPDATE observations SET pairs = x'FFFFFF7F00000000'",
+                          "UPDATE observations SET pairs = x'00'",
+                          "UPDATE frame_poses SET reference_keyframe = 4711",
+                          "UPDATE landmarks SET id = -2 WHERE id = (SELECT min(id) FROM landmarks)",
+                          kKeyframeIdsOutOfBounds,
+                          "UPDATE features SET octaves = x''",
+                          "UPDATE submaps SET levels = 5",
+                          "UPDATE submaps SET levels = 0",
+                          "UPDATE submaps SET scale_factor = 1",
+                          "UPDATE landmarks SET position = x'00'",
+                          "DELETE FROM cameras",
+                          kLandmarkNowhere,
+                          kKeypointNowhere,
+                          kNoRotation,
+                          "UPDATE cameras SET width = 1000000000",
+                          "UPDATE cameras SET fx = 1e-300",
+                          "UPDATE cameras SET model = 7",
+                          "UPDATE observations SET pairs = CAST(pairs || pairs AS BLOB)",
+                          "UPDATE keyframes SET utime = -1 - utime",
+                          "UPDATE submaps SET kind = 300",
+                          "UPDATE placed_keyframes SET map_from_submap = x'00'",
+                          "UPDATE placed_keyframes SET map_from_submap = zeroblob(64)",
+                          "UPDATE placed_landmarks SET position = x'000000000000F87F000000000000F87F000000000000F87F'",
+                          "UPDATE OR REPLACE placed_landmarks SET submap = 4711",
+                          "UPDATE fused_landmarks SET into_submap = 4711",
+                          "UPDATE links SET b = 4711 WHERE doubt = ''",
+                          "UPDATE links SET b_from_a = x'00'"}) {
     const TemporaryFolder folder;
     {
       MapStore store(folder / "map.db");

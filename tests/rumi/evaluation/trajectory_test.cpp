@@ -52,12 +52,13 @@ TEST_F(TrajectoryTest, SkipsAndCountsBrokenLines) {
                                             "3 1 2 3 0 0 0\n"
                                             "4 1 2 3 0 0 0 0\n"
                                             "5 1 2 3 x 0 0 1\n"
+                                            "1e300 1 2 3 0 0 0 1\n"
                                             "6 1 2 3 0 0 0 1\n"
                                             "6 9 9 9 0 0 0 1\n"));
   ASSERT_TRUE(result.ok()) << result.error;
   ASSERT_EQ(result.poses.size(), 1u);
   EXPECT_EQ(result.poses[0].map_from_cam.translation.x(), 1) << "the first of two poses at one time stays";
-  EXPECT_EQ(result.skipped_lines, 6);
+  EXPECT_EQ(result.skipped_lines, 7);
 }
 
 TEST_F(TrajectoryTest, AnEmptyTrajectoryIsNoErrorButAnEmptyTruthIs) {
@@ -137,6 +138,8 @@ TEST_F(TrajectoryTest, RefusesBrokenFramesWithTheLine) {
   EXPECT_THAT(read_frames(write("a.csv", "time,state\n")).error, HasSubstr("columns"));
   EXPECT_THAT(read_frames(write("b.csv", "utime,state,submap,in_map\n1,LOST,-1,0\n2,LOST\n")).error,
               HasSubstr("line 3"));
+  EXPECT_THAT(read_frames(write("d.csv", "utime,state,submap,in_map\n-9223372036854775808,LOST,-1,0\n")).error,
+              HasSubstr("line 2"));
   EXPECT_THAT(read_frames(write("c.csv", "utime,state,submap,in_map\n1.5,LOST,-1,0\n")).error, HasSubstr("line 2"));
 }
 

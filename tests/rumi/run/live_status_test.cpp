@@ -131,6 +131,20 @@ TEST_F(LiveStatusTest, TrackingOfTheLatestSeconds) {
   EXPECT_THAT(status_.to_text(), HasSubstr("TRACKING, submap 2, 150 inliers of 1000 keypoints"));
 }
 
+// Bytes from the network: numbers that cannot be are not counted with.
+TEST_F(LiveStatusTest, ImpossibleNumbersAreLeftOut) {
+  process_status_t status = process(1'000'000, 5, 1);
+  status.started_utime = INT64_MIN;
+  send(1, channels::kStatus, status);
+  status = process(1'000'000, INT64_MAX, 1);
+  send(2, channels::kStatus, status);
+  EXPECT_TRUE(status_.to_json()["processes"].empty());
+  send(3, channels::kTrack, track(INT64_MAX, 5));
+  EXPECT_FALSE(status_.to_json().contains("tracking"));
+  for (int i = 0; i < 40; ++i) send(4, channels::kTrack, track(i, std::nanf("")));
+  EXPECT_EQ(status_.to_json()["tracking"]["latency_p50_ms"], 0);
+}
+
 TEST_F(LiveStatusTest, MapAndWindows) {
   map_status_t map{};
   map.frames = 100;

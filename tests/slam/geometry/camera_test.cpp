@@ -71,6 +71,20 @@ TEST(Camera, ScalingKeepsRays) {
   EXPECT_LT((full.unproject(pixel) - smaller.unproject(same)).norm(), 1e-9);
 }
 
+// A lens that no iteration can undo: what follows needs a number all the same.
+TEST(Camera, AnImpossibleLensGivesNumbersAllTheSame) {
+  for (const Camera::Model model : {Camera::Model::kPinhole, Camera::Model::kKannalaBrandt})
+    for (const double k : {1e3, -1e3, 1e100, -1e300}) {
+      Camera c = test_camera();
+      c.model = model;
+      c.k1 = k;
+      c.k2 = -k / 3;
+      for (const Eigen::Vector2d& pixel :
+           {Eigen::Vector2d(0, 0), Eigen::Vector2d(c.width - 1, 7), Eigen::Vector2d(-1, -1)})
+        EXPECT_LT(c.undistort(pixel).norm(), 1e9) << k;
+    }
+}
+
 TEST(Camera, CheckNamesFieldAndValue) {
   EXPECT_EQ(test_camera().check(), "");
   Camera c = test_camera();
@@ -82,6 +96,9 @@ TEST(Camera, CheckNamesFieldAndValue) {
   c = test_camera();
   c.width = 0;
   EXPECT_NE(c.check().find("width is 0"), std::string::npos) << c.check();
+  c = test_camera();
+  c.fx = 1e-300;
+  EXPECT_NE(c.check().find("fx is 1e-300"), std::string::npos) << c.check();
   c = test_camera();
   c.fy = -1;
   EXPECT_NE(c.check().find("fy is -1"), std::string::npos) << c.check();

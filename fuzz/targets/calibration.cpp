@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The text of a camera calibration, of any of the kinds that are read; what is good is used and written again.
+#include "bus/wire/camera_file.h"
+#include "bus/wire/working_image.h"
+#include "fuzz/good_messages.h"
+
+namespace rumi::fuzz {
+namespace {
+
+void run(View input) {
+  const CameraFileResult result = parse_camera(to_text(input), "input");
+  if (!result.ok()) return;
+  const Camera& camera = result.camera;
+  if (!parse_camera(camera_to_yaml(camera), "again").ok()) throw std::logic_error("a camera is not read back");
+  camera.undistort({0, 0});
+  camera.project({0.1, 0.2, 1});
+  working_camera(camera, 640);
+}
+
+std::string matrix(const std::string& name, int rows, int columns, const std::string& data, bool is_opencv) {
+  const std::string dt = is_opencv ? "  dt: d\n" : "";
+  return name + (is_opencv ? ": !!opencv-matrix\n" : ":\n") + "  rows: " + std::to_string(rows) +
+         "\n  cols: " + std::to_string(columns) + "\n" + dt + "  data: [" + data + "]\n";
+}
+
+std::vector<Bytes> seeds() {
+  Camera fisheye = good_camera();
+  fisheye.model = Camera::Model::kKannalaBrandt;
+  fisheye.k4 = 0.001;
+  const std::string size = "image_width: 64\nimage_height: 48\n", k = "50, 0, 32, 0, 51, 24, 0, 0, 1";
+  const std::string d = "0.1, 0.2, 0.3, 0.4, 0";
+  const std::string ros = size + matrix("camera_matrix", 3, 3, k, false) + "distortion_model: plumb_bob\n" +
+                          matrix("distortion_coefficients", 1, 5, d, false);
+  const std::string opencv = "%YAML:1.0\n---\n" + size + matrix("camera_matrix", 3, 3, k, true) +
+                             matrix("distortion_coefficients", 1, 5, d, true) + "fisheye_model: 0\n";
+  const std::string lens = "camera_model: pinhole\nintrinsics: [50, 51, 32, 24]\nresolution: [64, 48]\n";
+  const std::string kalibr =
+      "cam0: {camera_model: pinhole, intrinsics: [50, 51, 32, 24], distortion_model: equidistant, distortion_coeffs: "
+      "[0.1, 0.2, 0.3, 0.4], resolution: [64, 48]}\n";
+  const std::string euroc =
+      lens + "rate_hz: 20\ndistortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n";
+  std::string orb = "%YAML:1.0\nCamera.type: \"KannalaBrandt8\"\nCamera.width: 64\nCamera.height: 48\n";
+  for (const char* line : {"fx: 50.0", "fy: 51.0", "cx: 32", "cy: 24", "k1: 0.1", "k2: 0.2", "k3: 0.3", "k4: 0.4"})
+    orb += std::string("Camera1.") + line + "\n";
+  return {to_bytes(camera_to_yaml(good_camera())),
+          to_bytes(camera_to_yaml(fisheye)),
+          to_bytes(ros),
+          to_bytes(opencv),
+          to_bytes(kalibr),
+          to_bytes(euroc),
+          to_bytes(orb)};
+}
+
+const Registered registered({"calibration", run, seeds});
+
+}  // namespace
+}  // namespace rumi::fuzz

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The list of images of a recording: byte 0 chooses rgb.txt, data.csv, or a folder with a file of that name.
+#include <filesystem>
+
+#include "bus/wire/camera_file.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
+#include "camera_driver/recording/file_list.h"
+#include "camera_driver/source/timestamps.h"
+#include "fuzz/good_messages.h"
+#include "fuzz/scratch.h"
+
+namespace rumi::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace camera_driver;
+
+constexpr int kMostImages = 8;
+constexpr size_t kLongestName = 60;
+
+void open(const std::string& folder, CameraOptions options) {
+  options.camera_file = scratch().write("calibration.yaml", to_bytes(camera_to_yaml(good_camera())));
+  const OpenedSource opened = open_recording(folder, options);
+  for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
+  }
+}
+
+void list_folder(const std::string& name) {
+  const std::string folder = scratch() / "images";
+  fs::create_directory(folder);
+  const bool is_name = !name.empty() && name.size() < kLongestName && name.find('/') == std::string::npos &&
+                       name.find('\0') == std::string::npos && name != "." && name != "..";
+  if (is_name) scratch().write("images/" + name, good_jpeg(1).data);
+  list_image_folder(folder, 0);
+  open(folder, {});
+  if (is_name) fs::remove(folder + "/" + name);
+}
+
+void run(View input) {
+  if (input.empty()) return;
+  const View rest = input.subspan(1);
+  if (input[0] % 3 == 2) return list_folder(to_text(rest));
+  const std::string folder = scratch() / (input[0] % 3 == 0 ? "tum" : "euroc");
+  fs::create_directory(folder);
+  fs::create_directory(folder + "/data");
+  scratch().write(input[0] % 3 == 0 ? "tum/a.jpg" : "euroc/data/a.jpg", good_jpeg(1).data);
+  scratch().write(input[0] % 3 == 0 ? "tum/rgb.txt" : "euroc/data.csv", rest);
+  CameraOptions options;
+  options.every = 1 + (input[0] >> 4) % 3;
+  options.start_s = input[0] & 8 ? 0.5 : 0;
+  options.duration_s = input[0] & 8 ? 1 : 0;
+  open(folder, options);
+}
+
+std::vector<Bytes> seeds() {
+  const std::string first(1, '\0'), second(1, '\1'), third(1, '\2');
+  return {to_bytes(first + "# times\n1.5 a.jpg\n1.6e0 a.jpg\n2 b.jpg\n"),
+          to_bytes(second + "#timestamp,name\n1403636579763555584,a.jpg\n1403636579813555456,a.jpg\n"),
+          to_bytes(third + "1403636579763555584.jpg"), to_bytes(third + "12.5000.png")};
+}
+
+const Registered registered({"image_list", run, seeds});
+
+}  // namespace
+}  // namespace rumi::fuzz

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A window file; one that is good is written again.
+#include "fuzz/good_messages.h"
+#include "fuzz/good_window.h"
+#include "fuzz/log_bytes.h"
+#include "fuzz/scratch.h"
+
+namespace rumi::fuzz {
+namespace {
+
+using namespace ruminator;
+
+void run(View input) {
+  const std::string file = scratch().write("some.window", input);
+  read_window_manifest(file);
+  const WindowJobFile window = read_window_job(file);
+  if (window.ok() && !write_window_job(scratch() / "again.window", window.job).empty() && window.broken_images == 0)
+    throw std::logic_error("a window that could be read cannot be written");
+}
+
+std::vector<Bytes> seeds() { return {good_window_file(4)}; }
+
+const Registered registered({"window_file", run, seeds, mutate_log<0>});
+
+}  // namespace
+}  // namespace rumi::fuzz

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/image_header.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "camera_driver/recording/frame_reader.h"
+#include "tests/camera_driver/recording.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+std::vector<uint8_t> encoded(const std::string& ending, bool colour) {
+  std::vector<uint8_t> bytes;
+  cv::imencode(ending, picture(1, 30, 20, colour), bytes);
+  return bytes;
+}
+
+TEST(ImageHeader, TellsTheSizeOfEveryFormat) {
+  for (const std::string ending : {".png", ".bmp", ".tiff", ".pgm", ".ppm", ".webp"}) {
+    const std::vector<uint8_t> bytes = encoded(ending, ending != ".pgm");
+    const std::optional<HeaderSize> size = size_in_header(bytes);
+    ASSERT_TRUE(size) << ending;
+    EXPECT_EQ(size->width, 30) << ending;
+    EXPECT_EQ(size->height, 20) << ending;
+    for (size_t i = 0; i < std::min<size_t>(bytes.size(), 40); ++i) size_in_header({bytes.data(), i});
+  }
+  const std::string comment = "P5 # 7 7\n 30\n20 255\n";
+  EXPECT_EQ(size_in_header({reinterpret_cast<const uint8_t*>(comment.data()), comment.size()})->width, 30);
+  EXPECT_FALSE(size_in_header(encoded(".jpg", true)));
+}
+
+// OpenCV would make room for it before it finds that there are no pixels.
+TEST(ImageHeader, AnImageOfGigabytesIsRefusedByItsHeader) {
+  const TemporaryFolder folder;
+  write(folder.path() / "a.ppm", "P6\n32000 32000\n255\n" + std::string(900, 'x'));
+  std::string error;
+  EXPECT_FALSE(load_image_file(folder.path() / "a.ppm", true, &error));
+  EXPECT_THAT(error, HasSubstr("32000 x 32000"));
+}
+
+}  // namespace
+}  // namespace rumi::camera_driver
