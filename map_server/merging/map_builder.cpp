@@ -12,7 +12,6 @@
 
 #include "base/stage_clock.h"
 #include "slam/numeric/median.h"
-#include "slam/numeric/union_find.h"
 
 namespace rumi::map_server {
 namespace {
@@ -23,23 +22,6 @@ Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
   for (const auto& [id, keyframe] : submap.keyframes) placement.map_from_submap[keyframe.utime_us] = map_from_submap;
   return placement;
 }
-
-// Groups of submaps that hang together.
-class Groups {
- public:
-  void unite(SubmapKey a, SubmapKey b) { groups_.unite(index(a), index(b)); }
-  size_t find(SubmapKey key) { return groups_.find(index(key)); }
-
- private:
-  size_t index(SubmapKey key) {
-    const auto [known, is_new] = index_.try_emplace(key, index_.size());
-    if (is_new) groups_.add();
-    return known->second;
-  }
-
-  std::map<SubmapKey, size_t> index_;
-  UnionFind groups_;
-};
 
 struct GroupSize {
   std::set<ImageId> frames;
@@ -75,6 +57,10 @@ void MapBuilder::find_links(const Submaps& submaps) {
   for (auto a = submaps.begin(); a != submaps.end(); ++a)
     for (auto b = std::next(a); b != submaps.end() && !cancelled(); ++b) {
       if (fixed_.contains(a->first) && fixed_.contains(b->first)) continue;
+      if (!may_share_images(*a->second, *b->second)) {  // as most pairs of a large map: nothing is kept of them
+        pairs_.erase({a->first, b->first});
+        continue;
+      }
       Pair& pair = pairs_[{a->first, b->first}];
       if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
       pair = compare_submaps(*a->second, *b->second, options_.pairs);
@@ -120,11 +106,26 @@ std::vector<MapBuilder::Tie> MapBuilder::ties(const Submaps& submaps) const {
   return ties;
 }
 
-std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
-                                               const std::map<SubmapKey, Placement>& placed) const {
+// Also by what is not here now: that it is left out for a while says nothing against what hangs on it.
+Groups MapBuilder::tied() const {
   Groups groups;
-  for (const Tie& tie : ties(submaps)) groups.unite(tie.link->a, tie.link->b);
-  for (const auto& [key, placement] : placed) groups.unite(key, placed.begin()->first);
+  for (const auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted()) groups.unite(pair.link->a, pair.link->b);
+  for (const PlaceLink& place : places_.found()) groups.unite(place.link.a, place.link.b);
+  return groups;
+}
+
+void MapBuilder::inherit(const Placements& placed) {
+  Groups groups = tied();
+  if (!std::exchange(has_inherited_, true))
+    for (const auto& [key, placement] : placed) inherited_.emplace_back(placed.begin()->first, key);
+  std::erase_if(inherited_, [&](const auto& edge) { return groups.find(edge.first) == groups.find(edge.second); });
+}
+
+std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps) const {
+  Groups groups = tied();
+  for (const auto& [a, b] : inherited_) groups.unite(a, b);
+  for (const SubmapKey& key : fixed_) groups.unite(key, *fixed_.begin());
   std::map<size_t, GroupSize> sizes;
   for (const auto& [key, submap] : submaps) {
     GroupSize& size = sizes[groups.find(key)];
@@ -141,15 +142,14 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps,
   return members;
 }
 
-std::set<SubmapKey> MapBuilder::search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
-                                              const Placements& placed) {
+std::set<SubmapKey> MapBuilder::search_beside(const std::set<SubmapKey>& members, const Submaps& submaps) {
   std::set<SubmapKey> beside;
   for (const auto& [key, submap] : submaps)
     if (!members.contains(key)) beside.insert(key);
   const auto joined = [&](const Place& a, const Place& b) {
     return cancelled() || beside.contains(b.submap) || is_joined(a, b);
   };
-  return places_.search_again(beside, submaps, joined) ? choose_members(submaps, placed) : members;
+  return places_.search_again(beside, submaps, joined) ? choose_members(submaps) : members;
 }
 
 MapPart MapBuilder::part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
@@ -209,19 +209,22 @@ MapBuilder::Placed MapBuilder::place_members(const Submaps& submaps, const MapPa
   }
 }
 
-// Those whose keyframes are still there.
-std::vector<KeyframeJoint> MapBuilder::joints(const Placed& submaps) const {
-  std::vector<KeyframeJoint> joints;
-  const auto add = [&](const KeyframeJoint& joint) {
-    const auto a = submaps.find(joint.a.submap), b = submaps.find(joint.b.submap);
-    if (a != submaps.end() && b != submaps.end() && a->second.submap->keyframe(joint.a.id) &&
-        b->second.submap->keyframe(joint.b.id))
-      joints.push_back(joint);
+// Of those whose keyframes are still there.
+std::vector<MapBuilder::KnownLink> MapBuilder::known_links(const Placed& submaps) {
+  std::vector<KnownLink> links;
+  const auto is_here = [&](const KeyframeRef& ref) {
+    const auto owner = submaps.find(ref.submap);
+    return owner != submaps.end() && owner->second.submap->keyframe(ref.id);
   };
-  for (const auto& [keys, pair] : pairs_)
-    if (pair.link && pair.link->accepted()) std::for_each(pair.joints.begin(), pair.joints.end(), add);
-  for (const PlaceLink& place : places_.found()) add(place.joint);
-  return joints;
+  const auto add = [&](KnownLink link, const LinkJoints& joints) {
+    for (const KeyframeJoint& joint : joints)
+      if (is_here(joint.a) && is_here(joint.b)) link.joints.push_back(joint);
+    if (!link.joints.empty()) links.push_back(std::move(link));
+  };
+  for (auto& [keys, pair] : pairs_)
+    if (pair.link && pair.link->accepted()) add({.pair = &pair}, pair.joints);
+  for (size_t i = 0; i < places_.found().size(); ++i) add({.place = static_cast<int>(i)}, {places_.found()[i].joint});
+  return links;
 }
 
 void MapBuilder::fuse_places(Placed* submaps) const {
@@ -240,50 +243,38 @@ bool MapBuilder::is_only_tie(const Link& link, const Submaps& submaps) const {
   return groups.find(link.a) != groups.find(link.b);
 }
 
-bool MapBuilder::drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
-                                   const std::vector<double>& chi2) {
-  std::map<JointName, double> chi2_of;  // those of submaps outside the map are not in it
-  for (size_t i = 0; i < chi2.size(); ++i) chi2_of[name_of(joints[i])] = chi2[i];
-  // What is wrong pulls at what is right: the worst goes first.
-  double worst = options_.max_joint_chi2;
-  Pair* wrong_pair = nullptr;
-  int wrong_place = kNone;
-  for (auto& [keys, pair] : pairs_) {
-    std::vector<double> all;
-    for (const KeyframeJoint& joint : pair.joints) all.push_back(chi2_of[name_of(joint)]);
-    const double value = all.empty() ? 0 : median(&all);
-    if (!(value > worst)) continue;
-    worst = value;
-    wrong_pair = &pair;
-  }
-  for (size_t i = 0; i < places_.found().size(); ++i) {
-    const double value = chi2_of[name_of(places_.found()[i].joint)];
-    if (!(value > worst)) continue;
-    worst = value;
-    wrong_place = static_cast<int>(i);
-  }
-  const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", worst);
-  if (wrong_place != kNone) {
-    places_.refuse(wrong_place, doubt);
-    return true;
-  }
-  if (wrong_pair && is_only_tie(*wrong_pair->link, submaps)) {
-    // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
-    const auto chi2_less = [&](const KeyframeJoint& a, const KeyframeJoint& b) {
-      return chi2_of[name_of(a)] < chi2_of[name_of(b)];
-    };
-    std::vector<KeyframeJoint>& of_pair = wrong_pair->joints;
-    of_pair.erase(std::max_element(of_pair.begin(), of_pair.end(), chi2_less));
-    return true;
-  }
-  if (wrong_pair) {
-    wrong_pair->link->doubt = doubt;
-    wrong_pair->joints.clear();
-    return true;
-  }
+bool MapBuilder::drop_contradicted(const std::vector<KnownLink>& links, const MapGraphReport& bent) {
   size_t dropped = 0;
-  for (auto& [keys, pair] : pairs_)
-    dropped += std::erase_if(pair.joints, [&](const KeyframeJoint& j) { return chi2_of[name_of(j)] > worst; });
+  for (size_t i = links.size(); i-- > 0;) {  // from the last on: so the numbers of places stay right
+    if (!bent.bent || !bent.is_wrong[i]) continue;
+    std::vector<double> chi2 = bent.joint_chi2[i];
+    const std::string doubt = fmt::format("the rest of the map contradicts it, chi2 {:.0f}", median(&chi2));
+    if (links[i].pair) {
+      links[i].pair->link->doubt = doubt;
+      links[i].pair->joints.clear();
+    } else {
+      places_.refuse(links[i].place, doubt);
+    }
+    ++dropped;
+  }
+  return dropped > 0;
+}
+
+bool MapBuilder::drop_worst_joints(const std::vector<KnownLink>& links, const MapGraphReport& bent) {
+  const double most = options_.graph.max_joint_chi2;
+  size_t dropped = 0;
+  for (size_t i = 0; i < links.size() && bent.bent; ++i) {
+    if (!links[i].pair) continue;
+    std::vector<double> all = bent.joint_chi2[i];
+    // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
+    const bool one_by_one = median(&all) > most;
+    const double worst = *std::max_element(bent.joint_chi2[i].begin(), bent.joint_chi2[i].end());
+    std::set<JointName> gone;
+    for (size_t j = 0; j < links[i].joints.size(); ++j)
+      if (const double chi2 = bent.joint_chi2[i][j]; one_by_one ? chi2 == worst : chi2 > most)
+        gone.insert(name_of(links[i].joints[j]));
+    dropped += std::erase_if(links[i].pair->joints, [&](const KeyframeJoint& j) { return gone.contains(name_of(j)); });
+  }
   return dropped > 0;
 }
 
@@ -295,19 +286,23 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
     arranged.anchor = choose_anchor(submaps, arranged.part, placed);
     if (!arranged.part.submaps.contains(arranged.anchor) || cancelled()) return std::nullopt;
     arranged.submaps = place_members(submaps, arranged.part, arranged.anchor, placed);
-    const std::vector<KeyframeJoint> known = joints(arranged.submaps);
+    const std::vector<KnownLink> known = known_links(arranged.submaps);
     if (known.empty() && scope != Scope::kWeld && members->size() == 1) return arranged;  // it is the whole map
     if (known.empty()) return std::nullopt;
-    const MapGraphReport bent = bend(known, arranged.anchor, options_.graph, &arranged.submaps);
-    if (!drop_contradicted(submaps, known, bent.joint_chi2)) return arranged;
-    *members = choose_members(submaps, placed);
+    std::vector<LinkJoints> joints;
+    for (const KnownLink& link : known) joints.push_back(link.joints);
+    const auto may_be_wrong = [&](size_t i) { return !known[i].pair || !is_only_tie(*known[i].pair->link, submaps); };
+    const MapGraphReport bent = bend(joints, may_be_wrong, arranged.anchor, options_.graph, &arranged.submaps);
+    if (!drop_contradicted(known, bent) && !drop_worst_joints(known, bent)) return arranged;
+    *members = choose_members(submaps);
   }
 }
 
 BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
   const StageClock clock("map_server.place");
-  std::set<SubmapKey> members = choose_members(submaps, placed);
-  if (scope != Scope::kWeld) members = search_beside(members, submaps, placed);
+  inherit(placed);
+  std::set<SubmapKey> members = choose_members(submaps);
+  if (scope != Scope::kWeld) members = search_beside(members, submaps);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "map_server/links/link.h"
+#include "map_server/merging/groups.h"
 #include "map_server/merging/map_part.h"
 #include "map_server/merging/submap_pair.h"
 #include "map_server/model/map_association.h"
@@ -27,7 +28,6 @@ namespace rumi::map_server {
 struct MapBuilderOptions {
   PairOptions pairs;
   MapGraphOptions graph;
-  double max_joint_chi2 = 100;  // in the bent map; what is farther out is a mistake, and taken out
   MapBundleOptions bundle;
   AssociationOptions association;
   PlaceSearchOptions places;
@@ -100,18 +100,28 @@ class MapBuilder {
   std::vector<Tie> ties(const Submaps& submaps) const;
   // No need, or no use, to compare how the two look.
   bool is_joined(const Place& a, const Place& b) const;
-  // The largest group, in frames, of submaps that hang together and with what is placed already.
-  std::set<SubmapKey> choose_members(const Submaps& submaps, const Placements& placed) const;
+  Groups tied() const;
+  // Of a map that another builder made, this one may find fewer ties than that one had: without a reason it does not
+  // come apart. What a tie holds together since is the tie's.
+  void inherit(const Placements& placed);
+  // The largest group, in frames, of submaps that hang together. That two were placed before is no reason: a tie that
+  // turned out to be wrong holds nothing any more.
+  std::set<SubmapKey> choose_members(const Submaps& submaps) const;
   // The members, after those of all other submaps were searched for once more among the places of the members.
-  std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps,
-                                    const Placements& placed);
+  std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps);
   // Of the members, what is looked at: all, or what lies around those that are new.
   MapPart part_of(Scope scope, const std::set<SubmapKey>& members, const Submaps& submaps,
                   const Placements& placed) const;
   // The submap whose beginning stays where it is: a front submap if there is one that is where the map is.
   SubmapKey choose_anchor(const Submaps& submaps, const MapPart& part, const Placements& placed) const;
   Placed place_members(const Submaps& submaps, const MapPart& part, SubmapKey anchor, const Placements& placed) const;
-  std::vector<KeyframeJoint> joints(const Placed& submaps) const;
+  // An accepted link, one of the two, and its joints.
+  struct KnownLink {
+    Pair* pair = nullptr;
+    int place = kNone;  // number in places_.found()
+    LinkJoints joints = {};
+  };
+  std::vector<KnownLink> known_links(const Placed& submaps);
   struct Arranged {
     MapPart part;
     SubmapKey anchor;
@@ -123,10 +133,11 @@ class MapBuilder {
                                   std::set<SubmapKey>* members);
   // Its two sides hang together by nothing else.
   bool is_only_tie(const Link& link, const Submaps& submaps) const;
-  // Of the link that is farthest out of what the map says, all of its joints, or its worst where nothing else ties the
-  // two sides together; if there is none, every joint that is.
-  bool drop_contradicted(const Submaps& submaps, const std::vector<KeyframeJoint>& joints,
-                         const std::vector<double>& chi2);
+  // What the others contradict is refused. False if there is none.
+  bool drop_contradicted(const std::vector<KnownLink>& links, const MapGraphReport& bent);
+  // Of the links that stay, the joints that are farther out of what the map says than they may be: of one that is as a
+  // whole, because nothing else ties the two sides together, the worst. False if there is none.
+  bool drop_worst_joints(const std::vector<KnownLink>& links, const MapGraphReport& bent);
   void fuse_places(Placed* submaps) const;
   std::vector<int> weld_window(const MapModel& model) const;
   // What is adjusted; none: all.
@@ -146,6 +157,8 @@ class MapBuilder {
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
   PlaceSearch places_;
   std::set<SubmapKey> fixed_;
+  bool has_inherited_ = false;
+  std::vector<std::pair<SubmapKey, SubmapKey>> inherited_;
   std::set<SubmapKey> built_;                     // the submaps of the last build
   std::set<std::pair<ImageId, ImageId>> joined_;  // views of the map as it was built last, lower first
   SubmapContacts fused_;                          // submaps that have points in common there

@@ -7,20 +7,16 @@
 #include "map_server/alignment/correspondences.h"
 
 namespace rumi::map_server {
-namespace {
 
 bool may_share_images(const Submap& a, const Submap& b) {
-  return !a.frames.empty() && !b.frames.empty() && a.frames.begin()->first <= b.frames.rbegin()->first &&
-         b.frames.begin()->first <= a.frames.rbegin()->first;
+  return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
+         a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;
 }
-
-}  // namespace
 
 SubmapPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options) {
   SubmapPair pair;
   pair.revision_a = a.revision;
   pair.revision_b = b.revision;
-  if (!may_share_images(a, b)) return pair;
   const Correspondences common = find_correspondences(a, b);
   if (common.keyframes.empty()) return pair;
   const Alignment alignment = align_submaps(a, b, common, options.alignment);

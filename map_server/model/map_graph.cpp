@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "slam/map/landmark_view.h"
-#include "slam/optimization/sim3_graph.h"
+#include "slam/optimization/graduated_sim3_graph.h"
 
 namespace rumi::map_server {
 namespace {
@@ -25,24 +25,36 @@ class Bender {
     if (!first.keyframes.empty()) graph_.nodes[node_.at({anchor, first.keyframes.begin()->first})].fixed = true;
   }
 
-  MapGraphReport run(const std::vector<KeyframeJoint>& joints) {
+  MapGraphReport run(const std::vector<LinkJoints>& links, const std::function<bool(size_t)>& may_be_wrong) {
     for (const auto& [key, placed] : submaps_)
       if (!placed.fixed) add_submap(key, *placed.submap);
-    const size_t first_joint = graph_.edges.size();
-    for (const KeyframeJoint& joint : joints)
-      graph_.edges.push_back({node_.at({joint.a.submap, joint.a.id}), node_.at({joint.b.submap, joint.b.id}),
-                              joint.b_from_a, joint.sigma_rotation_rad, joint.sigma_translation, joint.sigma_log_scale,
-                              Eigen::Vector3d::Zero()});
-    const Sim3GraphReport solved = solve_sim3_graph({}, &graph_);
+    std::vector<std::vector<int>> edges;
+    for (const LinkJoints& joints : links) edges.push_back(add_joints(joints));
+    const GraduatedReport solved = solve_graduated({{}, o_.max_joint_chi2}, edges, may_be_wrong, &graph_);
     MapGraphReport report;
-    report.bent = solved.usable;
-    if (!solved.usable) return report;
-    report.joint_chi2.assign(solved.edge_chi2.begin() + static_cast<long>(first_joint), solved.edge_chi2.end());
+    report.bent = solved.solved.usable;
+    if (!report.bent) return report;
+    for (const std::vector<int>& of_link : edges) {
+      std::vector<double>& chi2 = report.joint_chi2.emplace_back();
+      for (const int edge : of_link) chi2.push_back(solved.solved.edge_chi2[edge]);
+    }
+    report.is_wrong = solved.is_wrong;
     apply();
     return report;
   }
 
  private:
+  std::vector<int> add_joints(const LinkJoints& joints) {
+    std::vector<int> edges;
+    for (const KeyframeJoint& joint : joints) {
+      edges.push_back(static_cast<int>(graph_.edges.size()));
+      graph_.edges.push_back({node_.at({joint.a.submap, joint.a.id}), node_.at({joint.b.submap, joint.b.id}),
+                              joint.b_from_a, joint.sigma_rotation_rad, joint.sigma_translation, joint.sigma_log_scale,
+                              Eigen::Vector3d::Zero()});
+    }
+    return edges;
+  }
+
   void add_submap(SubmapKey key, const Submap& submap) {
     std::map<std::pair<int, int>, int> shared;  // landmarks, of pairs of keyframes
     for (auto it = submap.keyframes.begin(); it != submap.keyframes.end(); ++it) {
@@ -92,9 +104,9 @@ class Bender {
 
 }  // namespace
 
-MapGraphReport bend(const std::vector<KeyframeJoint>& joints, SubmapKey anchor, const MapGraphOptions& options,
-                    Placed* submaps) {
-  return Bender(options, anchor, submaps).run(joints);
+MapGraphReport bend(const std::vector<LinkJoints>& links, const std::function<bool(size_t)>& may_be_wrong,
+                    SubmapKey anchor, const MapGraphOptions& options, Placed* submaps) {
+  return Bender(options, anchor, submaps).run(links, may_be_wrong);
 }
 
 }  // namespace rumi::map_server

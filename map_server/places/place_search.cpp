@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <utility>
 
 #include "slam/features/matching.h"
@@ -12,6 +13,9 @@ namespace rumi::map_server {
 namespace {
 
 using Submaps = PlaceSearch::Submaps;
+
+// A second alignment comes within seconds or not at all; a few are found in the minute.
+constexpr size_t kMostUnconfirmed = 1000;
 
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
   return {.a = a.submap,
@@ -84,10 +88,17 @@ void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const 
 
 // In a place that is seen for hours front_tracker makes and removes keyframes without end.
 void PlaceSearch::forget_removed(const Submaps& submaps) {
-  index_.remove_if([&](const Place& place) {
-    const auto owner = submaps.find(place.submap);
-    return owner == submaps.end() || !owner->second->keyframe(place.keyframe);
-  });
+  const auto is_gone = [&](SubmapKey key, int keyframe) {
+    const auto owner = submaps.find(key);
+    return owner == submaps.end() || !owner->second->keyframe(keyframe);
+  };
+  const auto is_place_gone = [&](const Place& place) { return is_gone(place.submap, place.keyframe); };
+  index_.remove_if(is_place_gone);
+  std::erase_if(seen_, [&](const auto& seen) { return is_gone(seen.first, seen.second); });
+  for (auto it = searched_for_.begin(); it != searched_for_.end();) {
+    std::erase_if(it->second, is_place_gone);
+    it = it->second.empty() ? searched_for_.erase(it) : std::next(it);
+  }
 }
 
 void PlaceSearch::add(const Submap& submap) {
@@ -134,6 +145,7 @@ void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
   const auto other = std::find_if(unconfirmed_.begin(), unconfirmed_.end(), confirms);
   if (other == unconfirmed_.end()) {
     unconfirmed_.push_back(std::move(link));
+    if (unconfirmed_.size() > kMostUnconfirmed) unconfirmed_.erase(unconfirmed_.begin());
     return;
   }
   found_.push_back(std::move(*other));

@@ -164,14 +164,6 @@ ceres::Solver::Options solver_options(const Sim3GraphOptions& options, size_t no
   return o;
 }
 
-std::vector<double> edge_chi2(const Sim3Graph& graph) {
-  std::vector<double> chi2;
-  for (const Edge& e : graph.edges)
-    chi2.push_back(
-        edge_error(e, graph.nodes[e.first].map_from_node, graph.nodes[e.second].map_from_node).squaredNorm());
-  return chi2;
-}
-
 void solve(const Sim3GraphOptions& options, const std::vector<bool>& connected, Sim3Graph* graph,
            Sim3GraphReport* report) {
   std::vector<NodeParameters> parameters(graph->nodes.size());
@@ -210,6 +202,14 @@ void solve(const Sim3GraphOptions& options, const std::vector<bool>& connected, 
 }
 
 }  // namespace
+
+std::vector<double> edge_chi2(const Sim3Graph& graph) {
+  std::vector<double> chi2;
+  for (const Edge& e : graph.edges)
+    chi2.push_back(
+        edge_error(e, graph.nodes[e.first].map_from_node, graph.nodes[e.second].map_from_node).squaredNorm());
+  return chi2;
+}
 
 Sim3GraphReport solve_sim3_graph(const Sim3GraphOptions& options, Sim3Graph* graph) {
   Sim3GraphReport report;

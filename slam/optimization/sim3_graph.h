@@ -54,6 +54,9 @@ struct Sim3GraphReport {
   std::vector<double> edge_chi2;            // per edge, squared error over sigma^2 after the solution, without the loss
 };
 
+// Squared error over sigma^2 of each edge as the nodes are.
+std::vector<double> edge_chi2(const Sim3Graph& graph);
+
 // At least one node must be fixed.
 Sim3GraphReport solve_sim3_graph(const Sim3GraphOptions& options, Sim3Graph* graph);
 

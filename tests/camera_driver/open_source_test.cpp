@@ -5,6 +5,8 @@
 
 #include <opencv2/videoio.hpp>
 
+#include "bus/transport/bus.h"
+#include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"

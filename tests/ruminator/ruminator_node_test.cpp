@@ -164,7 +164,7 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   }
   int compressed = 0;
   const int64_t first = 1'000'000 + kPeriodUs;
-  const image_t* kept = node_->frames().find(first);
+  const image_t* kept = node_->frames().find({first});
   ASSERT_NE(kept, nullptr);
   EXPECT_EQ(kept->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
   EXPECT_EQ(metadata(*kept, kCalibrationKey), "fx: 100");
@@ -174,7 +174,7 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   const cv::Mat original = decode_grey(make_image(first, false), &error);
   EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
   for (int64_t t = first; t < now_; t += kPeriodUs)
-    if (const image_t* image = node_->frames().find(t)) compressed += image->pixelformat == image_t::PIXEL_FORMAT_MJPEG;
+    if (const image_t* image = node_->frames().find({t})) compressed += image->pixelformat == image_t::PIXEL_FORMAT_MJPEG;
   EXPECT_GE(compressed, 5);
 }
 
@@ -333,7 +333,7 @@ TEST_F(RuminatorNodeTest, NonsenseIsCountedAndHurtsNothing) {
   frames(30, 1);
   EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
   EXPECT_EQ(node_->frames().broken(), 2);
-  EXPECT_EQ(node_->frames().find(6), nullptr);
+  EXPECT_EQ(node_->frames().find({6}), nullptr);
   frames(5, kNoSubmap);
   frames(60, 2);
   EXPECT_EQ(jobs_.size(), 1);

@@ -35,22 +35,22 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(image_metadata_t, 0x9a4b634d0577fb8eu);
   PIN(rigid_t, 0xecc586678117a361u);
   PIN(similarity_t, 0x921252151c85e6f1u);
-  PIN(track_t, 0xfc1f7bf582bee860u);
+  PIN(track_t, 0x62c27dd2abc30321u);
   PIN(keyframe_features_t, 0x16f7c72ec6c9f740u);
   PIN(keyframe_t, 0x267f4f227684cc17u);
   PIN(landmark_t, 0x4456b82dd7a35e00u);
   PIN(frame_t, 0xd5ada0b856872fd7u);
-  PIN(submap_update_t, 0xd0aefc71ed552793u);
-  PIN(window_t, 0x4056712316a0c018u);
+  PIN(submap_update_t, 0xf98d005885732696u);
+  PIN(window_t, 0x86e34749725c83adu);
   PIN(window_sample_t, 0x2023c02d415c880fu);
-  PIN(window_job_t, 0x12d7b730ba16808au);
-  PIN(submap_summary_t, 0x33fe93d6848496e5u);
+  PIN(window_job_t, 0x9ff1637d718e07b4u);
+  PIN(submap_summary_t, 0xf0b51c44fdd54040u);
   PIN(link_t, 0x38f23425dfb0bba0u);
-  PIN(trajectory_t, 0x77d83c839d46a8eeu);
+  PIN(trajectory_t, 0x9f9c1e97bfff7377u);
   PIN(region_landmark_t, 0x7727a9f260872891u);
   PIN(region_keyframe_t, 0x54927c4600a883b2u);
   PIN(map_region_t, 0xa84f598e98ae44ecu);
-  PIN(map_status_t, 0x82bc3138008fd87eu);
+  PIN(map_status_t, 0xfc294214f3312b35u);
   PIN(map_request_t, 0x5ec708767f84a2acu);
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);
@@ -132,6 +132,7 @@ template <>
 trajectory_t sample() {
   trajectory_t m = small<trajectory_t>();
   m.frame_utime = {1, 2, 3};
+  m.frame_stream = {4, 4, 5};
   m.map_from_cam.resize(3, small<rigid_t>());
   m.position_sigma = {1, 2, 3}, m.rotation_sigma_rad = {4, 5, 6}, m.log_scale_sigma = {7, 8, 9};
   m.n = 3;

@@ -17,6 +17,12 @@ namespace {
 
 constexpr int kEvery = 3;
 
+// Who made b: through which lens, with which pyramid.
+struct Maker {
+  Camera camera = test_camera();
+  Pyramid pyramid{};
+};
+
 struct Pair {
   SyntheticSubmap a, b;
   Sim3 a_moved{};  // by the distortion of a, where they meet
@@ -46,25 +52,33 @@ int shared_keyframes(unsigned seed) { return 3 + static_cast<int>(seed % 8); }
 // --- Must not merge. Each makes a pair of submaps from a seed.
 
 // Another room, filmed at the same times along another path, so full of keypoints that many fall on the same pixels.
-Pair another_room(unsigned seed) {
-  const Recipes r(seed, shared_keyframes(seed));
+Pair another_room(unsigned seed, const Maker& maker) {
+  Recipes r(seed, shared_keyframes(seed));
   const World here = make_room(seed, 16000), there = make_room(seed + 5000, 16000);
   const auto images =
       film(here, walk_round(60, 0.6), {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
   CameraPath other = walk_round(160, -1.6);
   other.erase(other.begin(), other.begin() + 100);
-  const auto images_there =
-      film(there, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
-  return {make_submap(here, images, r.front), make_submap(there, images_there, r.back)};
+  const auto images_there = film(there, other,
+                                 {.camera = maker.camera,
+                                  .seed = seed + 1,
+                                  .pyramid = maker.pyramid,
+                                  .wrong_bits = 0,
+                                  .most_keypoints = 1500,
+                                  .every = kEvery});
+  r.back.pyramid = maker.pyramid;
+  return {make_submap(here, images, r.front), make_submap(there, images_there, r.back, maker.camera)};
 }
 
 // Rebuilt with all depths turned over: what moves to the left by parallax moves to the right by rotation (the classical
 // ambiguity of a narrow view).
-Pair turned_over(unsigned seed) {
-  const Recipes r(seed, shared_keyframes(seed));
+Pair turned_over(unsigned seed, const Maker& maker) {
+  Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
   const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
-  Pair pair{make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  const auto images_of_b = film(world, walk_round(60, 0.6), {.seed = seed, .pyramid = maker.pyramid, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
+  Pair pair{make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
   SyntheticSubmap& b = pair.b;
   const SE3 middle = b.submap.keyframes.at(static_cast<int>(b.submap.keyframes.size()) / 4).cam_from_submap;
   const double depth = 2.5 * b.submap_from_world.scale;
@@ -84,8 +98,8 @@ Pair turned_over(unsigned seed) {
 }
 
 // The room in a mirror: same pixels only where chance has it.
-Pair mirrored_room(unsigned seed) {
-  const Recipes r(seed, shared_keyframes(seed));
+Pair mirrored_room(unsigned seed, const Maker& maker) {
+  Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed, 16000);
   World mirrored = world;
   for (Eigen::Vector3d& p : mirrored.points) p.x() = -p.x();
@@ -98,42 +112,55 @@ Pair mirrored_room(unsigned seed) {
     pose = world_from_cam.inverse();
   }
   const auto images = film(world, path, {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
-  const auto images_there =
-      film(mirrored, other, {.seed = seed + 1, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
-  return {make_submap(world, images, r.front), make_submap(mirrored, images_there, r.back)};
+  const auto images_there = film(mirrored, other,
+                                 {.camera = maker.camera,
+                                  .seed = seed + 1,
+                                  .pyramid = maker.pyramid,
+                                  .wrong_bits = 0,
+                                  .most_keypoints = 1500,
+                                  .every = kEvery});
+  r.back.pyramid = maker.pyramid;
+  return {make_submap(world, images, r.front), make_submap(mirrored, images_there, r.back, maker.camera)};
 }
 
 // A wall of equal tiles: from some shared image on, the back submap has taken one tile for the next.
-Pair repeated_texture(unsigned seed) {
+Pair repeated_texture(unsigned seed, const Maker& maker) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
   const World world = make_tiles(seed, 0.5, 12, 24);
   const auto images = film(world, straight(60, {0.03, 0, 0}), {.seed = seed, .most_keypoints = 400, .every = kEvery});
+  const auto images_of_b = film(world, straight(60, {0.03, 0, 0}),
+                                {.seed = seed, .pyramid = maker.pyramid, .most_keypoints = 400, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
   const int middle = r.back.first + kEvery * shared / 2;
   r.back.distortion = jump(middle, Sim3(1, Eigen::Quaterniond::Identity(), {seed % 2 ? 0.5 : -0.5, 0, 0}));
-  return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
 // Two groups of images that hang together by nothing, with a jump in the midst of the shared ones.
-Pair two_groups(unsigned seed) {
+Pair two_groups(unsigned seed, const Maker& maker) {
   const int shared = shared_keyframes(seed);
   Recipes r(seed, shared);
   const World world = make_room(seed);
   const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
+  const auto images_of_b = film(world, walk_round(60, 0.6), {.seed = seed, .pyramid = maker.pyramid, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
   const Sim3 gauge = random_gauge(seed + 777);
   const Sim3 moved(std::exp(seed % 2 ? 0.3 : -0.3), so3_exp(0.1 * gauge.translation.normalized()),
                    0.05 * gauge.translation);
   r.back.distortion = jump(r.back.first + kEvery * shared / 2, moved);
-  return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
 // From a window with next to no parallax: every depth a guess, the camera hardly moves.
-Pair no_parallax(unsigned seed) {
+Pair no_parallax(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
   const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
+  const auto images_of_b = film(world, walk_round(60, 0.6), {.seed = seed, .pyramid = maker.pyramid, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
   r.back.wrong_landmarks = 1;
-  Pair pair{make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  Pair pair{make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
   for (auto& [id, keyframe] : pair.b.submap.keyframes) {
     const Eigen::Vector3d first = pair.b.submap.keyframes.at(0).cam_from_submap.center();
     const Eigen::Vector3d center = first + 0.05 * (keyframe.cam_from_submap.center() - first);
@@ -143,49 +170,66 @@ Pair no_parallax(unsigned seed) {
 }
 
 // The same, and the camera did stand still there: nothing speaks against it, and nothing for it.
-Pair standing_still(unsigned seed) {
+Pair standing_still(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
   CameraPath path = straight(r.back.first - 3, {0.04, 0, 0});
   while (path.size() < 60) path.push_back(path.back());
   const auto images = film(world, path, {.seed = seed, .every = kEvery});
+  const auto images_of_b = film(world, path, {.seed = seed, .pyramid = maker.pyramid, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
   r.back.wrong_landmarks = 1;
   r.front.center_noise_m = r.back.center_noise_m = 0.0005;
-  return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
 // The front was lost before it knew: its last keyframes, those in common, drift away, scale and all.
-Pair garbage_tail(unsigned seed) {
+Pair garbage_tail(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
   const World world = make_room(seed);
   const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
+  const auto images_of_b = film(world, walk_round(60, 0.6), {.seed = seed, .pyramid = maker.pyramid, .every = kEvery});
+  r.back.pyramid = maker.pyramid;
   const double sign = seed % 2 ? 1 : -1;
   r.front.distortion = drift(images, r.back.first, sign * 0.04, 0.03);
   r.front.wrong_landmarks = 0.3;
-  return {make_submap(world, images, r.front), make_submap(world, images, r.back)};
+  return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
 }
 
-struct Kind {
+struct WrongKind {
   const char* name;
-  Pair (*make)(unsigned seed);
+  Pair (*make)(unsigned seed, const Maker& maker);
 };
-constexpr Kind kWrong[] = {{"another room", another_room},     {"mirrored room", mirrored_room},
-                           {"turned over", turned_over},       {"repeated texture", repeated_texture},
-                           {"two groups", two_groups},         {"no parallax", no_parallax},
-                           {"standing still", standing_still}, {"garbage tail", garbage_tail}};
+constexpr WrongKind kWrong[] = {{"another room", another_room},     {"mirrored room", mirrored_room},
+                                {"turned over", turned_over},       {"repeated texture", repeated_texture},
+                                {"two groups", two_groups},         {"no parallax", no_parallax},
+                                {"standing still", standing_still}, {"garbage tail", garbage_tail}};
+
+void expect_all_refused(const WrongKind& kind, const char* how, const Maker& maker) {
+  int accepted = 0, most_landmarks = 0;
+  for (unsigned seed = 1; seed <= 25; ++seed) {
+    const Pair pair = kind.make(seed, maker);
+    const Alignment alignment = align(pair.a, pair.b);
+    accepted += alignment.doubt.empty();
+    most_landmarks = std::max(most_landmarks, alignment.landmark_inliers);
+    EXPECT_FALSE(alignment.doubt.empty()) << kind.name << how << ", seed " << seed;
+  }
+  std::printf("%s%s: %d of 25 accepted, at most %d landmarks agree\n", kind.name, how, accepted, most_landmarks);
+}
 
 TEST(FalseMerge, None) {
-  for (const Kind& kind : kWrong) {
-    int accepted = 0, most_landmarks = 0;
-    for (unsigned seed = 1; seed <= 25; ++seed) {
-      const Pair pair = kind.make(seed);
-      const Alignment alignment = align(pair.a, pair.b);
-      accepted += alignment.doubt.empty();
-      most_landmarks = std::max(most_landmarks, alignment.landmark_inliers);
-      EXPECT_FALSE(alignment.doubt.empty()) << kind.name << ", seed " << seed;
-    }
-    std::printf("%-18s %d of 25 accepted, at most %d landmarks agree\n", kind.name, accepted, most_landmarks);
-  }
+  for (const WrongKind& kind : kWrong) expect_all_refused(kind, "", {});
+}
+
+// Of one image both submaps have the same lens: other lenses are of other rooms.
+TEST(FalseMerge, NoneOfAnotherCamera) {
+  for (const WrongKind& kind : {kWrong[0], kWrong[1]})
+    expect_all_refused(kind, ", of another camera", {.camera = test_fisheye()});
+}
+
+TEST(FalseMerge, NoneOfAnotherPyramid) {
+  for (const WrongKind& kind : {kWrong[0], kWrong[2], kWrong[3], kWrong[4], kWrong[5], kWrong[7]})
+    expect_all_refused(kind, ", of another pyramid", {.pyramid = {4, 1.5}});
 }
 
 // --- Must merge.
@@ -271,9 +315,30 @@ Pair drifting(unsigned seed) {
           r.front.distortion.at((r.back.first + r.front.last) / 2)};
 }
 
-constexpr Kind kRight[] = {{"typical", typical},   {"fisheye", fisheye},   {"wrong landmarks", wrong_landmarks},
-                           {"sideways", sideways}, {"ahead", ahead},       {"turning on the spot", turning},
-                           {"bad end", bad_end},   {"bent end", bent_end}, {"drifting", drifting}};
+// The images as the other one saw them: corners of other octaves.
+Pair another_pyramid(unsigned seed) {
+  Recipes r(seed, shared_keyframes(seed));
+  const World world = make_room(seed);
+  const auto images = film(world, walk_round(60, 0.6), {.seed = seed, .every = kEvery});
+  const auto images_of_b = film(world, walk_round(60, 0.6), {.seed = seed, .pyramid = {4, 1.5}, .every = kEvery});
+  r.back.pyramid = {4, 1.5};
+  return {make_submap(world, images, r.front), make_submap(world, images_of_b, r.back)};
+}
+
+struct Kind {
+  const char* name;
+  Pair (*make)(unsigned seed);
+};
+constexpr Kind kRight[] = {{"typical", typical},
+                           {"fisheye", fisheye},
+                           {"wrong landmarks", wrong_landmarks},
+                           {"sideways", sideways},
+                           {"ahead", ahead},
+                           {"turning on the spot", turning},
+                           {"bad end", bad_end},
+                           {"bent end", bent_end},
+                           {"drifting", drifting},
+                           {"another pyramid", another_pyramid}};
 
 struct Errors {
   std::vector<double> rotation_deg, log_scale, translation;

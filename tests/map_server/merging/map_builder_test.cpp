@@ -350,12 +350,36 @@ TEST_F(MapBuilderTest, ALinkThatTheRestContradictsIsTakenOut) {
   EXPECT_LT(error(map.placements).rmse, 0.04);
 
   MapBuilderOptions trusting;
-  trusting.max_joint_chi2 = 1e9;
+  trusting.graph.max_joint_chi2 = 1e9;
   MapBuilder other(trusting);
   other.find_links(submaps());
   const BuiltMap wrong = other.build(submaps(), {});
   print("the same, believed", wrong, error(wrong.placements));
   EXPECT_EQ(doubt(other, front1_, back1_), "");
+}
+
+// A wrong link was believed and served. More comes, and contradicts it: what it alone had joined leaves the map.
+TEST_F(MapBuilderTest, AWrongMergeThatWasServedComesApart) {
+  recipes_[front1_].distortion = jump(18, Sim3(1.4, so3_exp({0, 0.2, 0}), {0.3, 0, 0}));
+  made_[front1_] = make_submap(world_, images_, recipes_[front1_]);
+  MapBuilder builder({});
+  builder.find_links(submaps());
+  const Placements served = builder.build(submaps(), {}).placements;
+  ASSERT_TRUE(served.contains(front1_)) << "to the back submap of its end all seems to fit";
+
+  // What front1 is after its jump, it is for itself now.
+  made_[front1_].submap.revision = 2;
+  SubmapRecipe torn = recipes_[front1_];
+  torn.distortion = jump(0, Sim3());
+  torn.rotation_noise_deg = 10;
+  torn.center_noise_m = 0.5;
+  made_[front1_] = make_submap(world_, images_, torn);
+  made_[front1_].submap.revision = 2;
+  builder.find_links(submaps());
+  const BuiltMap map = builder.build(submaps(), served);
+  print("apart again", map, error(map.placements));
+  EXPECT_EQ(map.placements.size(), 4u);
+  EXPECT_FALSE(map.placements.contains(front1_) || map.unmoved.contains(front1_));
 }
 
 // The scale of one slips within the images that it shares with the only submap before it: the joints there contradict
@@ -364,7 +388,7 @@ TEST_F(MapBuilderTest, AnOnlyTieHoldsWhereItAgreesBest) {
   recipes_[front2_].distortion = jump(58, Sim3(1.06, so3_exp({0, 0.06, 0}), {0.06, 0, 0}));
   made_[front2_] = make_submap(world_, images_, recipes_[front2_]);
   MapBuilderOptions strict;
-  strict.max_joint_chi2 = 0.01;
+  strict.graph.max_joint_chi2 = 0.01;
   MapBuilder builder(strict);
   builder.find_links(submaps());
   const BuiltMap map = builder.build(submaps(), {});

@@ -40,7 +40,7 @@ class Twice {
 
   int world_point(const LandmarkRef& ref) const { return made_.at(ref.submap).point_of.at(ref.id); }
   int seen_point(const MapModel& model, const MapModel::Observation& o) const {
-    return images_[(model.views[o.view].utime_us - 1'000'000) / 100'000].point_of[o.keypoint];
+    return images_[(model.views[o.view].image.utime_us - 1'000'000) / 100'000].point_of[o.keypoint];
   }
 
   struct Score {

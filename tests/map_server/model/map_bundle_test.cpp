@@ -49,7 +49,7 @@ class MapBundleTest : public ::testing::Test {
     std::vector<Eigen::Vector3d> estimate, truth;
     for (const MapModel::View& view : model_.views) {
       estimate.push_back(view.cam_from_map.center());
-      truth.push_back(images_[(view.utime_us - 1'000'000) / 100'000].cam_from_world.center());
+      truth.push_back(images_[(view.image.utime_us - 1'000'000) / 100'000].cam_from_world.center());
     }
     return path_error(estimate, truth);
   }
@@ -58,7 +58,7 @@ class MapBundleTest : public ::testing::Test {
     return made_.at(point.landmarks[0].submap).point_of.at(point.landmarks[0].id);
   }
   int seen_point(const MapModel::Observation& o) const {
-    return images_[(model_.views[o.view].utime_us - 1'000'000) / 100'000].point_of[o.keypoint];
+    return images_[(model_.views[o.view].image.utime_us - 1'000'000) / 100'000].point_of[o.keypoint];
   }
 
   World world_;

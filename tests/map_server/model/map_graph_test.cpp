@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "tests/map_server/synthetic_submaps.h"
 
@@ -41,16 +43,18 @@ class MapGraphTest : public ::testing::Test {
 
   // Images that both have as keyframes: one camera, so that only the scale differs.
   void add_joints(SubmapKey a, SubmapKey b) {
+    LinkJoints& joints = links_.emplace_back();
     for (const auto& [id_a, in_a] : made_[a].submap.keyframes)
       for (const auto& [id_b, in_b] : made_[b].submap.keyframes)
-        if (in_a.utime_us == in_b.utime_us) joints_.push_back(joint({a, id_a}, {b, id_b}, SE3()));
+        if (in_a.utime_us == in_b.utime_us) joints.push_back(joint({a, id_a}, {b, id_b}, SE3()));
   }
   // The first keyframe of all as seen from the last three.
   void close() {
     const SubmapKey last{1, kSubmaps};
     const int newest = made_[last].submap.keyframes.rbegin()->first;
+    LinkJoints& joints = links_.emplace_back();
     for (int id = newest - 2; id <= newest; ++id)
-      joints_.push_back(joint({{1, 1}, 0}, {last, id}, truth(last, id) * truth({1, 1}, 0).inverse()));
+      joints.push_back(joint({{1, 1}, 0}, {last, id}, truth(last, id) * truth({1, 1}, 0).inverse()));
   }
   KeyframeJoint joint(KeyframeRef a, KeyframeRef b, const SE3& b_from_a_m) const {
     const double unit_b = scale_at(b), scale = unit_b / scale_at(a);
@@ -85,6 +89,11 @@ class MapGraphTest : public ::testing::Test {
     }
   }
 
+  MapGraphReport bend(SubmapKey anchor, bool may_be_wrong = false) {
+    return map_server::bend(
+        links_, [=](size_t) { return may_be_wrong; }, anchor, {}, &placed_);
+  }
+
   PathError error() const {
     std::vector<Eigen::Vector3d> estimate, truths;
     for (const auto& [key, placed] : placed_)
@@ -99,18 +108,18 @@ class MapGraphTest : public ::testing::Test {
   std::vector<Image> images_;
   std::map<SubmapKey, SyntheticSubmap> made_;
   std::map<SubmapKey, Distortion> moved_;
-  std::vector<KeyframeJoint> joints_;
+  std::vector<LinkJoints> links_;
   Placed placed_;
 };
 
 TEST_F(MapGraphTest, SpreadsTheDriftOverTheChain) {
   const PathError before = error();
-  const MapGraphReport report = bend(joints_, {1, 1}, {}, &placed_);
+  const MapGraphReport report = bend({1, 1});
   const PathError after = error();
   std::printf("ATE %.1f -> %.1f mm, worst %.1f -> %.1f mm; chi2 of the closing joint %.1f\n", 1000 * before.rmse,
-              1000 * after.rmse, 1000 * before.worst, 1000 * after.worst, report.joint_chi2.back());
+              1000 * after.rmse, 1000 * before.worst, 1000 * after.worst, report.joint_chi2.back().back());
   ASSERT_TRUE(report.bent);
-  ASSERT_EQ(report.joint_chi2.size(), joints_.size());
+  ASSERT_EQ(report.joint_chi2.size(), links_.size());
   EXPECT_GT(before.rmse, 0.05);
   EXPECT_LT(after.rmse, 0.25 * before.rmse);
 }
@@ -118,7 +127,7 @@ TEST_F(MapGraphTest, SpreadsTheDriftOverTheChain) {
 TEST_F(MapGraphTest, TheAnchorsFirstKeyframeStays) {
   const Placement before = placed_[{1, 2}].placement;
   const Submap& anchor = made_[{1, 2}].submap;
-  ASSERT_TRUE(bend(joints_, {1, 2}, {}, &placed_).bent);
+  ASSERT_TRUE(bend({1, 2}).bent);
   const int64_t first_us = anchor.keyframes.at(0).utime_us;
   const Sim3Error moved = error_of(placed_[{1, 2}].placement.at(first_us), before.at(first_us),
                                    anchor.keyframes.at(0).cam_from_submap.center(), 1);
@@ -128,17 +137,34 @@ TEST_F(MapGraphTest, TheAnchorsFirstKeyframeStays) {
 }
 
 TEST_F(MapGraphTest, AWrongJointDoesNotTearTheMap) {
-  Placed good = placed_;
-  bend(joints_, {1, 1}, {}, &good);
-  KeyframeJoint wrong = joint({{1, 1}, 5}, {{1, 3}, 5}, SE3(so3_exp({0, 2, 0}), Eigen::Vector3d(1, 0, 1)));
-  joints_.push_back(wrong);
-  const MapGraphReport report = bend(joints_, {1, 1}, {}, &placed_);
+  const Placed before = placed_;
+  bend({1, 1});
+  Placed good = std::exchange(placed_, before);
+  const KeyframeJoint wrong = joint({{1, 1}, 5}, {{1, 3}, 5}, SE3(so3_exp({0, 2, 0}), Eigen::Vector3d(1, 0, 1)));
+  links_.push_back({wrong});
+  const MapGraphReport report = bend({1, 1});
   const double with_wrong = error().rmse;
   std::swap(good, placed_);
   std::printf("ATE %.1f mm, with a wrong joint %.1f mm; its chi2 %.0f\n", 1000 * error().rmse, 1000 * with_wrong,
-              report.joint_chi2.back());
+              report.joint_chi2.back().back());
   EXPECT_LT(with_wrong, 0.1);
-  EXPECT_GT(report.joint_chi2.back(), 1000);
+  EXPECT_GT(report.joint_chi2.back().back(), 1000);
+  EXPECT_EQ(std::count(report.is_wrong.begin(), report.is_wrong.end(), true), 0) << "none may be wrong";
+}
+
+TEST_F(MapGraphTest, WrongLinksAreFoundAtOnceAndCountForNothing) {
+  const Placed before = placed_;
+  bend({1, 1});
+  const Placed good = std::exchange(placed_, before);
+  for (const int keyframe : {2, 5, 8})
+    links_.push_back({joint({{1, 1}, keyframe}, {{1, 3}, keyframe},
+                            SE3(so3_exp({0, 0.3 * keyframe, 0}), Eigen::Vector3d(1, 0, keyframe)))});
+  const MapGraphReport report = bend({1, 1}, true);
+  ASSERT_EQ(report.is_wrong.size(), links_.size());
+  for (size_t i = 0; i < links_.size(); ++i) EXPECT_EQ(report.is_wrong[i], i + 3 >= links_.size()) << i;
+  const double with_wrong = error().rmse;
+  placed_ = good;
+  EXPECT_NEAR(with_wrong, error().rmse, 1e-3);
 }
 
 TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
@@ -147,7 +173,7 @@ TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
   for (const auto& [id, landmark] : submap.landmarks)
     placement.landmarks[id] = placement.position_in_map(submap, landmark) + Eigen::Vector3d(0, 0.01, 0);
   placement.landmarks[123456] = Eigen::Vector3d(1, 2, 3);  // is no more
-  ASSERT_TRUE(bend(joints_, {1, 1}, {}, &placed_).bent);
+  ASSERT_TRUE(bend({1, 1}).bent);
   EXPECT_FALSE(placement.landmarks.contains(123456));
   double worst_px = 0;
   for (const auto& [id, position] : placement.landmarks) {
@@ -163,14 +189,16 @@ TEST_F(MapGraphTest, AdjustedLandmarksFollowTheirKeyframes) {
 
 TEST_F(MapGraphTest, NothingToBend) {
   const Placed before = placed_;
-  EXPECT_TRUE(bend({}, {1, 1}, {}, &placed_).joint_chi2.empty());
+  links_.clear();
+  EXPECT_TRUE(bend({1, 1}).joint_chi2.empty());
   for (const auto& [key, placed] : before)
     for (const auto& [utime_us, similarity] : placed.placement.map_from_submap)
       EXPECT_LT((similarity.translation - placed_[key].placement.map_from_submap.at(utime_us).translation).norm(),
                 1e-6);
   const Submap empty;
   Placed nothing{{{1, 1}, {&empty, {}}}};
-  EXPECT_FALSE(bend({}, {1, 1}, {}, &nothing).bent);
+  placed_ = nothing;
+  EXPECT_FALSE(bend({1, 1}).bent);
 }
 
 // Nothing is bent, rather than everything poisoned.
@@ -178,7 +206,7 @@ TEST_F(MapGraphTest, NumbersThatAreNoneChangeNothing) {
   made_[{1, 2}].submap.keyframes.at(3).cam_from_submap.translation.setConstant(NAN);
   for (auto& [id, landmark] : made_[{1, 3}].submap.landmarks)
     if (id % 2) landmark.position.setConstant(NAN);
-  bend(joints_, {1, 1}, {}, &placed_);
+  bend({1, 1});
   for (const auto& [key, placed] : placed_)
     for (const auto& [utime_us, similarity] : placed.placement.map_from_submap) EXPECT_TRUE(similarity.is_finite());
 }

@@ -71,13 +71,13 @@ TEST_F(MapModelTest, SameTimeIsOneViewAndTheBackSubmapIsBelieved) {
   for (size_t v = 0; v < model.views.size(); ++v) {
     const MapModel::View& view = model.views[v];
     if (v > 0) {
-      EXPECT_LT(model.views[v - 1].utime_us, view.utime_us);
+      EXPECT_LT(model.views[v - 1].image.utime_us, view.image.utime_us);
     }
-    ASSERT_EQ(view.keyframes.size(), images.at(view.utime_us).size());
+    ASSERT_EQ(view.keyframes.size(), images.at(view.image.utime_us).size());
     shared += view.keyframes.size() > 1;
-    EXPECT_EQ(images.at(view.utime_us).contains(back_), view.keyframes.front().submap == back_);
-    const SE3& truth = images_[(view.utime_us - 1'000'000) / 100'000].cam_from_world;
-    const double expected = images.at(view.utime_us) == std::set<SubmapKey>{front1_} ? 0.1 : 0;
+    EXPECT_EQ(images.at(view.image.utime_us).contains(back_), view.keyframes.front().submap == back_);
+    const SE3& truth = images_[(view.image.utime_us - 1'000'000) / 100'000].cam_from_world;
+    const double expected = images.at(view.image.utime_us) == std::set<SubmapKey>{front1_} ? 0.1 : 0;
     EXPECT_NEAR((view.cam_from_map.center() - truth.center()).norm(), expected, 1e-9);
   }
   EXPECT_EQ(shared, 9u);

@@ -86,9 +86,9 @@ TEST_F(PlaceIndexTest, RemovesAndReplaces) {
   EXPECT_EQ(index_.size(), 26u);
 
   const Keyframe& keyframe = *submaps_[2].keyframe(best.keyframe);
-  index_.add(best.submap, keyframe);
+  index_.add(submaps_[2], keyframe);
   const double score = query(submaps_[0], 5, 1)[0].score;
-  index_.add(best.submap, keyframe);  // again: the same, not twice
+  index_.add(submaps_[2], keyframe);  // again: the same, not twice
   EXPECT_EQ(index_.size(), 27u);
   EXPECT_EQ(query(submaps_[0], 5, 1)[0].place, best);
   EXPECT_EQ(query(submaps_[0], 5, 1)[0].score, score);
@@ -99,7 +99,7 @@ TEST_F(PlaceIndexTest, NothingInNothingOut) {
   EXPECT_TRUE(query(submaps_[0], 5, 0).empty());
   EXPECT_TRUE(PlaceIndex().query({Descriptor{}}, 5, 0, nullptr).empty());
   PlaceIndex empty;
-  empty.add({1, 1}, Keyframe());  // without features
+  empty.add(Submap(), Keyframe());  // without features
   EXPECT_EQ(empty.size(), 1u);
   EXPECT_TRUE(empty.query(landmark_descriptors(*submaps_[0].keyframe(5)), 5, 0, nullptr).empty());
 }
@@ -107,7 +107,7 @@ TEST_F(PlaceIndexTest, NothingInNothingOut) {
 TEST_F(PlaceIndexTest, IsTheSameEveryTime) {
   PlaceIndex again;
   for (const Submap& s : submaps_)
-    for (const auto& [id, keyframe] : s.keyframes) again.add(s.key, keyframe);
+    for (const auto& [id, keyframe] : s.keyframes) again.add(s, keyframe);
   const auto descriptors = landmark_descriptors(*submaps_[1].keyframe(3));
   const auto one = index_.query(descriptors, 27, 0, nullptr), two = again.query(descriptors, 27, 0, nullptr);
   ASSERT_EQ(one.size(), two.size());

@@ -70,7 +70,7 @@ Atlas merged_atlas() {
   return atlas;
 }
 
-std::vector<int64_t> all_frames(const Atlas& atlas) {
+std::vector<ImageId> all_frames(const Atlas& atlas) {
   std::vector<ImageId> images;
   for (const auto& [image, record] : atlas.frames()) images.push_back(image);
   return images;

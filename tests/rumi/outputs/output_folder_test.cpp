@@ -101,7 +101,7 @@ TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
   EXPECT_EQ(loaded.frames_in_map(), 4);
   // The server goes on as if nothing had happened.
   map_server::Atlas more = make_test_atlas();
-  EXPECT_EQ(store.save(more, {1'100'000}), "");
+  EXPECT_EQ(store.save(more, {ImageId{1'100'000}}), "");
 }
 
 TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {

@@ -36,7 +36,7 @@ class SnapshotTest : public testing::Test {
          "map.db")
             .string();
     options_.merge.thread = false;  // what the bus's clock does not wait for
-    map_server::MapStore(options_.database).save(make_test_atlas(), {1'400'000});
+    map_server::MapStore(options_.database).save(make_test_atlas(), {ImageId{1'400'000}});
   }
   void serve() {
     server_ = std::make_unique<map_server::MapServerNode>(bus_, options_);
