@@ -22,16 +22,10 @@ class _Copy:
         if update.base_revision == 0:
             self.elements = {kind: set() for kind in KINDS}
         self.revision = update.revision
-        self.is_back = update.kind == update.BACK
-        self.elements["keyframes"] -= set(update.removed_keyframes)
-        self.elements["landmarks"] -= set(update.removed_landmarks)
-        for kind, ids in _told(update).items():
-            self.elements[kind] |= ids
-
-
-def _told(update):
-    return {"keyframes": {k.id for k in update.keyframes}, "landmarks": {l.id for l in update.landmarks},
-            "frames": {f.utime for f in update.frames}}
+        self.is_back = update.is_back
+        for kind in KINDS:
+            self.elements[kind] -= update.removed[kind]
+            self.elements[kind] |= update.told[kind]
 
 
 class Acknowledged:
@@ -51,7 +45,7 @@ class Acknowledged:
         if channel == "RUMI_SUBMAP":
             update = self.transfers.take(message)
             if update:
-                self._sent.setdefault((update.session, update.submap_id), []).append(update)
+                self._sent.setdefault(update.key, []).append(update)
         elif channel == "RUMI_SUBMAP_ACK" and message.status == message.COMPLETE:
             self._take_ack(time_s, message)
 
@@ -67,7 +61,7 @@ class Acknowledged:
             self.unseen += 1
             self._unseen_revisions.append(ack.revision)
             return
-        self._copies.setdefault((update.session, update.submap_id), _Copy()).apply(update)
+        self._copies.setdefault(update.key, _Copy()).apply(update)
 
     def compare(self, database):
         db = sqlite3.connect(f"file:{database}?mode=ro", uri=True)
@@ -101,8 +95,8 @@ class Acknowledged:
             taken_out = set()
             for update in later:
                 if update.base_revision == 0:
-                    taken_out |= copy.elements[kind] - _told(update)[kind]
-                taken_out |= set({"keyframes": update.removed_keyframes, "landmarks": update.removed_landmarks}.get(kind, ()))
+                    taken_out |= copy.elements[kind] - update.told[kind]
+                taken_out |= update.removed[kind]
             missing[kind] = copy.elements[kind] - stored[kind] - taken_out
         return missing
 

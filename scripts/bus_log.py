@@ -34,6 +34,18 @@ def events(log):
                 yield time_us * 1e-6, channel, types[channel].decode(data)
 
 
+class Update:
+    """Of a submap_update_t, what it is about; the log of a long run has gigabytes of them."""
+
+    def __init__(self, update):
+        self.key = (update.session, update.submap_id)
+        self.is_back = update.kind == update.BACK
+        self.base_revision, self.revision = update.base_revision, update.revision
+        self.told = {"keyframes": {k.id for k in update.keyframes}, "landmarks": {l.id for l in update.landmarks},
+                     "frames": {f.utime for f in update.frames}}
+        self.removed = {"keyframes": set(update.removed_keyframes), "landmarks": set(update.removed_landmarks), "frames": set()}
+
+
 class Transfers:
     """Puts the submap updates together again that went over the bus in chunks."""
 
@@ -54,7 +66,7 @@ class Transfers:
         del self._parts[key]
         if len(payload) != chunk.total_size or zlib.crc32(payload) != chunk.checksum:
             return None
-        self._updates[key] = message_type("submap_update_t").decode(payload)
+        self._updates[key] = Update(message_type("submap_update_t").decode(payload))
         return self._updates[key]
 
     def update(self, sender, transfer_id):

@@ -19,7 +19,7 @@ seed=$6
 url='udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152'
 begin_s=15 # the map has begun
 join_s=30  # after the last kill
-end_s=300  # who takes longer to end hangs
+end_s=600  # who takes longer to end hangs: a map that is not joined yet is joined first
 mkdir -p "$out"
 
 # Longer apart than the supervisor's longest delay of a restart, or each would be delayed more than the one before.
