@@ -6,6 +6,7 @@
 #                  under sanitizers, and the linter
 #   make quick     set up, build, run the quick tests: what to do after each change
 #   make build     set up and build everything
+#   make tsan      the tests with threads under ThreadSanitizer, and the live system (a walk is rendered for it)
 #   make bench     benchmarks
 #   make install   into PREFIX (default /usr/local): programs, wire types, CMake package, pkg-config file
 #   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
@@ -13,6 +14,7 @@
 
 BUILD ?= build
 ASAN_BUILD ?= build-asan
+TSAN_BUILD ?= build-tsan
 BENCH_BUILD ?= build-bench
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
@@ -20,7 +22,7 @@ DEMO ?= out/demo
 
 SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
 
-.PHONY: all demo test test-all quick build apps bench install format lint clean dependencies machine-test sanitized-test
+.PHONY: all demo test test-all quick build apps bench install format lint clean dependencies machine-test sanitized-test tsan
 all: build
 
 # While it builds: per cent, files done of all, seconds so far.
@@ -59,6 +61,11 @@ sanitized-test: dependencies
 	cmake --build $(ASAN_BUILD) -j $(JOBS) --target sanitized_tests
 	ctest --test-dir $(ASAN_BUILD) -j $(JOBS) --output-on-failure -L sanitized
 
+tsan: dependencies
+	cmake -S . -B $(TSAN_BUILD) -G Ninja -DRUMI_SANITIZE=thread -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1"
+	cmake --build $(TSAN_BUILD) -j $(JOBS) --target threaded_tests apps
+	ctest --test-dir $(TSAN_BUILD) --output-on-failure -L threads
+
 bench: dependencies
 	cmake -S . -B $(BENCH_BUILD) -G Ninja -DRUMI_BENCH=ON -DRUMI_TESTS=OFF
 	cmake --build $(BENCH_BUILD) -j $(JOBS)
@@ -78,4 +85,4 @@ lint: dependencies $(BUILD)/build.ninja
 	scripts/lint.sh $(BUILD)
 
 clean:
-	rm -rf $(BUILD) $(ASAN_BUILD) $(BENCH_BUILD) out
+	rm -rf $(BUILD) $(ASAN_BUILD) $(TSAN_BUILD) $(BENCH_BUILD) out

@@ -53,6 +53,7 @@ include(Precompiled)
 
 add_custom_target(apps)             # every executable that is installed
 add_custom_target(sanitized_tests)  # tests of the code that messages, files and images reach: `make test-all` sanitizes them
+add_custom_target(threaded_tests)   # tests with threads: `make tsan` runs these under ThreadSanitizer
 
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
@@ -110,16 +111,24 @@ function(rumi_add_test_entry name program filter timeout labels)
     math(EXPR timeout "${timeout} * 4")  # it only ends what hangs
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS "${labels}")
+  rumi_suppress_false_reports(${name})
+endfunction()
+
+# Of sanitizers, about what they cannot see.
+function(rumi_suppress_false_reports name)
   if(RUMI_SANITIZE MATCHES address)
     set_property(TEST ${name} PROPERTY ENVIRONMENT LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/lsan.supp)
+  elseif(RUMI_SANITIZE MATCHES thread)
+    set_property(TEST ${name} PROPERTY ENVIRONMENT TSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/tsan.supp)
   endif()
 endfunction()
 
-# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LONG filters...]): a GoogleTest binary. One CTest entry,
+# rumi_test(NAME [SANITIZED] SOURCES... LINK libs... [TIMEOUT s] [LONG filters...] [THREADED filters...]): a GoogleTest binary. One CTest entry,
 # NAME, of label quick; the tests named by LONG, which take more than some two seconds each, are another, NAME_long, of label
-# long. Sanitizers are for SANITIZED ones, without the long tests (run the binary itself for them).
+# long. Sanitizers are for SANITIZED ones, without the long tests (run the binary itself for them). Under ThreadSanitizer
+# the tests named by THREADED, those that use threads, are a third entry, NAME_threads, of label threads.
 function(rumi_test name)
-  cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LONG" ${ARGN})
+  cmake_parse_arguments(arg "SANITIZED" "TIMEOUT" "SOURCES;LINK;LONG;THREADED" ${ARGN})
   rumi_test_program(${name} SOURCES ${arg_SOURCES} LINK ${arg_LINK})
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)
@@ -133,5 +142,10 @@ function(rumi_test name)
   rumi_add_test_entry(${name} ${name} "*-${long}" ${arg_TIMEOUT} "${labels}")
   if(arg_LONG)
     rumi_add_test_entry(${name}_long ${name} "${long}" ${arg_TIMEOUT} long)
+  endif()
+  if(arg_THREADED AND RUMI_SANITIZE MATCHES thread)
+    list(JOIN arg_THREADED ":" threaded)
+    rumi_add_test_entry(${name}_threads ${name} "${threaded}" ${arg_TIMEOUT} threads)
+    add_dependencies(threaded_tests ${name})
   endif()
 endfunction()

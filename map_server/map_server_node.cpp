@@ -309,7 +309,9 @@ void MapServerNode::on_request(const map_request_t& request) {
   // Who hears nothing asks again; the answer is on its way already.
   if (answering_.contains({request.requester, request.request_id})) return;
   if (request.what == map_request_t::STATUS) return tell_all();
-  if (large_answers_ >= kMaxAnswers) return refuse(request, "busy with other requests; ask again later");
+  // A snapshot waits for its turn: who shows a large map asks for one submap after the other, and would leave it none.
+  if (request.what != map_request_t::SNAPSHOT && large_answers_ >= kMaxAnswers)
+    return refuse(request, "busy with other requests; ask again later");
   try {
     answer(request);
   } catch (const std::length_error& error) {
@@ -393,9 +395,9 @@ void MapServerNode::answer_region(const map_request_t& request) {
   send(request, chunk_t::REGION, encode_message(make_map_region(atlas_, center, request.radius, bus_.now_us())));
 }
 
-// One after the other: a copy may be large.
+// One after the other: a copy may be large. There is room for one beside the most of all other answers.
 void MapServerNode::begin_answer_with_snapshot() {
-  while (!copying_for_ && !merged_.empty()) {
+  while (!copying_for_ && !merged_.empty() && large_answers_ <= kMaxAnswers) {
     // Of everything heard so far, frame states included.
     const std::string problem = save();
     if (problem.empty() && store_.is_behind()) return;

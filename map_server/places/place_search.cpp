@@ -116,6 +116,8 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
   }
   if (places.empty()) return false;
   forget_removed(submaps);
+  // All anew: to take one keyframe out takes as long as there are others that look like it.
+  index_ = {};
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes) index_.add(*submap, keyframe);
   for (const Place& place : places) search(place, submaps, joined);

@@ -140,10 +140,12 @@ std::string Supervisor::on_death(Process& process, const ChildEnd& end) {
   if (process.failed_starts >= options_.max_failed_starts) {
     return fmt::format("{}, {} times in a row right after its start", what, process.failed_starts);
   }
-  if (now - process.started > options_.restart_delay_max) process.delay = options_.restart_delay;
-  say(fmt::format("{}; starting it again in {:.1f} s", what, static_cast<double>(process.delay.count()) * 1e-3));
+  // Every image that comes meanwhile is lost, so who has worked for long is not waited for.
+  if (now - process.started > options_.restart_delay_max) process.delay = milliseconds(0);
+  const auto delay_s = std::chrono::duration<double>(process.delay).count();
+  say(fmt::format("{}; starting it again {}", what, delay_s > 0 ? fmt::format("in {:.1f} s", delay_s) : "at once"));
   process.restart_at = now + process.delay;
-  process.delay = std::min(2 * process.delay, options_.restart_delay_max);
+  process.delay = std::min(std::max(2 * process.delay, options_.restart_delay), options_.restart_delay_max);
   return "";
 }
 

@@ -25,7 +25,9 @@ struct Supervised {
 
 struct SupervisorOptions {
   std::chrono::milliseconds source_delay{1000};  // of the source's start: the others are to hear all of it
-  std::chrono::milliseconds restart_delay{500};  // before the first restart; doubles up to the next one
+  // Before the restart of one that died soon; doubles up to the next one. Who has run for longer than that is started
+  // at once.
+  std::chrono::milliseconds restart_delay{500};
   std::chrono::milliseconds restart_delay_max{10000};
   std::chrono::milliseconds failed_start{2000};  // dead within this time: it did not start
   int max_failed_starts = 3;                     // in a row, of one process: then all is given up

@@ -317,6 +317,25 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   EXPECT_EQ(loaded.frames().at({900'000}).state, TrackingState::kLost);
 }
 
+TEST_F(MapServerNodeTest, ASnapshotIsNotRefusedBecauseOthersAskALot) {
+  ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 6), 0)).ok);
+  map_request_t request{};
+  request.requester = "viewer";  // takes its time
+  request.what = map_request_t::SUBMAP;
+  request.session = kKey.session;
+  request.submap_id = kKey.id;
+  for (int id = 1; id <= 10; ++id) {
+    request.request_id = id;
+    bus_.publish(channels::kMapRequest, request);
+  }
+  bus_.dispatch();
+  ask(map_request_t::SUBMAP, 11);
+  ask(map_request_t::SNAPSHOT, 12);
+  ASSERT_EQ(answers_.size(), 2);
+  EXPECT_EQ(answers_[0].kind, chunk_t::REFUSED) << "so many are under way";
+  EXPECT_EQ(answers_[1].kind, chunk_t::DATABASE);
+}
+
 TEST_F(MapServerNodeTest, RefusesWithAReason) {
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 2), 0)).ok);
   ask(map_request_t::SUBMAP, 1, {7, 99});

@@ -110,6 +110,20 @@ TEST_F(SupervisorTest, StartsWhatDiesAgain) {
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("signal 9"))));
 }
 
+TEST_F(SupervisorTest, WhatHasRunForLongIsStartedAgainAtOnce) {
+  SupervisorOptions options = quick();
+  options.restart_delay = milliseconds(20'000);
+  options.restart_delay_max = milliseconds(100);
+  const auto mark = std::filesystem::path(testing::TempDir()) / "supervisor_ran_for_long";
+  std::filesystem::remove(mark);
+  const std::string script =
+      "[ ! -e " + mark.string() + " ] || { echo stop; sleep 10; }; touch " + mark.string() + "; sleep 0.3; kill -9 $$";
+  EXPECT_EQ(run({shell("server", script)}, options), "");
+  EXPECT_EQ(restarts_, 1);
+  EXPECT_LT(duration_, milliseconds(10'000)) << "images are lost meanwhile";
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("at once"))));
+}
+
 TEST_F(SupervisorTest, GivesUpOnWhatNeverStarts) {
   SupervisorOptions options = quick();
   options.failed_start = milliseconds(60'000);
