@@ -45,10 +45,10 @@ Bytes make_good_file() {
   link.a = {kSession, 1};
   link.b = {kSession, -1};
   atlas.set_links({link});
-  atlas.record_frame(kSession + 100'000, {.session = kSession, .state = TrackingState::kTracking, .submap_id = 1});
+  atlas.record_frame({kSession + 100'000}, {.session = kSession, .state = TrackingState::kTracking, .submap_id = 1});
   {
     MapStore store(file);
-    if (!store.save(atlas, {kSession + 100'000}).empty() || !store.write_copy(copy).empty())
+    if (!store.save(atlas, {ImageId{kSession + 100'000}}).empty() || !store.write_copy(copy).empty())
       throw std::logic_error("no good database");
   }
   return contents(copy);
