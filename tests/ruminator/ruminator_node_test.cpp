@@ -174,7 +174,8 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   const cv::Mat original = decode_grey(make_image(first, false), &error);
   EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
   for (int64_t t = first; t < now_; t += kPeriodUs)
-    if (const image_t* image = node_->frames().find({t})) compressed += image->pixelformat == image_t::PIXEL_FORMAT_MJPEG;
+    if (const image_t* image = node_->frames().find({t}))
+      compressed += image->pixelformat == image_t::PIXEL_FORMAT_MJPEG;
   EXPECT_GE(compressed, 5);
 }
 
