@@ -73,7 +73,8 @@ def measure(folder, process):
     alive = [(t, pid) for t, pid in kills if pid]  # the others found nobody
     utimes = sorted(timeline.utimes)
     steps = [b - a for a, b in zip(utimes, utimes[1:])]
-    usual = statistics.mean(s for s in steps if s < 1.5 * statistics.median(steps))
+    median = statistics.median(steps)
+    usual = statistics.mean(s for s in steps if s < 1.5 * median)
     code, end_s = (folder / "end.txt").read_text().split()
     stored = acknowledged.compare(folder / "map.db")
     return {

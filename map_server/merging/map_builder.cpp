@@ -290,6 +290,7 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
     if (known.empty() && scope != Scope::kWeld && members->size() == 1) return arranged;  // it is the whole map
     if (known.empty()) return std::nullopt;
     std::vector<LinkJoints> joints;
+    joints.reserve(known.size());
     for (const KnownLink& link : known) joints.push_back(link.joints);
     const auto may_be_wrong = [&](size_t i) { return !known[i].pair || !is_only_tie(*known[i].pair->link, submaps); };
     const MapGraphReport bent = bend(joints, may_be_wrong, arranged.anchor, options_.graph, &arranged.submaps);
