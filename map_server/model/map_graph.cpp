@@ -29,6 +29,7 @@ class Bender {
     for (const auto& [key, placed] : submaps_)
       if (!placed.fixed) add_submap(key, *placed.submap);
     std::vector<std::vector<int>> edges;
+    edges.reserve(links.size());
     for (const LinkJoints& joints : links) edges.push_back(add_joints(joints));
     const GraduatedReport solved = solve_graduated({{}, o_.max_joint_chi2}, edges, may_be_wrong, &graph_);
     MapGraphReport report;
