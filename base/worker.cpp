@@ -60,7 +60,8 @@ void Worker::run(const Job& job) {
 
 void Worker::loop(int nice) {
   // On Linux a thread has a niceness of its own; its children inherit it.
-  if (nice != 0 && setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), nice) != 0)
+  const auto thread = static_cast<id_t>(gettid());
+  if (nice != 0 && setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + nice) != 0)
     log_warning("a thread runs at normal priority: {}", std::strerror(errno));
   std::unique_lock lock(mutex_);
   while (true) {

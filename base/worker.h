@@ -22,7 +22,7 @@ class Worker {
     std::string reason;  // of the last one
   };
 
-  // `nice`: of the thread, and of the child processes that it starts.
+  // `nice`: of the thread, and of the child processes that it starts, more than the process has.
   explicit Worker(bool threaded, int nice = 0);
   ~Worker();  // waits for the job at hand, forgets the others
   Worker(const Worker&) = delete;

@@ -484,7 +484,7 @@ TEST_F(MapServerNodeTest, AFloodOfRequestsIsBounded) {
   }
   bus_.dispatch();
   EXPECT_FALSE(node_->finished());
-  pass(70);  // nobody takes the answers: given up
+  pass(140);  // nobody takes the answers, five at a time: given up
   EXPECT_TRUE(node_->finished());
   ask(map_request_t::SNAPSHOT, 5);
   EXPECT_EQ(answers_.size(), 1);

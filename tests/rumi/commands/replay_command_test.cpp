@@ -130,6 +130,33 @@ TEST_F(ReplayTest, LocalizesInTheMapOfAnEarlierRun) {
   EXPECT_THAT(absent.output, HasSubstr("absent.db: there is no such file"));
 }
 
+// Both begin at 0, as all folders of images do, and are other images.
+TEST_F(ReplayTest, AFolderIsLocalizedInTheMapOfAnotherFolder) {
+  std::vector<fs::path> images;
+  for (const auto& entry : fs::directory_iterator(sequence_ / "rgb")) images.push_back(entry.path());
+  std::sort(images.begin(), images.end());
+  const auto make_folder = [&](const char* name, size_t first, size_t last) {
+    const fs::path folder = work_->path / name;
+    fs::create_directories(folder);
+    fs::copy_file(sequence_ / "calibration.yaml", folder / "calibration.yaml");
+    for (size_t i = first; i < last; ++i)
+      fs::create_symlink(images[i], folder / (std::to_string(1000 + i - first) + images[i].extension().string()));
+    return folder;
+  };
+  ASSERT_GE(images.size(), 200u);
+  const fs::path one = make_folder("folder_one", 0, 130), other = make_folder("folder_other", 80, 200);
+  const fs::path mapped = work_->path / "mapped_one", localized = work_->path / "localized_other";
+  ASSERT_EQ(replay(one, mapped).exit_code, 0);
+  const Outcome outcome =
+      replay(other, localized,
+             "--set map_server.localize_only=true --set map_server.database='" + (mapped / "map.db").string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("not everything could be handed on")));
+  const auto run = read_json_file(localized / "run.json");
+  EXPECT_EQ(run["frames"], 130 + 120);
+  EXPECT_GE(run["frames_in_map"], 225);
+}
+
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
   const fs::path out = work_->path / "map", model = work_->path / "model";
   ASSERT_EQ(replay(sequence_, out, "--duration 4").exit_code, 0);
