@@ -152,9 +152,9 @@ TEST_F(ReplayTest, AFolderIsLocalizedInTheMapOfAnotherFolder) {
              "--set map_server.localize_only=true --set map_server.database='" + (mapped / "map.db").string() + "'");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, testing::Not(HasSubstr("not everything could be handed on")));
-  const auto run = read_json_file(localized / "run.json");
-  EXPECT_EQ(run["frames"], 130 + 120);
-  EXPECT_GE(run["frames_in_map"], 225);
+  const auto counts = read_json_file(localized / "run.json")["counts"];
+  EXPECT_EQ(counts["frames"], 130 + 120);
+  EXPECT_GE(counts["frames_in_map"], 225);
 }
 
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
