@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which camera or recording an image is of: times alone do not tell (docs/wire.md, "Streams").
+// Which camera or recording an image is of: times alone do not tell (docs/wire.md, "Names of things").
 #pragma once
 
 #include <cstdint>

@@ -51,6 +51,20 @@ int shared_keyframes(unsigned seed) { return 3 + static_cast<int>(seed % 8); }
 
 // --- Must not merge. Each makes a pair of submaps from a seed.
 
+// What is elsewhere, so full of keypoints that many fall on the same pixels.
+SyntheticSubmap make_there(const World& world, const CameraPath& path, unsigned seed, const Maker& maker,
+                           SubmapRecipe recipe) {
+  const auto images = film(world, path,
+                           {.camera = maker.camera,
+                            .seed = seed + 1,
+                            .pyramid = maker.pyramid,
+                            .wrong_bits = 0,
+                            .most_keypoints = 1500,
+                            .every = kEvery});
+  recipe.pyramid = maker.pyramid;
+  return make_submap(world, images, recipe, maker.camera);
+}
+
 // Another room, filmed at the same times along another path, so full of keypoints that many fall on the same pixels.
 Pair another_room(unsigned seed, const Maker& maker) {
   Recipes r(seed, shared_keyframes(seed));
@@ -59,15 +73,7 @@ Pair another_room(unsigned seed, const Maker& maker) {
       film(here, walk_round(60, 0.6), {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
   CameraPath other = walk_round(160, -1.6);
   other.erase(other.begin(), other.begin() + 100);
-  const auto images_there = film(there, other,
-                                 {.camera = maker.camera,
-                                  .seed = seed + 1,
-                                  .pyramid = maker.pyramid,
-                                  .wrong_bits = 0,
-                                  .most_keypoints = 1500,
-                                  .every = kEvery});
-  r.back.pyramid = maker.pyramid;
-  return {make_submap(here, images, r.front), make_submap(there, images_there, r.back, maker.camera)};
+  return {make_submap(here, images, r.front), make_there(there, other, seed, maker, r.back)};
 }
 
 // Rebuilt with all depths turned over: what moves to the left by parallax moves to the right by rotation (the classical
@@ -112,15 +118,7 @@ Pair mirrored_room(unsigned seed, const Maker& maker) {
     pose = world_from_cam.inverse();
   }
   const auto images = film(world, path, {.seed = seed, .wrong_bits = 0, .most_keypoints = 1500, .every = kEvery});
-  const auto images_there = film(mirrored, other,
-                                 {.camera = maker.camera,
-                                  .seed = seed + 1,
-                                  .pyramid = maker.pyramid,
-                                  .wrong_bits = 0,
-                                  .most_keypoints = 1500,
-                                  .every = kEvery});
-  r.back.pyramid = maker.pyramid;
-  return {make_submap(world, images, r.front), make_submap(mirrored, images_there, r.back, maker.camera)};
+  return {make_submap(world, images, r.front), make_there(mirrored, other, seed, maker, r.back)};
 }
 
 // A wall of equal tiles: from some shared image on, the back submap has taken one tile for the next.
