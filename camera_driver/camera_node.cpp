@@ -95,10 +95,19 @@ void CameraNode::put_on_bus() {
   }
 }
 
+// Where the times of a recording go back, its images follow those before at the usual step.
+void CameraNode::pace_anew() {
+  constexpr double kUsualStepUs = 33'333;
+  const auto since_first_us = static_cast<double>(recorded_us_ - first_utime_us_);
+  *started_us_ += static_cast<int64_t>((since_first_us + kUsualStepUs) / options_.speed);
+  first_utime_us_ = ahead_->utime;
+}
+
 void CameraNode::fetch() {
   const StageClock clock("camera_driver.load");
   const auto begin = std::chrono::steady_clock::now();
   ahead_ = source_->next();
+  if (ahead_ && started_us_ && ahead_->utime <= recorded_us_) pace_anew();
   load_ms_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   ++loads_;
 }

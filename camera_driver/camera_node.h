@@ -37,6 +37,7 @@ class CameraNode : public Node {
   void publish(int64_t now_us);
   void put_on_bus();
   void fetch();
+  void pace_anew();
   void report_progress(int64_t now_us);
 
   Bus& bus_;
@@ -45,8 +46,8 @@ class CameraNode : public Node {
   std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
   bool live_ = true;
   bool publish_failed_ = false;
-  int64_t first_utime_us_ = 0;         // of the recording
-  std::optional<int64_t> started_us_;  // clock at the first image
+  int64_t first_utime_us_ = 0;         // of the recording, or of its part where times go back
+  std::optional<int64_t> started_us_;  // clock at that image
   int64_t last_utime_us_ = 0;          // as published
   int64_t recorded_us_ = 0;            // recorded time of the last one
   int64_t published_ = 0, late_us_ = 0;

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <system_error>
+#include <vector>
 
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
@@ -40,15 +43,10 @@ fs::path find_euroc_list(const fs::path& folder) {
 
 // The calibration in the metadata of the first readable image of a log, or an empty string.
 std::string calibration_in_log(FrameReader& reader) {
-  std::string ignored, calibration;
-  while (reader.advance()) {
-    const std::optional<image_t> image = reader.load(false, &ignored);
-    if (!image) continue;
-    calibration = metadata(*image, kCalibrationKey);
-    break;
-  }
-  reader.rewind();
-  return calibration;
+  std::string ignored;
+  for (size_t i = 0; i < reader.utimes().size(); ++i)
+    if (const std::optional<image_t> image = reader.load(i, false, &ignored)) return metadata(*image, kCalibrationKey);
+  return {};
 }
 
 CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
@@ -62,33 +60,50 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
   return missing;
 }
 
-// Folder recordings: calibration first, because a folder of images may need its fps.
 struct Opened {
   OpenedReader reader;
   CameraFileResult camera;
 };
 
-Opened from_list(FileList list, CameraFileResult camera) {
+Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options) {
   if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
-  return {{make_file_list_reader(std::move(list)), ""}, std::move(camera)};
+  return {{make_file_list_reader(std::move(list), parse_grey_range(options.grey_range)), ""}, std::move(camera)};
+}
+
+// " (its folders left, right hold images: give one of them)", or nothing.
+std::string folders_with_images(const fs::path& folder) {
+  constexpr size_t kMostNamed = 4;
+  std::vector<std::string> names;
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code unreadable;
+    if (it->is_directory(unreadable) && !list_image_folder(it->path(), "").entries.empty())
+      names.push_back(it->path().filename().string());
+  }
+  if (names.empty()) return {};
+  std::sort(names.begin(), names.end());
+  if (names.size() > kMostNamed) names.resize(kMostNamed);
+  return fmt::format(" (images are in its folders {}: give one of them)", fmt::join(names, ", "));
 }
 
 Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
   if (is_there(folder / "rgb.txt"))
-    return from_list(read_tum_list(folder / "rgb.txt"), find_camera(options, {calibration}, name));
+    return from_list(read_tum_list(folder / "rgb.txt", options.files), find_camera(options, {calibration}, name),
+                     options);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
-    return from_list(read_euroc_list(list),
-                     find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name));
+    return from_list(read_euroc_list(list, options.files),
+                     find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name),
+                     options);
   }
-  CameraFileResult camera = find_camera(options, {calibration, folder.parent_path() / "calibration.yaml"}, name);
-  const double rate_hz = options.rate_hz > 0 ? options.rate_hz : camera.ok() ? camera.camera.fps : 0;
-  FileList list = list_image_folder(folder, rate_hz);
+  FileList list = list_image_folder(folder, options.files);
   if (list.error.empty() && list.entries.empty())
-    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images; {}", name, kWhatToGive);
-  return from_list(std::move(list), std::move(camera));
+    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
+                             folders_with_images(folder), kWhatToGive);
+  return from_list(std::move(list),
+                   find_camera(options, {calibration, folder.parent_path() / "calibration.yaml"}, name), options);
 }
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
@@ -98,6 +113,9 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
   const bool log = is_lcm_log(file.string());
   OpenedReader opened = log ? open_log(file, options.log_channel) : open_video(file);
   if (!opened.error.empty()) return {std::move(opened), {}};
+  // A calibration's fps is that of the camera, and need not be that of a video.
+  if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
+    return {{nullptr, fmt::format("{}: {}; give --rate HZ", file.string(), no_times)}, {}};
   CameraFileResult camera;
   const std::string in_log = log && options.camera_file.empty() ? calibration_in_log(*opened.reader) : "";
   camera = in_log.empty() ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())

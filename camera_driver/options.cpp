@@ -8,6 +8,7 @@
 #include <charconv>
 #include <limits>
 
+#include "camera_driver/recording/image_file.h"
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
 
@@ -79,6 +80,8 @@ std::string check(const CameraOptions& o) {
     return fmt::format("speed is {}: must be {} to {}", o.speed, kMinSpeed, kMaxSpeed);
   if (std::find(kEncodings.begin(), kEncodings.end(), o.encoding) == kEncodings.end())
     return fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "));
+  if (o.grey_range != "auto" && !parse_grey_range(o.grey_range))
+    return fmt::format("grey_range is '{}': must be auto or LOW:HIGH, 0 to 65535", o.grey_range);
   return check_camera_options(o);
 }
 
@@ -99,6 +102,10 @@ void describe(OptionTable& table, CameraOptions& o) {
   table.add("camera_driver.encoding", &o.encoding, "on the wire; auto: JPEG files as they are, all else grey",
             {"auto", "grey", "rgb", "jpeg"});
   table.add("camera_driver.log_channel", &o.log_channel, "channel of the images in an lcm log");
+  table.add("camera_driver.files", &o.files,
+            "pattern (* and ?) of the images of a folder or list; empty: those of one camera");
+  table.add("camera_driver.grey_range", &o.grey_range,
+            "pixels of 16 bits: LOW:HIGH become 0 to 255; auto: the range of the recording");
   table.add("camera_driver.width", &o.width, "px", "camera: 0: of the calibration, without one 640 x 480", 0, kMaxSide);
   table.add("camera_driver.height", &o.height, "px", "camera: 0: of the calibration, without one 640 x 480", 0,
             kMaxSide);
@@ -118,6 +125,7 @@ void describe(OptionTable& table, CameraOptions& o) {
             kMaxStallS);
   table.for_users({"camera_driver.camera_file", "camera_driver.every", "camera_driver.start", "camera_driver.duration",
                    "camera_driver.loop", "camera_driver.rate", "camera_driver.speed", "camera_driver.encoding",
+                   "camera_driver.files", "camera_driver.grey_range",
                    "camera_driver.width", "camera_driver.height", "camera_driver.format", "camera_driver.exposure",
                    "camera_driver.gain", "camera_driver.white_balance", "camera_driver.focus",
                    "camera_driver.power_line", "camera_driver.controls", "camera_driver.lock_auto"});

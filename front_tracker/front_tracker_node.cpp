@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <utility>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 
@@ -23,11 +24,9 @@ namespace {
 // Images waiting while one is worked on: two seconds at 30 Hz. Beginning a submap takes up to a second (its buffered
 // frames get their poses then), and tracking, at a third of the camera's period, catches up afterwards.
 constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
-// So many images in a row older than what was seen: a recording that was started again, not a hiccup.
-constexpr int kBackwardImagesOfNewSession = 10;
-// So many in a row of another calibration or stream: the camera was changed. With ours between them they are a second
-// camera's.
-constexpr int kForeignImagesOfNewSession = 10;
+// So many images in a row of another calibration or stream, or older than what was seen: the camera was changed, or a
+// recording started again. With ours between them they are a second camera's, or a hiccup.
+constexpr size_t kImagesOfNewSession = 10;
 
 // From publication to pose where the driver says when it published, else from capture.
 float latency_ms(const image_t& image, int64_t now_us) {
@@ -77,25 +76,32 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
     refuse("calibration", parsed.error);
     return std::nullopt;
   }
+  if (!tracker_) return parsed.camera;
   const Camera& other = parsed.camera;
-  if (tracker_ &&
-      !takes_over(fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} px "
-                              "with fx {:.2f}",
-                              other.width, other.height, other.fx, image_camera_.width, image_camera_.height,
-                              image_camera_.fx)))
-    return std::nullopt;
-  return parsed.camera;
+  wait_as_foreign(image, fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
+                                     "px with fx {:.2f}",
+                                     other.width, other.height, other.fx, image_camera_.width, image_camera_.height,
+                                     image_camera_.fx));
+  return std::nullopt;
 }
 
-bool FrontTrackerNode::takes_over(const std::string& problem) {
-  if (++foreign_images_ < kForeignImagesOfNewSession) {
-    refuse("another camera",
-           problem + ": if two cameras publish on this channel, give one of them another (--channel)");
-    return false;
-  }
-  log_warning("the images are of another camera or recording: a new session begins");
+void FrontTrackerNode::wait_as_foreign(const image_t& image, const std::string& problem) {
+  wait("another camera", image,
+       problem + ": if two cameras publish on this channel, give one of them another (--channel)",
+       "the images are of another camera or recording");
+}
+
+void FrontTrackerNode::wait(const std::string& kind, const image_t& image, const std::string& problem,
+                            const std::string& reason) {
+  if (waiting_kind_ != kind) waiting_.clear();
+  waiting_kind_ = kind;
+  waiting_.push_back(image);
+  if (waiting_.size() < kImagesOfNewSession) return refuse(kind, problem);
+  refused_[kind] -= static_cast<int64_t>(waiting_.size()) - 1;
+  log_warning("{}: a new session begins with the first of them", reason);
   retire_session();
-  return true;
+  last_utime_us_ = INT64_MIN;  // the times of two sessions have nothing to do with each other
+  for (const image_t& first : std::exchange(waiting_, {})) on_image(first);
 }
 
 bool FrontTrackerNode::is_of_another_stream(const image_t& image) const {
@@ -131,34 +137,22 @@ void FrontTrackerNode::note_broken_mapping() {
   broken_mapping_.note(broken.reason, bus_.now_us(), broken.count);
 }
 
-bool FrontTrackerNode::time_is_usable(int64_t utime_us) {
-  if (utime_us > last_utime_us_) {
-    backward_images_ = 0;
-    return true;
-  }
-  if (++backward_images_ >= kBackwardImagesOfNewSession && tracker_) {
-    log_warning("the camera's time went back by {:.3f} s: a new session begins",
-                1e-6 * static_cast<double>(last_utime_us_ - utime_us));
-    retire_session();
-    backward_images_ = 0;
-    return true;
-  }
-  refuse("time", fmt::format("its utime {} is not newer than the last, {}", utime_us, last_utime_us_));
-  return false;
-}
-
 cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   const StageClock clock("front_tracker.decode");
   if (is_of_another_stream(image)) {
-    if (!takes_over(fmt::format("it is of stream {}, and the session's images are of stream {}", stream_of(image),
-                                session_stream_)))
-      return {};
-    last_utime_us_ = INT64_MIN;  // the times of two streams have nothing to do with each other
+    wait_as_foreign(image, fmt::format("it is of stream {}, and the session's images are of stream {}",
+                                       stream_of(image), session_stream_));
+    return {};
   }
-  if (!time_is_usable(image.utime)) return {};
+  if (image.utime <= last_utime_us_) {
+    wait("time", image, fmt::format("its utime {} is not newer than the last, {}", image.utime, last_utime_us_),
+         fmt::format("the camera's time went back by {:.3f} s",
+                     1e-6 * static_cast<double>(last_utime_us_ - image.utime)));
+    return {};
+  }
   const std::optional<Camera> camera = camera_of(image);
   if (!camera) return {};
-  foreign_images_ = 0;
+  waiting_.clear();
   std::string error;
   cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
   if (grey.empty())

@@ -47,11 +47,12 @@ class FrontTrackerNode : public Node {
   // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell or
   // is another camera's.
   std::optional<Camera> camera_of(const image_t& image);
-  // Another image that is not of the session's: whether there were so many in a row that the session is over.
-  bool takes_over(const std::string& problem);
+  // Of an image that is not of the session's. After so many in a row the session is over, and these are the first ones
+  // of the next.
+  void wait(const std::string& kind, const image_t& image, const std::string& problem, const std::string& reason);
+  void wait_as_foreign(const image_t& image, const std::string& problem);
   bool is_of_another_stream(const image_t& image) const;
   void begin_session(const Camera& camera, const image_t& image);
-  bool time_is_usable(int64_t utime_us);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_posed_afterwards();
   void publish_withdrawn();
@@ -65,7 +66,6 @@ class FrontTrackerNode : public Node {
   Camera image_camera_;              // of the session's images; the tracker's may be smaller
   std::string session_calibration_;  // as it came with them
   int64_t session_stream_ = 0;       // of its images
-  int foreign_images_ = 0;           // in a row, that came with another calibration, or are of another stream
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
   SubmapPublisher publisher_;
@@ -77,9 +77,10 @@ class FrontTrackerNode : public Node {
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime
   std::map<int64_t, track_t> with_pose_;     // and of those that may lose it
   int64_t last_utime_us_ = INT64_MIN;
-  int backward_images_ = 0;
   bool finishing_ = false;
 
+  std::vector<image_t> waiting_;            // in a row, that may be the first of a new session
+  std::string waiting_kind_;                // of their problem
   std::string problem_;                     // of the last image, empty if it was good
   std::map<std::string, int64_t> refused_;  // images, by kind of problem
   Failures broken_mapping_{"mapping of a keyframe"};

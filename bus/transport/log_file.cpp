@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -41,8 +42,16 @@ LogReader::LogReader(const std::string& file) : name_(file), file_(std::fopen(fi
   size_ = info.st_size;
 }
 
-std::optional<LogEvent> LogReader::next() { return read(nullptr); }
-std::optional<LogEvent> LogReader::next_on(const std::string& channel) { return read(&channel); }
+std::optional<LogEvent> LogReader::next() { return read(nullptr, SIZE_MAX); }
+std::optional<LogEvent> LogReader::next_on(const std::string& channel, size_t most_bytes) {
+  return read(&channel, most_bytes);
+}
+
+void LogReader::seek(int64_t position) {
+  if (!file_ || fseeko(file_.get(), position, SEEK_SET) != 0) return;
+  position_ = position;
+  error_.clear();
+}
 
 std::nullopt_t LogReader::fail(const std::string& reason) {
   error_ =
@@ -50,7 +59,7 @@ std::nullopt_t LogReader::fail(const std::string& reason) {
   return std::nullopt;
 }
 
-std::optional<LogEvent> LogReader::read(const std::string* only_channel) {
+std::optional<LogEvent> LogReader::read(const std::string* only_channel, size_t most_bytes) {
   while (error_.empty() && position_ < size_) {
     std::array<uint8_t, kHeaderBytes> header{};
     if (std::fread(header.data(), 1, header.size(), file_.get()) != header.size())
@@ -68,10 +77,11 @@ std::optional<LogEvent> LogReader::read(const std::string* only_channel) {
     if (std::fread(event.channel.data(), 1, channel_length, file_.get()) != channel_length)
       return fail("it cannot be read");
     const bool wanted = !only_channel || event.channel == *only_channel;
-    if (wanted) event.data.resize(data_length);
-    const bool ok = wanted ? std::fread(event.data.data(), 1, data_length, file_.get()) == data_length
-                           : fseeko(file_.get(), end, SEEK_SET) == 0;
-    if (!ok) return fail("it cannot be read");
+    if (wanted) event.data.resize(std::min<size_t>(data_length, most_bytes));
+    const bool is_read = std::fread(event.data.data(), 1, event.data.size(), file_.get()) == event.data.size();
+    const bool is_passed = event.data.size() == data_length || fseeko(file_.get(), end, SEEK_SET) == 0;
+    if (!is_read || !is_passed) return fail("it cannot be read");
+    last_ = position_;
     position_ = end;
     ++events_;
     if (wanted) return event;

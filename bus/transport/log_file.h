@@ -28,14 +28,17 @@ class LogReader {
 
   // Nothing at the end; then error() tells a clean end from damage. All events before the damage are delivered.
   std::optional<LogEvent> next();
-  // The same for one channel: the data of others is skipped unread.
-  std::optional<LogEvent> next_on(const std::string& channel);
+  // The same for one channel: the data of others is skipped unread, and so is what goes beyond `most_bytes`.
+  std::optional<LogEvent> next_on(const std::string& channel, size_t most_bytes = SIZE_MAX);
+  // Where the last event that was read begins, for seek(): that event is then the next one.
+  int64_t position_of_last() const { return last_; }
+  void seek(int64_t position);
   // Empty, or why the file could not be opened or read on, with its name and the place.
   const std::string& error() const { return error_; }
   int64_t size_bytes() const { return size_; }  // of the file
 
  private:
-  std::optional<LogEvent> read(const std::string* only_channel);
+  std::optional<LogEvent> read(const std::string* only_channel, size_t most_bytes);
   std::nullopt_t fail(const std::string& reason);
   struct Close {
     void operator()(std::FILE* f) const { std::fclose(f); }
@@ -44,6 +47,7 @@ class LogReader {
   std::unique_ptr<std::FILE, Close> file_;
   int64_t size_ = 0;      // bytes in the file
   int64_t position_ = 0;  // of the next event
+  int64_t last_ = 0;      // of the last one
   int64_t events_ = 0;    // read so far
 };
 

@@ -66,14 +66,19 @@ bool corrupt(const char* why, std::string* error) {
   return false;
 }
 
+// After the last end marker that follows `begin`, or 0. Some cameras leave bytes behind it.
+size_t end_of_jpeg(std::span<const uint8_t> data, size_t begin) {
+  for (size_t end = data.size(); end >= begin + 2; --end)
+    if (data[end - 2] == 0xFF && data[end - 1] == 0xD9) return end;
+  return 0;
+}
+
 }  // namespace
 
 bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error) {
-  size_t end = data.size();
-  while (end > 0 && data[end - 1] == 0) --end;
-  if (end < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker", error);
-  if (data[end - 2] != 0xFF || data[end - 1] != 0xD9) return corrupt("truncated: no end marker", error);
-  for (size_t at = 2; at + 9 < end;) {
+  *size = {};
+  if (data.size() < 4 || data[0] != 0xFF || data[1] != 0xD8) return corrupt("no start marker", error);
+  for (size_t at = 2; at + 9 < data.size();) {
     if (data[at] != 0xFF) return corrupt("a marker was expected", error);
     const uint8_t marker = data[at + 1];
     if (marker == 0xFF) {  // fill byte
@@ -84,13 +89,16 @@ bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* er
     if (is_frame) {
       size->height = data[at + 5] << 8 | data[at + 6];
       size->width = data[at + 7] << 8 | data[at + 8];
-      if (size->width > 0 && size->height > 0) return true;
-      return corrupt("its size is 0", error);
+      if (size->width == 0 || size->height == 0) return corrupt("its size is 0", error);
     }
-    if (marker == 0xDA) break;  // pixels before a frame header
+    if (marker == 0xDA) {
+      if (size->width == 0) break;  // pixels before a frame header
+      size->bytes = end_of_jpeg(data, at);
+      return size->bytes > 0 || corrupt("truncated: no end marker", error);
+    }
     at += 2 + static_cast<size_t>(data[at + 2] << 8 | data[at + 3]);
   }
-  return corrupt("no frame header", error);
+  return corrupt(size->width > 0 ? "truncated: no pixels" : "no frame header", error);
 }
 
 cv::Mat decode_jpeg(std::span<const uint8_t> data, bool grey, std::string* error, int reduction) {

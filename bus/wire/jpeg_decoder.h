@@ -3,6 +3,7 @@
 // data is broken; a tracker must know.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <span>
@@ -12,10 +13,11 @@ namespace rumi {
 
 struct JpegSize {
   int width = 0, height = 0;  // pixels
+  size_t bytes = 0;           // up to the end of the image: some cameras leave something behind it
 };
 
 // Size from the frame header, without decoding. False, and why in *error: no JPEG, no end marker (truncated), no frame
-// header. Zeros after the end marker are allowed: some cameras pad.
+// header.
 bool inspect_jpeg(std::span<const uint8_t> data, JpegSize* size, std::string* error);
 
 // 8-bit grey or BGR. An orientation noted in the file is not applied: it would turn the image away from its

@@ -4,20 +4,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
 #include <fstream>
 #include <functional>
 #include <set>
+#include <sstream>
 
+#include "base/log.h"
 #include "base/natural_order.h"
-#include "camera_driver/source/timestamps.h"
+#include "camera_driver/recording/file_name_times.h"
+#include "camera_driver/recording/image_choice.h"
+#include "camera_driver/recording/time_unit.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
@@ -33,31 +35,90 @@ std::string printable(const std::string& text) {
   return out;
 }
 
-// Takes a line without comment apart; returns what is wrong with it, or an empty string.
-using LineParser = std::function<std::string(const std::string& line, FileList::Entry* entry)>;
+// In whatever unit.
+bool is_number(const std::string& text) { return parse_time_us(text, TimeUnit::kNanoseconds).has_value(); }
 
-FileList read_list(const fs::path& file, const std::string& expected, const LineParser& parse) {
+// The names of the columns, without the mark of a comment.
+bool is_heading(const std::string& time) {
+  return !time.empty() && std::all_of(time.begin(), time.end(), [](unsigned char c) {
+    return std::isalpha(c) != 0 || c == '_' || c == '[' || c == ']';
+  });
+}
+
+// What a line says, not yet understood.
+struct Line {
+  std::string time, name;  // as they stand there
+  int number = 0;
+};
+
+// Takes a line without comment apart; returns what is wrong with it, or an empty string.
+using LineParser = std::function<std::string(const std::string& text, Line* line)>;
+
+void add_malformed(FileList* list, int line, const std::string& problem) {
+  if (list->malformed.count++ == 0)
+    list->malformed.first = fmt::format("{}:{}: {}", list->source.string(), line, problem);
+}
+
+std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
+  std::vector<Line> lines;
+  std::ifstream stream(list->source);
+  if (!stream) {
+    list->error = fmt::format("{}: cannot be read; check that it exists and its permissions", list->source.string());
+    return lines;
+  }
+  std::string text;
+  for (int number = 1; std::getline(stream, text); ++number) {
+    if (number == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // mark of UTF-8
+    const std::string content = trimmed(text);
+    if (content.empty() || content[0] == '#') continue;
+    Line line;
+    line.number = number;
+    const std::string problem = parse(content, &line);
+    if (lines.empty() && list->malformed.count == 0 && is_heading(line.time)) continue;
+    if (!problem.empty())
+      add_malformed(list, number, problem);
+    else
+      lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+// Those of one camera, all if that is not to be told.
+std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const std::string& pattern) {
+  std::vector<std::string> names;
+  for (const Line& line : lines) names.push_back(line.name);
+  const ImageChoice choice = choose_images(names, pattern);
+  if (!choice.error.empty()) list->error = fmt::format("{}: {}", list->source.string(), choice.error);
+  if (!choice.note.empty()) list->notes.push_back(choice.note);
+  std::vector<Line> chosen;
+  for (const size_t i : choice.kept) chosen.push_back(lines[i]);
+  return chosen;
+}
+
+// Fills in the entries.
+void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual) {
+  std::vector<std::string> times;
+  for (const Line& line : lines) times.push_back(line.time);
+  const ChosenUnit chosen = choose_time_unit(times, usual);
+  if (!chosen.note.empty()) list->notes.push_back(chosen.note);
+  for (const Line& line : lines) {
+    if (const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit))
+      list->entries.push_back({*utime_us, folder / line.name, line.number});
+    else
+      add_malformed(list, line.number,
+                    line.time.empty() ? line.name + ": its name gives no time"
+                                      : fmt::format("time is '{}': must be a number of {} that is not negative",
+                                                    printable(line.time), name_of(chosen.unit)));
+  }
+}
+
+FileList read_list(const fs::path& file, const fs::path& folder, const std::string& pattern, TimeUnit usual,
+                   const std::string& expected, const LineParser& parse) {
   FileList list;
   list.source = file;
-  std::ifstream stream(file);
-  if (!stream) {
-    list.error = fmt::format("{}: cannot be read; check that it exists and its permissions", file.string());
-    return list;
-  }
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    const std::string content = trimmed(line);
-    if (content.empty() || content[0] == '#') continue;
-    FileList::Entry entry;
-    entry.line = number;
-    const std::string problem = parse(content, &entry);
-    if (problem.empty()) {
-      list.entries.push_back(std::move(entry));
-    } else if (list.malformed.count++ == 0) {
-      list.malformed.first = fmt::format("{}:{}: {}", file.string(), number, problem);
-    }
-  }
-  if (list.entries.empty()) {
+  const std::vector<Line> lines = choose(&list, read_lines(&list, parse), pattern);
+  understand(&list, lines, folder, usual);
+  if (list.entries.empty() && list.error.empty()) {
     list.error = list.malformed.count > 0
                      ? fmt::format("{}; expected lines '{}'", list.malformed.first, expected)
                      : fmt::format("{}: names no image; expected lines '{}'", file.string(), expected);
@@ -74,110 +135,104 @@ bool is_image_name(const fs::path& file) {
   return kExtensions.contains(extension) && !file.filename().string().starts_with('.');
 }
 
-// The time that a file's name gives, if it looks like one: a small whole number is an index, no time.
-std::optional<int64_t> time_from_name(const fs::path& file) {
-  constexpr size_t kNanosecondDigits = 18;  // any time since 1973
-  constexpr size_t kDecimals = 3;
-  const std::string stem = file.stem().string();
-  const size_t point = stem.find('.');
-  const bool only_digits = std::all_of(stem.begin(), stem.end(), [](char c) { return is_digit(c) || c == '.'; });
-  if (!only_digits) return std::nullopt;
-  if (point == std::string::npos) return stem.size() >= kNanosecondDigits ? parse_nanoseconds_us(stem) : std::nullopt;
-  return stem.size() - point > kDecimals ? parse_seconds_us(stem) : std::nullopt;
-}
-
 class FileListReader : public FrameReader {
  public:
-  explicit FileListReader(FileList list) : list_(std::move(list)) {}
-
-  std::optional<FrameStamp> advance() override {
-    if (next_ == list_.entries.size()) return std::nullopt;
-    const FileList::Entry& entry = list_.entries[next_++];
-    if (entry.line == 0) return FrameStamp{entry.utime_us, entry.file.string()};
-    return FrameStamp{entry.utime_us, fmt::format("{}:{}", list_.source.string(), entry.line)};
+  FileListReader(FileList list, std::optional<GreyRange> range) : list_(std::move(list)), range_(range) {
+    for (const FileList::Entry& entry : list_.entries) utimes_.push_back(entry.utime_us);
   }
-  std::optional<image_t> load(bool colour, std::string* error) override {
-    const fs::path& file = list_.entries[next_ - 1].file;
-    std::optional<image_t> image = load_image_file(file, colour, error);
+
+  const std::vector<int64_t>& utimes() const override { return utimes_; }
+  std::string why_no_times() const override { return list_.why_no_times; }
+  std::string where(size_t frame) const override {
+    const FileList::Entry& entry = list_.entries[frame];
+    return entry.line == 0 ? entry.file.string() : fmt::format("{}:{}", list_.source.string(), entry.line);
+  }
+  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+    const fs::path& file = list_.entries[frame].file;
+    std::optional<image_t> image = load_image_file(file, colour, [this] { return range(); }, error);
     if (!image) *error = file.string() + ": " + *error;
     return image;
   }
-  void rewind() override { next_ = 0; }
-  std::vector<int64_t> utimes() const override {
-    std::vector<int64_t> all;
-    for (const FileList::Entry& entry : list_.entries) all.push_back(entry.utime_us);
-    return all;
-  }
   Malformed malformed() const override { return list_.malformed; }
+  std::vector<std::string> notes() const override { return list_.notes; }
 
  private:
+  GreyRange range() {
+    if (range_) return *range_;
+    std::vector<fs::path> files;
+    for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
+    range_ = sample_grey_range(files);
+    log_info("{}: pixels of 16 bits: {} to {} become 0 to 255 in all images, the range of some of them; for another one "
+             "give --set camera_driver.grey_range=LOW:HIGH", list_.source.string(), range_->low, range_->high);
+    return *range_;
+  }
+
   FileList list_;
-  size_t next_ = 0;
+  std::vector<int64_t> utimes_;
+  std::optional<GreyRange> range_;
 };
 
 }  // namespace
 
-FileList read_tum_list(const fs::path& rgb_txt) {
-  const fs::path folder = rgb_txt.parent_path();
-  return read_list(rgb_txt, "seconds path/of/image.png", [&folder](const std::string& line, FileList::Entry* entry) {
-    const size_t space = line.find_first_of(" \t");
-    const std::string time = line.substr(0, space);
-    const std::optional<int64_t> utime_us = parse_seconds_us(time);
-    if (!utime_us) return fmt::format("time is '{}': must be decimal seconds", printable(time));
-    if (space == std::string::npos) return std::string("no file name after the time");
-    entry->utime_us = *utime_us;
-    entry->file = folder / trimmed(line.substr(space));
-    return std::string();
-  });
+FileList read_tum_list(const fs::path& rgb_txt, const std::string& pattern) {
+  const auto parse = [](const std::string& text, Line* line) -> std::string {
+    const size_t space = text.find_first_of(" \t,;");
+    line->time = text.substr(0, space);
+    if (!is_number(line->time))
+      return fmt::format("time is '{}': must be decimal seconds", printable(line->time));
+    if (space == std::string::npos) return "no file name after the time";
+    line->name = trimmed(text.substr(space + 1));
+    std::istringstream words(line->name);
+    std::string name, second_time, second_name, more;
+    const bool is_pair = words >> name >> second_time >> second_name && !(words >> more);
+    if (is_pair && is_number(second_time)) line->name = name;
+    return {};
+  };
+  return read_list(rgb_txt, rgb_txt.parent_path(), pattern, TimeUnit::kSeconds, "seconds path/of/image.png", parse);
 }
 
-FileList read_euroc_list(const fs::path& data_csv) {
+FileList read_euroc_list(const fs::path& data_csv, const std::string& pattern) {
+  const auto parse = [](const std::string& text, Line* line) -> std::string {
+    const size_t comma = text.find_first_of(" \t,;");
+    line->time = trimmed(text.substr(0, comma));
+    if (!is_number(line->time))
+      return fmt::format("time is '{}': must be whole nanoseconds", printable(line->time));
+    line->name = comma == std::string::npos ? "" : trimmed(text.substr(comma + 1));
+    return line->name.empty() ? "no file name after the time" : "";
+  };
   const fs::path folder = data_csv.parent_path() / "data";
-  return read_list(data_csv, "nanoseconds,name.png", [&folder](const std::string& line, FileList::Entry* entry) {
-    const size_t comma = line.find(',');
-    const std::string time = trimmed(line.substr(0, comma));
-    const std::optional<int64_t> utime_us = parse_nanoseconds_us(time);
-    if (!utime_us) return fmt::format("time is '{}': must be whole nanoseconds", printable(time));
-    const std::string name = comma == std::string::npos ? "" : trimmed(line.substr(comma + 1));
-    if (name.empty()) return std::string("no file name after the time");
-    entry->utime_us = *utime_us;
-    entry->file = folder / name;
-    return std::string();
-  });
+  return read_list(data_csv, folder, pattern, TimeUnit::kNanoseconds, "nanoseconds,name.png", parse);
 }
 
-FileList list_image_folder(const fs::path& folder, double rate_hz) {
+FileList list_image_folder(const fs::path& folder, const std::string& pattern) {
   FileList list;
   list.source = folder;
+  std::vector<Line> lines;
   std::error_code code;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
-    if (is_image_name(it->path())) list.entries.push_back({0, it->path(), 0});
+    if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
-  if (list.entries.empty()) return list;
-  std::sort(list.entries.begin(), list.entries.end(), [](const FileList::Entry& a, const FileList::Entry& b) {
-    return natural_less(a.file.filename().string(), b.file.filename().string());
-  });
+  std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return natural_less(a.name, b.name); });
+  lines = choose(&list, lines, pattern);
+  if (!list.error.empty() || lines.empty()) return list;
 
-  bool timed = true;
-  for (FileList::Entry& entry : list.entries) {
-    const std::optional<int64_t> time = time_from_name(entry.file);
-    timed = timed && time.has_value();
-    entry.utime_us = time.value_or(0);
-  }
-  if (timed) return list;
-  if (!(rate_hz > 0)) {
-    list.error =
-        fmt::format("{}: the names of the images give no times ('{}'); give --rate HZ, or fps in the calibration",
-                    folder.string(), list.entries.front().file.filename().string());
+  constexpr double kMostHaveTimes = 0.9;
+  std::vector<std::string> names;
+  for (const Line& line : lines) names.push_back(line.name);
+  const FileNameTimes found = times_in_names(names);
+  const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
+  if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
+    for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
+    understand(&list, lines, folder, found.usual);
     return list;
   }
-  for (size_t i = 0; i < list.entries.size(); ++i)
-    list.entries[i].utime_us = std::llround(static_cast<double>(i) * 1e6 / rate_hz);
+  for (const Line& line : lines) list.entries.push_back({0, folder / line.name, 0});
+  list.why_no_times = fmt::format("the names of the images give no times ('{}')", names.front());
   return list;
 }
 
-std::unique_ptr<FrameReader> make_file_list_reader(FileList list) {
-  return std::make_unique<FileListReader>(std::move(list));
+std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range) {
+  return std::make_unique<FileListReader>(std::move(list), grey_range);
 }
 
 }  // namespace rumi::camera_driver

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/image_file.h"
 
 namespace rumi::camera_driver {
 
@@ -16,20 +19,24 @@ struct FileList {
     std::filesystem::path file;
     int line = 0;  // in the list, 0 for a plain folder
   };
-  std::vector<Entry> entries;    // in the order of the list
-  std::filesystem::path source;  // the list, or the folder
-  Malformed malformed;           // lines
-  std::string error;             // empty, or file, what is wrong, and what to do
+  std::vector<Entry> entries;      // in the order of the list
+  std::filesystem::path source;    // the list, or the folder
+  Malformed malformed;             // lines, names without a time among those that have one
+  std::string why_no_times;        // empty, or why the times of all entries are 0
+  std::vector<std::string> notes;  // what the user should know of how it was read
+  std::string error;               // empty, or file, what is wrong, and what to do
 };
 
-// rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list.
-FileList read_tum_list(const std::filesystem::path& rgb_txt);
+// `pattern`: of the images that are wanted, see choose_images().
+// rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
+// ("seconds path seconds path", as of colour and depth) give the first one.
+FileList read_tum_list(const std::filesystem::path& rgb_txt, const std::string& pattern);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
-FileList read_euroc_list(const std::filesystem::path& data_csv);
-// All images of a folder in natural order (2 before 10). If all names are seconds (with decimals) or nanoseconds they
-// are the times; else image i has the time i / rate_hz. rate_hz 0: not known, an error where it is needed.
-FileList list_image_folder(const std::filesystem::path& folder, double rate_hz);
+FileList read_euroc_list(const std::filesystem::path& data_csv, const std::string& pattern);
+// All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
+FileList list_image_folder(const std::filesystem::path& folder, const std::string& pattern);
 
-std::unique_ptr<FrameReader> make_file_list_reader(FileList list);
+// `grey_range`: of images with 16 bits; without it that of the recording is measured when the first one is met.
+std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range);
 
 }  // namespace rumi::camera_driver

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include "base/log.h"
+#include <span>
+
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
@@ -10,40 +11,64 @@
 namespace rumi::camera_driver {
 namespace {
 
+// What an image_t message begins with, big endian.
+constexpr size_t kHashBytes = 8, kHeadBytes = 16;
+
+int64_t big_endian(std::span<const uint8_t> bytes) {
+  uint64_t value = 0;
+  for (const uint8_t byte : bytes) value = value << 8 | byte;
+  return static_cast<int64_t>(value);
+}
+
 class LogFrameReader : public FrameReader {
  public:
-  LogFrameReader(std::string file, std::string channel) : file_(std::move(file)), channel_(std::move(channel)) {
-    rewind();
+  LogFrameReader(std::string file, std::string channel)
+      : file_(std::move(file)), channel_(std::move(channel)), log_(file_) {
+    while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
+    damage_ = log_.error();
   }
 
-  std::optional<FrameStamp> advance() override {
-    while (const std::optional<LogEvent> event = log_->next_on(channel_)) {
-      const std::string where = fmt::format("{}: image {}", file_, number_++);
-      if (Bus::decode(event->data, &image_) && plausible_utime(image_.utime)) return FrameStamp{image_.utime, where};
-      if (malformed_.count++ == 0) malformed_.first = where + ": is no image_t message, broken, or of no time";
+  const std::vector<int64_t>& utimes() const override { return utimes_; }
+  std::string where(size_t frame) const override { return fmt::format("{}: image {}", file_, numbers_[frame]); }
+  std::optional<image_t> load(size_t frame, bool, std::string* error) override {
+    log_.seek(positions_[frame]);
+    const std::optional<LogEvent> event = log_.next_on(channel_);
+    image_t image;
+    if (!event || !Bus::decode(event->data, &image)) {
+      *error = where(frame) + ": is no image_t message, or broken";
+      return std::nullopt;
     }
-    if (!log_->error().empty()) log_warning("{}", log_->error());
+    const std::string problem = check_image(image);
+    if (problem.empty()) return image;
+    *error = fmt::format("{}: {}", where(frame), problem);
     return std::nullopt;
-  }
-  std::optional<image_t> load(bool, std::string* error) override {
-    const std::string problem = check_image(image_);
-    if (problem.empty()) return image_;
-    *error = fmt::format("{}: image {}: {}", file_, number_ - 1, problem);
-    return std::nullopt;
-  }
-  void rewind() override {
-    log_.emplace(file_);
-    number_ = 0;
-    malformed_ = {};
   }
   Malformed malformed() const override { return malformed_; }
-  const std::string& error() const { return log_->error(); }
+  std::vector<std::string> notes() const override {
+    return damage_.empty() ? std::vector<std::string>() : std::vector<std::string>{damage_};
+  }
+  const std::string& damage() const { return damage_; }
 
  private:
-  std::string file_, channel_;
-  std::optional<LogReader> log_;
-  image_t image_;
-  int64_t number_ = 0;
+  void add(std::span<const uint8_t> head) {
+    const int64_t number = event_++;
+    if (head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash()) {
+      const int64_t utime_us = big_endian(head.subspan(kHashBytes));
+      if (plausible_utime(utime_us)) {
+        utimes_.push_back(utime_us);
+        numbers_.push_back(number);
+        positions_.push_back(log_.position_of_last());
+        return;
+      }
+    }
+    if (malformed_.count++ == 0)
+      malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
+  }
+
+  std::string file_, channel_, damage_;
+  LogReader log_;
+  int64_t event_ = 0;                        // on the channel
+  std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame
   Malformed malformed_;
 };
 
@@ -51,14 +76,13 @@ class LogFrameReader : public FrameReader {
 
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel) {
   auto reader = std::make_unique<LogFrameReader>(file.string(), channel);
-  if (!reader->error().empty()) return {nullptr, reader->error()};
-  if (!reader->advance())
+  if (reader->utimes().empty() && !reader->damage().empty()) return {nullptr, reader->damage()};
+  if (reader->utimes().empty())
     return {nullptr, reader->malformed().count > 0
                          ? reader->malformed().first
                          : fmt::format("{}: no message on channel '{}'; name the images' channel with "
                                        "--set camera_driver.log_channel=NAME",
                                        file.string(), channel)};
-  reader->rewind();
   return {std::move(reader), ""};
 }
 

@@ -3,28 +3,30 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "base/log.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "camera_driver/source/encode_as.h"
+#include "camera_driver/source/frame_selector.h"
 #include "camera_driver/source/stream_name.h"
 
 namespace rumi::camera_driver {
 namespace {
 
-int64_t count_wanted(const std::vector<int64_t>& utimes, const CameraOptions& options) {
+std::vector<OrderedFrame> select(const std::vector<OrderedFrame>& frames, const CameraOptions& options) {
+  using Verdict = FrameSelector::Verdict;
   FrameSelector selector(options);
-  int64_t count = 0;
-  for (const int64_t utime_us : utimes) {
-    const FrameSelector::Verdict verdict = selector.judge(utime_us);
-    if (verdict == FrameSelector::Verdict::kEnd) break;
-    count += verdict == FrameSelector::Verdict::kTake ? 1 : 0;
+  std::vector<OrderedFrame> wanted;
+  for (const OrderedFrame& frame : frames) {
+    const Verdict verdict = selector.judge(frame.elapsed_us);
+    if (verdict == Verdict::kEnd) break;
+    if (verdict == Verdict::kTake) wanted.push_back(frame);
   }
-  return count;
+  return wanted;
 }
 
 }  // namespace
@@ -35,38 +37,84 @@ RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> re
       calibration_(camera_to_yaml(camera)),
       reader_(std::move(reader)),
       camera_(camera),
-      options_(options),
-      selector_(options) {
-  const std::vector<int64_t> utimes = reader_->utimes();
-  if (!utimes.empty() && !options_.loop) total_ = count_wanted(utimes, options_);
+      options_(options) {}
+
+// Which frames are played, and in which order.
+std::string RecordedSource::order(FrameOrder* order) const {
+  const std::vector<int64_t>& utimes = reader_->utimes();
+  const std::string no_times = reader_->why_no_times();
+  const double rate_hz = options_.rate_hz > 0 ? options_.rate_hz : camera_.fps;
+  if (!no_times.empty() && !(rate_hz > 0)) return no_times + "; give --rate HZ, or fps in the calibration";
+  if (no_times.empty()) {
+    *order = order_frames(utimes);
+    const bool is_whole = order->frames.size() == utimes.size() && order->frames.back().part == 0;
+    if (options_.rate_hz <= 0 || is_whole) return order->error;
+  }
+  // New times: those that are there need not be good.
+  *order = frames_at_rate(utimes.size(), rate_hz, utimes.front());
+  return {};
+}
+
+std::string RecordedSource::plan() {
+  FrameOrder all;
+  if (const std::string problem = order(&all); !problem.empty()) return problem;
+  frames_ = select(all.frames, options_);
+  if (frames_.empty())
+    return fmt::format("there is no image from second {} on: the recording is {:.1f} s long ({} images); lower --start",
+                       options_.start_s, static_cast<double>(all.frames.back().elapsed_us) * 1e-6, all.frames.size());
+  for (const std::string& note : reader_->notes()) log_warning("{}: {}", name_, note);
+  if (all.is_sorted) log_warning("{}: its images are not stored in the order of their times: they are played in it", name_);
+  for (size_t i = 1; i < all.frames.size(); ++i)
+    if (all.frames[i].part != all.frames[i - 1].part)
+      log_warning("{}: the clock was set back by {:.3f} s: a new session begins", reader_->where(all.frames[i].frame),
+                  static_cast<double>(all.frames[i - 1].utime_us - all.frames[i].utime_us) * 1e-6);
+  count_left_out(all);
+  return {};
+}
+
+// What is left out beyond the part that is played does not matter.
+void RecordedSource::count_left_out(const FrameOrder& order) {
+  const auto [first, last] = std::minmax_element(
+      frames_.begin(), frames_.end(), [](const OrderedFrame& a, const OrderedFrame& b) { return a.frame < b.frame; });
+  const bool is_all = options_.start_s <= 0 && options_.duration_s <= 0;
+  const auto is_played = [&, from = first->frame, to = last->frame](size_t frame) {
+    return is_all || (frame >= from && frame <= to);
+  };
+  for (const size_t frame : order.duplicates)
+    if (is_played(frame))
+      skip(&SkippedFrames::duplicate, reader_->where(frame) + ": has the same time as another image; left out");
+  for (const size_t frame : order.wrong_times)
+    if (is_played(frame))
+      skip(&SkippedFrames::out_of_order,
+           fmt::format("{}: its time, {:.6f} s, is far from those of the images around it; left out",
+                       reader_->where(frame), static_cast<double>(reader_->utimes()[frame]) * 1e-6));
+  if (const Malformed malformed = reader_->malformed(); malformed.count > 0) {
+    skip(&SkippedFrames::malformed, malformed.first);
+    skipped_.malformed = malformed.count;
+  }
 }
 
 // By the times and the first image, whichever part is played. With times of our own it is another stream.
-void RecordedSource::name_stream() {
+void RecordedSource::name_streams() {
   StreamName name;
   name.add(std::llround(options_.rate_hz * 1e6));
   for (const int64_t utime_us : reader_->utimes()) name.add(utime_us);
-  std::error_code is_folder;  // of a file, whose times are not known before it has been read, its size
-  if (const auto bytes = std::filesystem::file_size(name_, is_folder); !is_folder)
-    name.add(static_cast<int64_t>(bytes));
   std::string ignored;
-  if (const std::optional<FrameStamp> first = reader_->advance()) {
-    name.add(first->utime_us);
-    if (const std::optional<image_t> image = reader_->load(false, &ignored)) name.add(image->data);
+  if (const std::optional<image_t> image = reader_->load(0, false, &ignored)) name.add(image->data);
+  for (int part = 0; part <= frames_.back().part; ++part) {
+    if (part > 0) name.add(part);
+    streams_.push_back(name.number());
   }
-  reader_->rewind();
-  stream_ = name.number();
 }
 
 std::string RecordedSource::start() {
-  name_stream();
+  if (const std::string problem = plan(); !problem.empty()) return name_ + ": " + problem;
+  name_streams();
   starting_ = true;
   ahead_ = fetch();
   starting_ = false;
   have_ahead_ = true;
-  if (ahead_ && skipped_.wrong_size == 0) return {};
-  if (!first_problem_.empty()) return first_problem_;
-  return fmt::format("{}: no image between start {} s and its end; lower --start", name_, options_.start_s);
+  return ahead_ && skipped_.wrong_size == 0 ? "" : first_problem_;
 }
 
 std::optional<image_t> RecordedSource::next() {
@@ -76,19 +124,20 @@ std::optional<image_t> RecordedSource::next() {
 }
 
 std::optional<image_t> RecordedSource::fetch() {
-  while (const std::optional<FrameStamp> stamp = next_wanted()) {
+  while (next_ < frames_.size() || begin_next_pass()) {
+    const OrderedFrame& frame = frames_[next_++];
     // Before loading: an unreadable image leaves a gap, it does not shift the others' times.
-    const int64_t utime_us = new_time(stamp->utime_us);
-    std::optional<image_t> image = load_checked(*stamp);
+    const int64_t utime_us = new_time(frame);
+    std::optional<image_t> image = load_checked(frame.frame);
     if (!image && starting_ && skipped_.wrong_size > 0) return std::nullopt;
     if (!image) continue;
     image->utime = utime_us;
     ++handed_out_in_pass_;
     // What an earlier process noted in a log, such as when it was published, is not true of this one. What it is an
     // image of is.
-    const int64_t in_log = options_.rate_hz > 0 ? kNoStream : stream_of(*image);
+    const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
     image->metadata.clear();
-    set_stream(in_log == kNoStream ? stream_ : in_log, &*image);
+    set_stream(in_log == kNoStream ? streams_[static_cast<size_t>(frame.part)] : in_log, &*image);
     set_metadata(&*image, kCalibrationKey, calibration_);
     return image;
   }
@@ -96,53 +145,31 @@ std::optional<image_t> RecordedSource::fetch() {
   return std::nullopt;
 }
 
-// The next frame that is wanted, in this pass or the next one.
-std::optional<FrameStamp> RecordedSource::next_wanted() {
-  using Verdict = FrameSelector::Verdict;
-  while (true) {
-    const std::optional<FrameStamp> stamp = reader_->advance();
-    const Verdict verdict = stamp ? selector_.judge(stamp->utime_us) : Verdict::kEnd;
-    if (verdict == Verdict::kTake) return stamp;
-    if (verdict == Verdict::kDuplicate)
-      skip(&SkippedFrames::duplicate, stamp->where + ": has the same time as the image before; left out");
-    if (verdict == Verdict::kOutOfOrder)
-      skip(&SkippedFrames::out_of_order, stamp->where + ": its time is before that of the image before; left out");
-    if (verdict == Verdict::kEnd && !begin_next_pass()) return std::nullopt;
-  }
-}
-
 bool RecordedSource::begin_next_pass() {
-  const Malformed malformed = reader_->malformed();
-  if (pass_ == 0 && malformed.count > 0) {
-    skip(&SkippedFrames::malformed, malformed.first);
-    skipped_.malformed = malformed.count;
-  }
   // Another pass would give nothing either, for ever.
   if (!options_.loop || handed_out_in_pass_ == 0) return false;
-  const int64_t span_us = pass_last_us_ - pass_first_us_;
+  const int64_t span_us = frames_.back().elapsed_us - frames_.front().elapsed_us;
   const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
-  const int64_t period_us = taken_in_pass_ > 1 ? span_us / (taken_in_pass_ - 1) : std::llround(1e6 / nominal_hz);
-  offset_us_ += span_us + period_us;
-  taken_in_pass_ = handed_out_in_pass_ = 0;
+  const auto steps = static_cast<int64_t>(frames_.size()) - 1;
+  offset_us_ += span_us + (steps > 0 ? span_us / steps : std::llround(1e6 / nominal_hz));
+  handed_out_in_pass_ = 0;
   ++pass_;
-  selector_.rewind();
-  reader_->rewind();
+  next_ = 0;
   return true;
 }
 
-int64_t RecordedSource::new_time(int64_t recorded_us) {
-  if (taken_ == 0) origin_us_ = recorded_us;
-  if (taken_in_pass_++ == 0) pass_first_us_ = recorded_us;
-  pass_last_us_ = recorded_us;
+int64_t RecordedSource::new_time(const OrderedFrame& frame) {
   const int64_t index = taken_++;
-  if (options_.rate_hz > 0) return origin_us_ + std::llround(static_cast<double>(index) * 1e6 / options_.rate_hz);
-  return recorded_us + offset_us_;
+  const OrderedFrame& first = frames_.front();
+  if (options_.rate_hz > 0) return first.utime_us + std::llround(static_cast<double>(index) * 1e6 / options_.rate_hz);
+  if (!options_.loop) return frame.utime_us;
+  return first.utime_us + frame.elapsed_us - first.elapsed_us + offset_us_;
 }
 
-std::optional<image_t> RecordedSource::load_checked(const FrameStamp& stamp) {
+std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
   std::string error;
-  std::optional<image_t> image = reader_->load(colour, &error);
+  std::optional<image_t> image = reader_->load(frame, colour, &error);
   if (!image) {
     skip(&SkippedFrames::unreadable, error + "; left out");
     return std::nullopt;
@@ -151,11 +178,11 @@ std::optional<image_t> RecordedSource::load_checked(const FrameStamp& stamp) {
     skip(&SkippedFrames::wrong_size,
          fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; give the calibration of this "
                      "camera and size (--camera FILE)",
-                     stamp.where, image->width, image->height, camera_.width, camera_.height));
+                     reader_->where(frame), image->width, image->height, camera_.width, camera_.height));
     return std::nullopt;
   }
   image = encode_as(std::move(*image), options_, &error);
-  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}; left out", stamp.where, error));
+  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}; left out", reader_->where(frame), error));
   return image;
 }
 

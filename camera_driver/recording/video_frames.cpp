@@ -1,37 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <cmath>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
-#include "base/log.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/video_times.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 class VideoReader : public FrameReader {
  public:
-  explicit VideoReader(std::string file) : file_(std::move(file)) {
+  explicit VideoReader(std::string file) : file_(std::move(file)), times_(read_video_times(file_)) {
     // What OpenCV would print about a broken file is said by us.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    rewind();
+    if (!times_.utimes.empty()) open();
   }
-  bool opened() const { return video_.isOpened(); }
+  bool opened() const { return video_.isOpened() && !times_.utimes.empty(); }
 
-  std::optional<FrameStamp> advance() override {
-    if (!video_.grab()) {
-      warn_if_short();
+  const std::vector<int64_t>& utimes() const override { return times_.utimes; }
+  std::string why_no_times() const override { return times_.has_times ? "" : "the images of the video have no times"; }
+  std::string where(size_t frame) const override { return fmt::format("{}: frame {}", file_, frame); }
+  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+    if (frame + 1 < grabbed_) open();
+    while (grabbed_ <= frame && video_.grab()) ++grabbed_;
+    if (grabbed_ <= frame) {
+      *error = fmt::format("{}: it ends after {} of {} images: is it cut off?", file_, grabbed_, times_.utimes.size());
       return std::nullopt;
     }
-    const double time_ms = video_.get(cv::CAP_PROP_POS_MSEC);
-    const int64_t number = count_++;
-    return FrameStamp{std::llround(time_ms * 1000), fmt::format("{}: frame {}", file_, number)};
-  }
-  std::optional<image_t> load(bool colour, std::string* error) override {
     cv::Mat pixels, grey;
     if (!video_.retrieve(pixels) || pixels.empty()) {
       *error = file_ + ": a frame could not be decoded";
@@ -42,23 +41,25 @@ class VideoReader : public FrameReader {
     cv::cvtColor(pixels, grey, cv::COLOR_BGR2GRAY);
     return make_grey_image(0, grey);
   }
-  void rewind() override {
-    // Only FFmpeg: other backends take a file for a pattern of image names, or a camera.
-    video_.open(file_, cv::CAP_FFMPEG);
-    count_ = 0;
+  std::vector<std::string> notes() const override {
+    constexpr double kPartOfEstimate = 0.95;  // some containers only estimate the number
+    const double promised = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    const size_t count = times_.utimes.size();
+    if (static_cast<double>(count) >= kPartOfEstimate * promised - 1) return {};
+    return {fmt::format("ends after {} images, its header promises {:.0f}: the file may be cut off", count, promised)};
   }
 
  private:
-  void warn_if_short() const {
-    constexpr double kPartOfEstimate = 0.95;  // some containers only estimate the number
-    const double promised = video_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (static_cast<double>(count_) < kPartOfEstimate * promised - 1)
-      log_warning("{}: ends after {} images, its header promises {:.0f}: the file may be cut off", file_, count_,
-                  promised);
+  void open() {
+    // Only FFmpeg: other backends take a file for a pattern of image names, or a camera.
+    video_.open(file_, cv::CAP_FFMPEG);
+    grabbed_ = 0;
   }
+
   std::string file_;
+  VideoTimes times_;
   cv::VideoCapture video_;
-  int64_t count_ = 0;
+  size_t grabbed_ = 0;  // frames
 };
 
 }  // namespace

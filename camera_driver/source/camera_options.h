@@ -23,12 +23,14 @@ struct CameraOptions : CameraControls {
   double start_s = 0;       // skipped at the beginning
   double duration_s = 0;    // of the recording from there on, 0: all
   bool loop = false;        // again and again; times keep rising
-  double rate_hz =
-      0;  // recording: new times at this rate, 0: as recorded; camera: asked for, 0: the calibration's fps, else 30
+  // Recording: new times at this rate, 0: as recorded; camera: asked for, 0: the calibration's fps, else 30.
+  double rate_hz = 0;
   double speed = 1;                    // live only: pace relative to the times
   bool live_stamps = false;            // live only: utime is when the image is published
   std::string encoding = "auto";       // auto: JPEG files as they are, all else grey; or grey, rgb, jpeg
   std::string log_channel = "CAMERA";  // of the images in an lcm log
+  std::string files;                   // pattern of the images of a folder or list; empty: those of one camera
+  std::string grey_range = "auto";     // of pixels of 16 bits, see parse_grey_range(); auto: that of the recording
 
   // Cameras only.
   int width = 0, height = 0;    // pixels, 0: those of the calibration, without one 640 x 480

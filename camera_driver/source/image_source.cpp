@@ -12,11 +12,31 @@ std::string SkippedFrames::to_string() const {
   };
   add(malformed, "malformed entries");
   add(duplicate, "duplicate times");
-  add(out_of_order, "times going backwards");
+  add(out_of_order, "wrong times");
   add(unreadable, "unreadable images");
   add(wrong_size, "images of another size");
   add(lost, "lost by the camera or its driver");
   return out;
+}
+
+std::vector<std::string> SkippedFrames::complaints(int64_t handed_out) const {
+  constexpr double kTolerable = 0.01;
+  const auto all = static_cast<double>(handed_out + total());
+  std::vector<std::string> sentences;
+  const auto add = [&](int64_t count, const char* what, const char* remedy) {
+    const double part = static_cast<double>(count) / all;
+    if (count == 0 || part <= kTolerable) return;
+    sentences.push_back(
+        fmt::format("{} of {:.0f} images ({:.3g} %) were left out, {}; {}", count, all, 100 * part, what, remedy));
+  };
+  add(malformed, "because their lines or messages are none", "mend the list, or record them again");
+  add(duplicate, "because they have the time of another one", "--rate HZ makes new times");
+  add(out_of_order, "because their times are far from those of the images around them",
+      "mend the times, or let --rate HZ make new ones");
+  add(unreadable, "because they are missing or cannot be read", "copy or record them again");
+  add(wrong_size, "because they are not of the calibration's size",
+      "play them by themselves (a folder of their own, or camera_driver.files), with a calibration of their size");
+  return sentences;
 }
 
 }  // namespace rumi::camera_driver

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "camera_driver/source/camera_options.h"
 #include "lcmtypes/rumi/image_t.hpp"
@@ -16,13 +17,16 @@ namespace rumi::camera_driver {
 // Frames that are not handed out, by reason.
 struct SkippedFrames {
   int64_t malformed = 0;     // lines or messages that are no frame
-  int64_t duplicate = 0;     // time equal to that of the frame before
-  int64_t out_of_order = 0;  // time before that of the frame before
+  int64_t duplicate = 0;     // time equal to that of another frame
+  int64_t out_of_order = 0;  // recording: time far from those around; camera: before that of the frame before
   int64_t unreadable = 0;    // missing or corrupt
   int64_t wrong_size = 0;    // not that of the calibration
   int64_t lost = 0;          // camera: gaps in the driver's numbering
   int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + lost; }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
+  // Of a recording of which `handed_out` images were not skipped: a sentence for each reason for which more than 1 % of
+  // all were, with what to do.
+  std::vector<std::string> complaints(int64_t handed_out) const;
 };
 
 // How a camera does.

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 namespace rumi::camera_driver {
@@ -60,19 +61,24 @@ std::optional<int64_t> round_decimal(const Decimal& decimal) {
 
 }  // namespace
 
-std::optional<int64_t> parse_seconds_us(std::string_view text) {
+const char* name_of(TimeUnit unit) {
+  static constexpr std::array kNames = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
+  return kNames.at(static_cast<size_t>(unit));
+}
+
+std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit) {
+  static constexpr std::array kExponents = {6, 3, 0, -3};
   std::optional<Decimal> decimal = parse_decimal(text);
   if (!decimal) return std::nullopt;
-  decimal->exponent += 6;
+  decimal->exponent += kExponents.at(static_cast<size_t>(unit));
   return round_decimal(*decimal);
 }
 
+std::optional<int64_t> parse_seconds_us(std::string_view text) { return parse_time_us(text, TimeUnit::kSeconds); }
+
 std::optional<int64_t> parse_nanoseconds_us(std::string_view text) {
   if (text.empty() || !std::all_of(text.begin(), text.end(), is_digit)) return std::nullopt;
-  std::optional<Decimal> decimal = parse_decimal(text);
-  if (!decimal) return std::nullopt;
-  decimal->exponent -= 3;
-  return round_decimal(*decimal);
+  return parse_time_us(text, TimeUnit::kNanoseconds);
 }
 
 std::string format_seconds(int64_t utime_us) {

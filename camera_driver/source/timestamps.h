@@ -10,10 +10,15 @@
 
 namespace rumi::camera_driver {
 
-// Decimal seconds, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond. Nothing for
-// anything else, negative numbers, and 1e11 s and above (milli-, micro- or nanoseconds given as seconds).
+enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
+const char* name_of(TimeUnit unit);  // "seconds"
+
+// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond. Nothing
+// for anything else, negative numbers, and 1e11 s and above.
+std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
+// Decimal seconds, "1305031102.175304".
 std::optional<int64_t> parse_seconds_us(std::string_view text);
-// Whole nanoseconds, "1403636579763555584", rounded to the nearest microsecond.
+// Whole nanoseconds, "1403636579763555584".
 std::optional<int64_t> parse_nanoseconds_us(std::string_view text);
 // "1305031102.175304": what parse_seconds_us reads back. Precondition: not negative.
 std::string format_seconds(int64_t utime_us);

@@ -16,18 +16,18 @@ std::string collect_from_recording(const std::string& input, const std::string& 
         input);
   camera_driver::CameraOptions options;
   options.log_channel = log_channel;
-  options.rate_hz = 1;  // of a folder of images; their times are not used
+  options.rate_hz = 1;  // of what has no times; they are not used
   const camera_driver::OpenedReader opened = camera_driver::open_frames(input, options);
   if (!opened.error.empty()) return opened.error;
-  for (int64_t number = 0; const std::optional<camera_driver::FrameStamp> stamp = opened.reader->advance(); ++number) {
-    if (number % every != 0) continue;
+  camera_driver::FrameReader& reader = *opened.reader;
+  for (size_t frame = 0; frame < reader.utimes().size(); frame += static_cast<size_t>(every)) {
     std::string error;
-    std::optional<image_t> image = opened.reader->load(/*colour=*/false, &error);
+    std::optional<image_t> image = reader.load(frame, /*colour=*/false, &error);
     if (!image) {
       collector->add_unreadable(error);
     } else {
-      image->utime = stamp->utime_us;
-      if (!collector->add(*image, stamp->where)) return collector->problem();
+      image->utime = reader.utimes()[frame];
+      if (!collector->add(*image, reader.where(frame))) return collector->problem();
     }
     if (!go_on()) break;
   }

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/exit_codes.h"
 #include "base/log.h"
 #include "bus/process/process.h"
 #include "rumi/commands/commands.h"
@@ -53,7 +54,8 @@ int replay(Arguments& arguments) {
     print_summary(outcome.counts, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
-  return 0;
+  for (const std::string& complaint : outcome.complaints) fmt::print(stderr, "rumi replay: {}\n", complaint);
+  return outcome.complaints.empty() ? 0 : kNotAll;
 }
 
 }  // namespace

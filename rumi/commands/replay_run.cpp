@@ -15,6 +15,7 @@
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/run/metered_bus.h"
+#include "rumi/run/why_no_map.h"
 #include "ruminator/queue/spool.h"
 #include "ruminator/window/window_message.h"
 
@@ -181,6 +182,8 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
+  outcome.complaints = replay.skipped().complaints(outcome.images);
+  if (outcome.counts.frames_in_map == 0) outcome.complaints.push_back(why_no_map(run.input, run.options.camera_driver));
   return outcome;
 }
 

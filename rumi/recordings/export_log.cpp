@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "base/exit_codes.h"
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "camera_driver/open_source.h"
@@ -56,7 +57,9 @@ int run_export(const ExportOptions& options) {
     return fail(problem + "; the incomplete log was removed");
   }
   fmt::print("{}: {} images on {}\n", options.log, count, options.channel);
-  return 0;
+  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  for (const std::string& complaint : complaints) fmt::print(stderr, "rumi export: {}\n", complaint);
+  return complaints.empty() ? 0 : kNotAll;
 }
 
 }  // namespace rumi::tool

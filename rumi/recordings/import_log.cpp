@@ -10,6 +10,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <span>
 
+#include "base/exit_codes.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -90,7 +91,9 @@ int run_import(const ImportOptions& options) {
   const std::string problem = write_folder(*opened.source, options.folder, &count);
   if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
   fmt::print("{}: {} images\n", options.folder, count);
-  return 0;
+  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  for (const std::string& complaint : complaints) fmt::print(stderr, "rumi import: {}\n", complaint);
+  return complaints.empty() ? 0 : kNotAll;
 }
 
 }  // namespace rumi::tool

@@ -18,6 +18,7 @@ namespace {
 
 constexpr int64_t kFinishStepUs = 100'000;
 constexpr int64_t kFinishTimeoutUs = 60'000'000;
+constexpr int64_t kUsualStepUs = 33'333;
 
 }  // namespace
 
@@ -104,7 +105,9 @@ bool Replay::step() {
     const CpuTimer timer(&camera.cpu_s);
     utime_us = camera_->next_utime_us();
     if (!utime_us) return false;
-    bus_.set_now_us(*utime_us);
+    // The clock goes on where a recording's times go back.
+    if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + kUsualStepUs;
+    bus_.set_now_us(*utime_us + clock_ahead_us_);
     camera_->publish_next();
   }
   ++frames_;

@@ -89,6 +89,7 @@ class Replay {
   Node* front_tracker_ = nullptr;
   map_server::MapServerNode* map_server_ = nullptr;
   int64_t frames_ = 0;
+  int64_t clock_ahead_us_ = 0;  // of the images' times
   int64_t last_utime_us_ = 0;
   std::unique_ptr<LogWriter> log_;
 };

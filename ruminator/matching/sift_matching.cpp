@@ -20,7 +20,8 @@ constexpr int kIterations = 1000;        // RANSAC, at most
 constexpr double kConfidence = 0.9999;
 constexpr double kMaxErrorPx = 1.5;  // from both epipolar lines, sqrt(d1² + d2²)
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// What chooses a clone runs before ThreadSanitizer is there.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define RUMI_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 #else
 #define RUMI_VECTOR_CLONES

@@ -236,7 +236,7 @@ TEST(ImageSource, BadFramesAreLeftOutAndCounted) {
   fs::remove(folder / "rgb/4.jpg");
   write(folder / "rgb/5.jpg", std::string(1000, 'x'));
   cv::imwrite(folder / "rgb/6.jpg", picture(6, 32, 48));
-  write(folder / "rgb.txt", read(folder / "rgb.txt") + "1000.9 rgb/8.jpg\n1000.85 rgb/8.jpg\nabc rgb/9.jpg\n1001.5\n");
+  write(folder / "rgb.txt", read(folder / "rgb.txt") + "1000.9 rgb/8.jpg\n50.85 rgb/8.jpg\nabc rgb/9.jpg\n1001.5\n");
   const OpenedSource opened = open_image_source(folder.path().string(), {});
   ASSERT_EQ(opened.error, "");
   EXPECT_THAT(times(*opened.source), ElementsAre(1000000000, 1000100000, 1000700000, 1000800000, 1000900000));

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/file_name_times.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <regex>
+
+namespace rumi::camera_driver {
+namespace {
+
+constexpr size_t kLongestName = 255;  // the regular expressions recurse
+
+// The part of the name that `form` fits.
+std::optional<std::smatch> find(const std::string& name, const std::regex& form) {
+  std::smatch match;
+  if (name.size() > kLongestName || !std::regex_search(name, match, form)) return std::nullopt;
+  return match;
+}
+
+std::string date_in(const std::string& name) {
+  static const std::regex form(
+      "(?:^|[^0-9])((?:19|20)[0-9]{2})([-_.]?)(0[1-9]|1[0-2])\\2(0[1-9]|[12][0-9]|3[01])[-_T. ]?"
+      "([01][0-9]|2[0-3])([-_.:h]?)([0-5][0-9])[-_.:m]?([0-5][0-9])(?:[-_.,]?([0-9]{1,9}))?(?:[^0-9]|$)");
+  const auto match = find(name, form);
+  if (!match) return {};
+  const auto number = [&match](size_t group) { return std::stoi((*match)[group].str()); };
+  std::tm date{};
+  date.tm_year = number(1) - 1900;
+  date.tm_mon = number(3) - 1;
+  date.tm_mday = number(4);
+  date.tm_hour = number(5);
+  date.tm_min = number(7);
+  date.tm_sec = number(8);
+  const time_t seconds = timegm(&date);
+  if (seconds < 0) return {};
+  return fmt::format("{}.{}", seconds, (*match)[9].matched ? (*match)[9].str() : "0");
+}
+
+std::string seconds_in(const std::string& name) {
+  static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,})(?:[^0-9.]|$)");
+  const auto match = find(name, form);
+  return match ? (*match)[1].str() : "";
+}
+
+std::string whole_number_in(const std::string& name) {
+  static const std::regex form("(?:^|[^0-9])([1-9][0-9]{9,18})(?:[^0-9]|$)");
+  const auto match = find(name, form);
+  return match ? (*match)[1].str() : "";
+}
+
+// As times since 1970 have so many digits.
+TimeUnit unit_of_digits(size_t digits) {
+  if (digits < 12) return TimeUnit::kSeconds;
+  if (digits < 15) return TimeUnit::kMilliseconds;
+  return digits < 18 ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
+}
+
+// Without the ending, which may not be taken for decimals.
+std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
+
+}  // namespace
+
+FileNameTimes times_in_names(const std::vector<std::string>& names) {
+  FileNameTimes best;
+  size_t most = 0;
+  for (const std::function<std::string(const std::string&)> find_time : {date_in, seconds_in, whole_number_in}) {
+    FileNameTimes found;
+    for (const std::string& name : names) found.times.push_back(find_time(stem_of(name)));
+    const auto count = names.size() - static_cast<size_t>(std::count(found.times.begin(), found.times.end(), ""));
+    if (count <= most) continue;
+    most = count;
+    best = std::move(found);
+    const auto first = std::find_if(best.times.begin(), best.times.end(), [](const auto& t) { return !t.empty(); });
+    const bool is_whole = first->find('.') == std::string::npos;
+    best.usual = is_whole ? unit_of_digits(first->size()) : TimeUnit::kSeconds;
+  }
+  if (best.times.empty()) best.times.resize(names.size());
+  return best;
+}
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/frame_order.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+namespace rumi::camera_driver {
+namespace {
+
+constexpr double kMaxDisorder = 0.1;     // steps back, of all: more of them is disorder
+constexpr double kMaxDuplicates = 0.5;   // of all
+constexpr size_t kFew = 4;               // frames: of wrong times, or stored a little too early or too late
+constexpr size_t kNearPlaces = 16;       // frames
+constexpr int64_t kNearPeriods = 10;     // of the median period
+constexpr size_t kMostSessions = 3;
+constexpr int64_t kUsualPeriodUs = 33'333;
+
+using Frames = std::vector<size_t>;  // by number
+
+class Ordering {
+ public:
+  explicit Ordering(const std::vector<int64_t>& utimes_us) : times_(utimes_us) {}
+
+  FrameOrder run() {
+    if (std::string error = check_duplicates(); !error.empty()) return {{}, {}, {}, false, std::move(error)};
+    period_us_ = median_period_us();
+    if (is_in_disorder())
+      sort_all();
+    else
+      follow();
+    merge_parts();
+    hand_out();
+    return std::move(order_);
+  }
+
+ private:
+  int64_t time(size_t frame) const { return times_[frame]; }
+  bool earlier(size_t a, size_t b) const { return time(a) < time(b); }
+
+  std::string check_duplicates() const {
+    std::vector<int64_t> sorted = times_;
+    std::sort(sorted.begin(), sorted.end());
+    const auto distinct = static_cast<size_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
+    const size_t doubled = sorted.size() - distinct;
+    if (static_cast<double>(doubled) <= kMaxDuplicates * static_cast<double>(sorted.size())) return {};
+    if (distinct == 1)
+      return fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times",
+                         times_.size(), static_cast<double>(times_.front()) * 1e-6);
+    return fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
+                       times_.size(), doubled);
+  }
+
+  int64_t median_period_us() const {
+    std::vector<int64_t> steps;
+    for (size_t i = 1; i < times_.size(); ++i)
+      if (time(i) > time(i - 1)) steps.push_back(time(i) - time(i - 1));
+    if (steps.empty()) return kUsualPeriodUs;
+    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+    std::nth_element(steps.begin(), middle, steps.end());
+    return *middle;
+  }
+
+  bool is_in_disorder() const {
+    size_t back = 0;
+    for (size_t i = 1; i < times_.size(); ++i) back += time(i) < time(i - 1) ? 1 : 0;
+    return back > kFew && static_cast<double>(back) > kMaxDisorder * static_cast<double>(times_.size());
+  }
+
+  void sort_all() {
+    Frames all(times_.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::stable_sort(all.begin(), all.end(), [this](size_t a, size_t b) { return earlier(a, b); });
+    parts_.emplace_back();
+    for (const size_t frame : all) {
+      if (!parts_[0].empty() && time(parts_[0].back()) == time(frame))
+        order_.duplicates.push_back(frame);
+      else
+        parts_[0].push_back(frame);
+    }
+    order_.is_sorted = true;
+  }
+
+  // Goes through the frames as they are stored. Where the time goes back, the fewer are in doubt: those before that are
+  // later, or those from here on that are earlier. If neither are few, the clock was set back.
+  void follow() {
+    parts_.emplace_back();
+    for (size_t i = 0; i < times_.size(); ++i) {
+      Frames& part = parts_.back();
+      if (part.empty() || time(i) > time(part.back())) {
+        part.push_back(i);
+        continue;
+      }
+      if (time(i) == time(part.back())) {
+        order_.duplicates.push_back(i);
+        continue;
+      }
+      const auto from = std::lower_bound(part.begin(), part.end(), i, [this](size_t a, size_t b) { return earlier(a, b); });
+      const auto before = static_cast<size_t>(part.end() - from);
+      const size_t after = frames_not_after(time(part.back()), i);
+      if (std::min(before, after) > kFew) {
+        put_back();
+        parts_.push_back({i});
+      } else if (before < after) {
+        in_doubt_.insert(in_doubt_.end(), from, part.end());
+        part.erase(from, part.end());
+        part.push_back(i);
+      } else {
+        in_doubt_.push_back(i);
+      }
+    }
+    put_back();
+  }
+
+  // How many frames from `begin` on come before one that is later than utime_us. Counted no further than matters.
+  size_t frames_not_after(int64_t utime_us, size_t begin) const {
+    size_t count = 0;
+    while (begin + count < times_.size() && count <= kFew && time(begin + count) <= utime_us) ++count;
+    return count > kFew ? times_.size() : count;
+  }
+
+  // Each frame in doubt of the present part to its place, if that is near.
+  void put_back() {
+    Frames& part = parts_.back();
+    const Frames sure = part;  // in stored order and in that of their times
+    for (const size_t frame : in_doubt_) {
+      const auto by_time =
+          std::lower_bound(sure.begin(), sure.end(), frame, [this](size_t a, size_t b) { return earlier(a, b); });
+      const auto by_place = std::lower_bound(sure.begin(), sure.end(), frame);
+      int64_t nearest_us = INT64_MAX;
+      if (by_time != sure.end()) nearest_us = time(*by_time) - time(frame);
+      if (by_time != sure.begin()) nearest_us = std::min(nearest_us, time(frame) - time(*(by_time - 1)));
+      const bool is_near = static_cast<size_t>(std::abs(by_time - by_place)) <= kNearPlaces &&
+                           nearest_us / kNearPeriods <= period_us_;
+      const auto at =
+          std::lower_bound(part.begin(), part.end(), frame, [this](size_t a, size_t b) { return earlier(a, b); });
+      if (!is_near) {
+        order_.wrong_times.push_back(frame);
+      } else if (at != part.end() && time(*at) == time(frame)) {
+        order_.duplicates.push_back(frame);
+      } else {
+        part.insert(at, frame);
+        order_.is_sorted = true;
+      }
+    }
+    in_doubt_.clear();
+  }
+
+  // A clock is set back once or twice; many parts that do not overlap are one list in disorder.
+  void merge_parts() {
+    std::vector<Frames> sorted = parts_;
+    std::sort(sorted.begin(), sorted.end(),
+              [this](const Frames& a, const Frames& b) { return earlier(a.front(), b.front()); });
+    for (size_t i = 1; i < sorted.size(); ++i)
+      if (!earlier(sorted[i - 1].back(), sorted[i].front())) return;
+    if (sorted.size() <= kMostSessions) return;
+    order_.is_sorted = true;
+    parts_.assign(1, {});
+    for (const Frames& part : sorted) parts_[0].insert(parts_[0].end(), part.begin(), part.end());
+  }
+
+  void hand_out() {
+    int64_t begin_us = 0;  // elapsed at the beginning of the part
+    for (size_t p = 0; p < parts_.size(); ++p) {
+      const int64_t first_us = time(parts_[p].front());
+      for (const size_t frame : parts_[p])
+        order_.frames.push_back({frame, time(frame), begin_us + time(frame) - first_us, static_cast<int>(p)});
+      begin_us = order_.frames.back().elapsed_us + period_us_;
+    }
+    std::sort(order_.duplicates.begin(), order_.duplicates.end());
+    std::sort(order_.wrong_times.begin(), order_.wrong_times.end());
+  }
+
+  const std::vector<int64_t>& times_;
+  int64_t period_us_ = kUsualPeriodUs;
+  std::vector<Frames> parts_;
+  Frames in_doubt_;
+  FrameOrder order_;
+};
+
+}  // namespace
+
+FrameOrder order_frames(const std::vector<int64_t>& utimes_us) {
+  if (utimes_us.empty()) return {};
+  return Ordering(utimes_us).run();
+}
+
+FrameOrder frames_at_rate(size_t count, double rate_hz, int64_t first_us) {
+  FrameOrder order;
+  for (size_t i = 0; i < count; ++i) {
+    const int64_t elapsed_us = std::llround(static_cast<double>(i) * 1e6 / rate_hz);
+    order.frames.push_back({i, first_us + elapsed_us, elapsed_us, 0});
+  }
+  return order;
+}
+
+}  // namespace rumi::camera_driver

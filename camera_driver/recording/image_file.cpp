@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+
+#include "bus/wire/image_codec.h"
+#include "bus/wire/jpeg_decoder.h"
+#include "camera_driver/recording/image_header.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
+constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
+
+std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
+  std::error_code code;
+  if (!fs::is_regular_file(file, code)) {
+    *error = fs::exists(file, code) ? "is not a file" : "no such file";
+    return std::nullopt;
+  }
+  const std::uintmax_t size = fs::file_size(file, code);
+  if (code || size > kMaxFileBytes) {
+    *error = code ? code.message() : fmt::format("is {} bytes long: not a camera image", size);
+    return std::nullopt;
+  }
+  std::vector<uint8_t> bytes(size);
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
+    *error = "cannot be read; check its permissions";
+    return std::nullopt;
+  }
+  if (bytes.empty()) {
+    *error = "is empty";
+    return std::nullopt;
+  }
+  return bytes;
+}
+
+bool looks_like_jpeg(const std::vector<uint8_t>& bytes) {
+  return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+// What is wrong with a file that OpenCV is to decode, or an empty string.
+std::string check_header(const std::vector<uint8_t>& bytes) {
+  const std::optional<HeaderSize> size = size_in_header(bytes);
+  if (!size) return "is corrupt, or not a JPEG, PNG, BMP, TIFF, PGM, PPM or WebP image";
+  if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide)
+    return fmt::format("has {} x {} pixels: must have 1 to {} a side", size->width, size->height, kMaxSide);
+  return {};
+}
+
+// 8 or 16 bits a channel; empty, and why in *error, if it cannot be had.
+cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* error) {
+  *error = check_header(bytes);
+  if (!error->empty()) return {};
+  cv::Mat pixels;
+  try {
+    const int wanted = colour ? cv::IMREAD_ANYCOLOR : cv::IMREAD_GRAYSCALE;
+    pixels = cv::imdecode(bytes, wanted | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception&) {
+    pixels.release();
+  }
+  if (pixels.empty()) *error = "is corrupt, or not an image";
+  if (pixels.empty() || pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
+  *error = "has pixels that are neither of 8 nor of 16 bits without sign; convert it";
+  return {};
+}
+
+cv::Mat to_8_bit(const cv::Mat& pixels, const GreyRange& range) {
+  const double scale = 255.0 / (range.high - range.low);
+  cv::Mat out;
+  pixels.convertTo(out, CV_8U, scale, -range.low * scale);
+  return out;
+}
+
+}  // namespace
+
+std::optional<GreyRange> parse_grey_range(const std::string& text) {
+  constexpr int kMax = 65535;
+  GreyRange range;
+  const char* end = text.data() + text.size();
+  const auto low = std::from_chars(text.data(), end, range.low);
+  if (low.ec != std::errc() || low.ptr == end || *low.ptr != ':') return std::nullopt;
+  const auto high = std::from_chars(low.ptr + 1, end, range.high);
+  if (high.ec != std::errc() || high.ptr != end) return std::nullopt;
+  if (range.low < 0 || range.high > kMax || range.low >= range.high) return std::nullopt;
+  return range;
+}
+
+GreyRange sample_grey_range(const std::vector<fs::path>& files) {
+  constexpr size_t kMostFiles = 16;
+  constexpr double kTail = 0.001;
+  std::vector<int64_t> histogram(65536);
+  int64_t pixels_in_all = 0;
+  const size_t count = std::min(files.size(), kMostFiles);
+  for (size_t i = 0; i < count; ++i) {
+    std::string ignored;
+    const auto bytes = read_file(files[i * files.size() / count], &ignored);
+    const cv::Mat pixels = bytes && !looks_like_jpeg(*bytes) ? decode(*bytes, /*colour=*/false, &ignored) : cv::Mat();
+    if (pixels.depth() != CV_16U) continue;
+    for (int y = 0; y < pixels.rows; ++y)
+      for (int x = 0; x < pixels.cols; ++x) ++histogram[pixels.ptr<uint16_t>(y)[x]];
+    pixels_in_all += static_cast<int64_t>(pixels.total());
+  }
+  if (pixels_in_all == 0) return {};
+  const auto at = [&histogram](int64_t rank) {
+    int value = 0;
+    for (int64_t below = histogram[0]; below <= rank; below += histogram[static_cast<size_t>(value)]) ++value;
+    return value;
+  };
+  const auto tail = static_cast<int64_t>(kTail * static_cast<double>(pixels_in_all));
+  const int low = at(tail), high = at(pixels_in_all - 1 - tail);
+  return {std::min(low, 65534), std::max(high, low + 1)};
+}
+
+std::optional<image_t> load_image_file(const fs::path& file, bool colour, const std::function<GreyRange()>& range,
+                                       std::string* error) {
+  std::optional<std::vector<uint8_t>> bytes = read_file(file, error);
+  if (!bytes) return std::nullopt;
+  if (looks_like_jpeg(*bytes)) {
+    JpegSize size;
+    if (!inspect_jpeg(*bytes, &size, error)) return std::nullopt;
+    bytes->resize(size.bytes);
+    return wrap_jpeg(0, size.width, size.height, std::move(*bytes));
+  }
+  cv::Mat pixels = decode(*bytes, colour, error);
+  if (pixels.empty()) return std::nullopt;
+  if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
+  return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
+}
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/video_times.h"
+
+#include <algorithm>
+#include <memory>
+
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
+namespace rumi::camera_driver {
+namespace {
+
+struct CloseFormat {
+  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
+};
+struct FreePacket {
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+};
+using Format = std::unique_ptr<AVFormatContext, CloseFormat>;
+
+Format open(const std::filesystem::path& file) {
+  av_log_set_level(AV_LOG_QUIET);  // what is wrong with the file is said by us
+  AVFormatContext* opened = nullptr;
+  // "file:" so that a name with a colon is no protocol.
+  if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;
+  return Format(opened);
+}
+
+}  // namespace
+
+VideoTimes read_video_times(const std::filesystem::path& file) {
+  VideoTimes times;
+  const Format format = open(file);
+  if (!format || avformat_find_stream_info(format.get(), nullptr) < 0) return times;
+  const int stream = av_find_best_stream(format.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  if (stream < 0) return times;
+  const AVRational unit = format->streams[stream]->time_base;
+  const std::unique_ptr<AVPacket, FreePacket> packet(av_packet_alloc());
+  size_t without = 0;
+  while (packet && av_read_frame(format.get(), packet.get()) >= 0) {
+    const bool is_shown = packet->stream_index == stream && (packet->flags & AV_PKT_FLAG_DISCARD) == 0;
+    // Some containers have no time of showing: there the order of decoding is that of showing.
+    const int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
+    if (is_shown) {
+      times.utimes.push_back(time == AV_NOPTS_VALUE ? 0 : av_rescale_q(time, unit, AVRational{1, 1'000'000}));
+      without += time == AV_NOPTS_VALUE ? 1 : 0;
+    }
+    av_packet_unref(packet.get());
+  }
+  times.has_times = 2 * without < times.utimes.size();
+  if (!times.has_times) std::fill(times.utimes.begin(), times.utimes.end(), 0);
+  std::sort(times.utimes.begin(), times.utimes.end());
+  const int64_t first_us = times.utimes.empty() ? 0 : times.utimes.front();
+  for (int64_t& utime_us : times.utimes) utime_us -= first_us;
+  return times;
+}
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The times of a video's frames. OpenCV tells those of the packets, which in a video with B frames come in another order
+// than the frames.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace rumi::camera_driver {
+
+struct VideoTimes {
+  std::vector<int64_t> utimes;  // of each frame that is shown, in that order, from 0 on
+  bool has_times = false;       // else all are 0
+};
+
+// Reads the packets of the first video stream, without decoding them. Empty if the file cannot be read.
+VideoTimes read_video_times(const std::filesystem::path& file);
+
+}  // namespace rumi::camera_driver
