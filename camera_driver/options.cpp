@@ -123,12 +123,12 @@ void describe(OptionTable& table, CameraOptions& o) {
             "camera: exposure, gain and white balance stay as they are after so long; 0: never", 0, kMaxLockS);
   table.add("camera_driver.stall", &o.stall_s, "s", "camera: opened again after so long without an image", kMinStallS,
             kMaxStallS);
-  table.for_users({"camera_driver.camera_file", "camera_driver.every", "camera_driver.start", "camera_driver.duration",
-                   "camera_driver.loop", "camera_driver.rate", "camera_driver.speed", "camera_driver.encoding",
-                   "camera_driver.files", "camera_driver.grey_range",
-                   "camera_driver.width", "camera_driver.height", "camera_driver.format", "camera_driver.exposure",
-                   "camera_driver.gain", "camera_driver.white_balance", "camera_driver.focus",
-                   "camera_driver.power_line", "camera_driver.controls", "camera_driver.lock_auto"});
+  table.for_users(
+      {"camera_driver.camera_file", "camera_driver.every",      "camera_driver.start",    "camera_driver.duration",
+       "camera_driver.loop",        "camera_driver.rate",       "camera_driver.speed",    "camera_driver.encoding",
+       "camera_driver.files",       "camera_driver.grey_range", "camera_driver.width",    "camera_driver.height",
+       "camera_driver.format",      "camera_driver.exposure",   "camera_driver.gain",     "camera_driver.white_balance",
+       "camera_driver.focus",       "camera_driver.power_line", "camera_driver.controls", "camera_driver.lock_auto"});
 }
 
 }  // namespace rumi::camera_driver

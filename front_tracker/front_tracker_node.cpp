@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <utility>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "base/cpu_clock.h"
 #include "base/log.h"
@@ -78,10 +78,11 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
   }
   if (!tracker_) return parsed.camera;
   const Camera& other = parsed.camera;
-  wait_as_foreign(image, fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
-                                     "px with fx {:.2f}",
-                                     other.width, other.height, other.fx, image_camera_.width, image_camera_.height,
-                                     image_camera_.fx));
+  wait_as_foreign(
+      image,
+      fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
+                  "px with fx {:.2f}",
+                  other.width, other.height, other.fx, image_camera_.width, image_camera_.height, image_camera_.fx));
   return std::nullopt;
 }
 

@@ -149,7 +149,8 @@ class FileListReader : public FrameReader {
   }
   std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
     const fs::path& file = list_.entries[frame].file;
-    std::optional<image_t> image = load_image_file(file, colour, [this] { return range(); }, error);
+    std::optional<image_t> image = load_image_file(
+        file, colour, [this] { return range(); }, error);
     if (!image) *error = file.string() + ": " + *error;
     return image;
   }
@@ -162,8 +163,10 @@ class FileListReader : public FrameReader {
     std::vector<fs::path> files;
     for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
     range_ = sample_grey_range(files);
-    log_info("{}: pixels of 16 bits: {} to {} become 0 to 255 in all images, the range of some of them; for another one "
-             "give --set camera_driver.grey_range=LOW:HIGH", list_.source.string(), range_->low, range_->high);
+    log_info(
+        "{}: pixels of 16 bits: {} to {} become 0 to 255 in all images, the range of some of them; for another one "
+        "give --set camera_driver.grey_range=LOW:HIGH",
+        list_.source.string(), range_->low, range_->high);
     return *range_;
   }
 
@@ -178,8 +181,7 @@ FileList read_tum_list(const fs::path& rgb_txt, const std::string& pattern) {
   const auto parse = [](const std::string& text, Line* line) -> std::string {
     const size_t space = text.find_first_of(" \t,;");
     line->time = text.substr(0, space);
-    if (!is_number(line->time))
-      return fmt::format("time is '{}': must be decimal seconds", printable(line->time));
+    if (!is_number(line->time)) return fmt::format("time is '{}': must be decimal seconds", printable(line->time));
     if (space == std::string::npos) return "no file name after the time";
     line->name = trimmed(text.substr(space + 1));
     std::istringstream words(line->name);
@@ -195,8 +197,7 @@ FileList read_euroc_list(const fs::path& data_csv, const std::string& pattern) {
   const auto parse = [](const std::string& text, Line* line) -> std::string {
     const size_t comma = text.find_first_of(" \t,;");
     line->time = trimmed(text.substr(0, comma));
-    if (!is_number(line->time))
-      return fmt::format("time is '{}': must be whole nanoseconds", printable(line->time));
+    if (!is_number(line->time)) return fmt::format("time is '{}': must be whole nanoseconds", printable(line->time));
     line->name = comma == std::string::npos ? "" : trimmed(text.substr(comma + 1));
     return line->name.empty() ? "no file name after the time" : "";
   };

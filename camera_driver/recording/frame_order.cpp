@@ -11,11 +11,11 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr double kMaxDisorder = 0.1;     // steps back, of all: more of them is disorder
-constexpr double kMaxDuplicates = 0.5;   // of all
-constexpr size_t kFew = 4;               // frames: of wrong times, or stored a little too early or too late
-constexpr size_t kNearPlaces = 16;       // frames
-constexpr int64_t kNearPeriods = 10;     // of the median period
+constexpr double kMaxDisorder = 0.1;    // steps back, of all: more of them is disorder
+constexpr double kMaxDuplicates = 0.5;  // of all
+constexpr size_t kFew = 4;              // frames: of wrong times, or stored a little too early or too late
+constexpr size_t kNearPlaces = 16;      // frames
+constexpr int64_t kNearPeriods = 10;    // of the median period
 constexpr size_t kMostSessions = 3;
 constexpr int64_t kUsualPeriodUs = 33'333;
 
@@ -48,8 +48,8 @@ class Ordering {
     const size_t doubled = sorted.size() - distinct;
     if (static_cast<double>(doubled) <= kMaxDuplicates * static_cast<double>(sorted.size())) return {};
     if (distinct == 1)
-      return fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times",
-                         times_.size(), static_cast<double>(times_.front()) * 1e-6);
+      return fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times", times_.size(),
+                         static_cast<double>(times_.front()) * 1e-6);
     return fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
                        times_.size(), doubled);
   }
@@ -98,7 +98,8 @@ class Ordering {
         order_.duplicates.push_back(i);
         continue;
       }
-      const auto from = std::lower_bound(part.begin(), part.end(), i, [this](size_t a, size_t b) { return earlier(a, b); });
+      const auto from =
+          std::lower_bound(part.begin(), part.end(), i, [this](size_t a, size_t b) { return earlier(a, b); });
       const auto before = static_cast<size_t>(part.end() - from);
       const size_t after = frames_not_after(time(part.back()), i);
       if (std::min(before, after) > kFew) {
@@ -133,8 +134,8 @@ class Ordering {
       int64_t nearest_us = INT64_MAX;
       if (by_time != sure.end()) nearest_us = time(*by_time) - time(frame);
       if (by_time != sure.begin()) nearest_us = std::min(nearest_us, time(frame) - time(*(by_time - 1)));
-      const bool is_near = static_cast<size_t>(std::abs(by_time - by_place)) <= kNearPlaces &&
-                           nearest_us / kNearPeriods <= period_us_;
+      const bool is_near =
+          static_cast<size_t>(std::abs(by_time - by_place)) <= kNearPlaces && nearest_us / kNearPeriods <= period_us_;
       const auto at =
           std::lower_bound(part.begin(), part.end(), frame, [this](size_t a, size_t b) { return earlier(a, b); });
       if (!is_near) {

@@ -13,14 +13,14 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr char kNumber = '*';     // stands for digits in the form of a name
-constexpr double kAlike = 0.5;    // of the numbers of the smaller kind: counts alike
+constexpr char kNumber = '*';   // stands for digits in the form of a name
+constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts alike
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
 struct Kind {
-  std::string form;               // "left_*.png"
+  std::string form;  // "left_*.png"
   std::vector<size_t> images;
   std::set<std::string> numbers;  // "001"
   int rank = 0;
@@ -40,14 +40,16 @@ std::vector<std::string> words_of(const std::string& form) {
 
 // How much the images are those of a camera that is to be tracked, by their name.
 int rank_of(const std::string& form) {
-  static constexpr std::array kNoCamera = {"depth",  "disp",     "disparity", "mask", "masks", "seg",        "semantic",
-                                           "labels", "label",    "normal",    "flow", "conf",  "confidence", "ir",
-                                           "infra",  "infrared", "thumb",     "thumbnail"};
+  static constexpr std::array kNoCamera = {"depth",      "disp",   "disparity", "mask",     "masks", "seg",
+                                           "semantic",   "labels", "label",     "normal",   "flow",  "conf",
+                                           "confidence", "ir",     "infra",     "infrared", "thumb", "thumbnail"};
   static constexpr std::array kSecond = {"right", "r"};
   static constexpr std::array kFirst = {"left", "l", "rgb", "color", "colour"};
   int rank = 0;
   for (const std::string& word : words_of(form)) {
-    const auto is_one_of = [&word](const auto& list) { return std::find(list.begin(), list.end(), word) != list.end(); };
+    const auto is_one_of = [&word](const auto& list) {
+      return std::find(list.begin(), list.end(), word) != list.end();
+    };
     if (is_one_of(kNoCamera) || word.starts_with("depth") || word.starts_with("dispar")) return -2;
     if (is_one_of(kSecond)) rank = -1;
     if (is_one_of(kFirst)) rank = 1;
@@ -117,7 +119,8 @@ bool count_alike(const Kind& a, const Kind& b) {
 bool is_preferred(const Kind& a, const Kind& b) {
   if (has_number(a) != has_number(b)) return has_number(a);
   if (a.rank != b.rank) return a.rank > b.rank;
-  return a.images.size() > b.images.size();
+  if (a.images.size() != b.images.size()) return a.images.size() > b.images.size();
+  return a.form < b.form;
 }
 
 bool goes_with(const Kind& kind, const Kind& main) {

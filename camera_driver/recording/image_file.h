@@ -21,8 +21,8 @@ struct GreyRange {
 
 // "LOW:HIGH"; nothing for anything else.
 std::optional<GreyRange> parse_grey_range(const std::string& text);
-// Of all pixels of some of the files, evenly chosen, but for the darkest and the brightest thousandth. All of 16 bits if
-// none of them can be read.
+// Of all pixels of some of the files, evenly chosen, but for the darkest and the brightest thousandth. All of 16 bits
+// if none of them can be read.
 GreyRange sample_grey_range(const std::vector<std::filesystem::path>& files);
 
 // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. `range` is asked when

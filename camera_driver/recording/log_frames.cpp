@@ -67,7 +67,7 @@ class LogFrameReader : public FrameReader {
 
   std::string file_, channel_, damage_;
   LogReader log_;
-  int64_t event_ = 0;                        // on the channel
+  int64_t event_ = 0;                                  // on the channel
   std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame
   Malformed malformed_;
 };

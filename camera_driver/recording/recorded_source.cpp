@@ -62,8 +62,11 @@ std::string RecordedSource::plan() {
   if (frames_.empty())
     return fmt::format("there is no image from second {} on: the recording is {:.1f} s long ({} images); lower --start",
                        options_.start_s, static_cast<double>(all.frames.back().elapsed_us) * 1e-6, all.frames.size());
+  if (const std::string few = too_few_pixels(camera_.width, camera_.height); !few.empty())
+    log_warning("{}: {}", name_, few);
   for (const std::string& note : reader_->notes()) log_warning("{}: {}", name_, note);
-  if (all.is_sorted) log_warning("{}: its images are not stored in the order of their times: they are played in it", name_);
+  if (all.is_sorted)
+    log_warning("{}: its images are not stored in the order of their times: they are played in it", name_);
   for (size_t i = 1; i < all.frames.size(); ++i)
     if (all.frames[i].part != all.frames[i - 1].part)
       log_warning("{}: the clock was set back by {:.3f} s: a new session begins", reader_->where(all.frames[i].frame),

@@ -13,7 +13,8 @@ class RecordedSource : public ImageSource {
   RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
                  const CameraOptions& options);
 
-  // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with this camera.
+  // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with
+  // this camera.
   std::string start();
 
   std::optional<image_t> next() override;

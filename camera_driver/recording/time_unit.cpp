@@ -47,9 +47,9 @@ ChosenUnit choose_time_unit(const std::vector<std::string>& times, TimeUnit usua
     best_hz = hz;
   }
   if (best == usual) return {usual, ""};
-  const std::string otherwise =
-      usual_hz > 0 ? fmt::format(", not as {}, which would give {:.3g}", name_of(usual), usual_hz)
-                   : fmt::format(", because they are too large for {}", name_of(usual));
+  const std::string otherwise = usual_hz > 0
+                                    ? fmt::format(", not as {}, which would give {:.3g}", name_of(usual), usual_hz)
+                                    : fmt::format(", because they are too large for {}", name_of(usual));
   return {best, fmt::format("times are read as {}, {:.3g} images a second{}", name_of(best), best_hz, otherwise)};
 }
 

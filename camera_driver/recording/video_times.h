@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The times of a video's frames. OpenCV tells those of the packets, which in a video with B frames come in another order
-// than the frames.
+// The times of a video's frames. OpenCV tells those of the packets, which in a video with B frames come in another
+// order than the frames.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rumi::camera_driver {
 
 std::string SkippedFrames::to_string() const {
@@ -17,6 +19,13 @@ std::string SkippedFrames::to_string() const {
   add(wrong_size, "images of another size");
   add(lost, "lost by the camera or its driver");
   return out;
+}
+
+std::string too_few_pixels(int width, int height) {
+  constexpr int kLeast = 72;  // docs/camera.md
+  if (std::min(width, height) >= kLeast) return {};
+  return fmt::format("images of {} x {} pixels are too small to be tracked; 96 x 72 is the least, 320 x 240 good",
+                     width, height);
 }
 
 std::vector<std::string> SkippedFrames::complaints(int64_t handed_out) const {

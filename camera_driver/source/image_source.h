@@ -29,6 +29,9 @@ struct SkippedFrames {
   std::vector<std::string> complaints(int64_t handed_out) const;
 };
 
+// Empty, or that images of this size can hardly be tracked.
+std::string too_few_pixels(int width, int height);
+
 // How a camera does.
 struct LiveState {
   std::string problem;  // why there are no images now, and what to do; empty: there are

@@ -13,8 +13,8 @@ namespace rumi::camera_driver {
 enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 const char* name_of(TimeUnit unit);  // "seconds"
 
-// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond. Nothing
-// for anything else, negative numbers, and 1e11 s and above.
+// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
+// Nothing for anything else, negative numbers, and 1e11 s and above.
 std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
 // Decimal seconds, "1305031102.175304".
 std::optional<int64_t> parse_seconds_us(std::string_view text);

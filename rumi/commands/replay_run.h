@@ -24,8 +24,8 @@ struct ReplayRun {
 };
 
 struct ReplayOutcome {
-  std::string error;    // empty: all is written
-  std::string warning;  // what did not go as it should, though all is written
+  std::string error;                    // empty: all is written
+  std::string warning;                  // what did not go as it should, though all is written
   std::vector<std::string> complaints;  // why not all of the recording is in the result, though it was computed
   AtlasCounts counts;
   std::vector<std::string> left_out;  // what the map lacks and why, a line each

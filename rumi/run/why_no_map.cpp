@@ -15,20 +15,18 @@ namespace rumi::tool {
 namespace {
 
 constexpr int kLooks = 8;
-constexpr double kFlat = 3;    // grey values, standard deviation
-constexpr double kBlurred = 1;              // grey values, standard deviation of the Laplacian
+constexpr double kFlat = 3;                  // grey values, standard deviation
+constexpr double kBlurred = 1;               // grey values, standard deviation of the Laplacian
 constexpr double kDark = 16, kBright = 239;  // grey values, mean
 
 struct Look {
   double mean = 0, deviation = 0, detail = 0;
 };
 
-std::vector<Look> look_at(const std::string& recording, camera_driver::CameraOptions options) {
+std::vector<Look> look_at(camera_driver::ImageSource& source) {
   std::vector<Look> looks;
-  const camera_driver::OpenedSource opened = camera_driver::open_recording(recording, options);
-  if (!opened.ok()) return looks;
-  const int64_t step = std::max<int64_t>(1, opened.source->total() / kLooks);
-  for (int64_t i = 0; const std::optional<image_t> image = opened.source->next(); ++i) {
+  const int64_t step = std::max<int64_t>(1, source.total() / kLooks);
+  for (int64_t i = 0; const std::optional<image_t> image = source.next(); ++i) {
     std::string ignored;
     const cv::Mat grey = i % step == 0 ? decode_grey(*image, &ignored) : cv::Mat();
     if (grey.empty()) continue;
@@ -51,25 +49,30 @@ double median(std::vector<double> values) {
 }  // namespace
 
 std::string why_no_map(const std::string& recording, const camera_driver::CameraOptions& options) {
-  const std::vector<Look> looks = look_at(recording, options);
+  const std::string nothing = "no image has a pose: ";
+  const camera_driver::OpenedSource opened = camera_driver::open_recording(recording, options);
+  if (!opened.ok()) return nothing + opened.error;
+  const Camera& camera = opened.source->camera();
+  if (const std::string few = camera_driver::too_few_pixels(camera.width, camera.height); !few.empty())
+    return nothing + few;
+  const std::vector<Look> looks = look_at(*opened.source);
+  if (looks.empty()) return nothing + "none can be decoded";
   const auto of_all = [&looks](double Look::*member) {
     std::vector<double> values;
     for (const Look& look : looks) values.push_back(look.*member);
     return median(values);
   };
-  const std::string nothing = "no image has a pose: ";
-  if (looks.empty()) return nothing + "none can be decoded";
   const double mean = of_all(&Look::mean), deviation = of_all(&Look::deviation), detail = of_all(&Look::detail);
   if (deviation < kFlat) {
-    const char* look = mean < kDark ? "black: is the lens covered, or the exposure too short?"
+    const char* look = mean < kDark     ? "black: is the lens covered, or the exposure too short?"
                        : mean > kBright ? "white: is the exposure too long?"
                                         : "of one grey: is something before the lens?";
     return fmt::format("{}the images are {} (mean {:.0f}, standard deviation {:.1f})", nothing, look, mean, deviation);
   }
-  if (detail < kBlurred)
-    return fmt::format("{}the images show nothing sharp: is the lens out of focus?", nothing);
+  if (detail < kBlurred) return fmt::format("{}the images show nothing sharp: is the lens out of focus?", nothing);
   return nothing +
-         "a map begins where the camera moves sideways by some hundredths of the distance of what it sees; a camera that "
+         "a map begins where the camera moves sideways by some hundredths of the distance of what it sees; a camera "
+         "that "
          "stands or only turns, or a calibration of another camera, gives none";
 }
 

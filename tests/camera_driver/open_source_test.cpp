@@ -178,7 +178,7 @@ TEST(ImageSource, SelectionAndNewTimes) {
   EXPECT_THAT(times(folder.path(), options, 4), ElementsAre(1000200000, 1000450000, 1000700000, 1000950000));
   options = {};
   options.start_s = 5;
-  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("lower --start"));
+  EXPECT_THAT(error_of(folder.path(), options), AllOf(HasSubstr("lower --start"), HasSubstr("0.9 s long (10 images)")));
   options.start_s = std::nan("");
   EXPECT_THAT(error_of(folder.path(), options), HasSubstr("start is nan"));
 }
@@ -247,6 +247,110 @@ TEST(ImageSource, BadFramesAreLeftOutAndCounted) {
   EXPECT_EQ(skipped.out_of_order, 1);
   EXPECT_EQ(skipped.malformed, 2);
   EXPECT_THAT(skipped.to_string(), HasSubstr("4 unreadable images"));
+}
+
+TEST(ImageSource, TimesInAnotherUnitAreReadAsSuch) {
+  const TemporaryFolder folder;
+  write_tum(folder / "tum", 4);
+  write(folder / "tum/rgb.txt", "1400000000000.0 rgb/0.png\n1400000000033.3 rgb/1.png\n1400000000066.7 rgb/2.png\n");
+  EXPECT_THAT(times(folder / "tum"), ElementsAre(1400000000000000, 1400000000033300, 1400000000066700));
+  write(folder / "tum/rgb.txt", "timestamp,filename\n5.0,rgb/0.png\n5.1,rgb/1.png\n");
+  EXPECT_THAT(times(folder / "tum"), ElementsAre(5000000, 5100000));
+  write(folder / "tum/rgb.txt", "5.0 rgb/0.png 5.01 depth/0.png\n5.1 rgb/1.png 5.11 depth/1.png\n");
+  EXPECT_THAT(times(folder / "tum"), ElementsAre(5000000, 5100000));
+}
+
+TEST(ImageSource, AClockThatIsSetBackBeginsAnotherStream) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 20);
+  std::string list;
+  for (int i = 0; i < 20; ++i) list += fmt::format("{} rgb/{}.png\n", (i < 10 ? 1000 : 500) + i, i);
+  write(folder / "rgb.txt", list);
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  ASSERT_EQ(opened.error, "");
+  std::vector<int64_t> streams, utimes;
+  while (const std::optional<image_t> image = opened.source->next()) {
+    streams.push_back(rumi::stream_of(*image));
+    utimes.push_back(image->utime);
+  }
+  ASSERT_EQ(utimes.size(), 20u);
+  EXPECT_EQ(utimes[10], 510'000'000);
+  EXPECT_EQ(streams[9], streams[0]);
+  EXPECT_NE(streams[10], streams[9]);
+  EXPECT_EQ(streams[19], streams[10]);
+  CameraOptions options;
+  options.start_s = 10.5;
+  EXPECT_EQ(times(folder.path(), options).front(), 511'000'000) << "seconds of the recording, whatever its clock says";
+  options = {};
+  options.loop = true;
+  const std::vector<int64_t> looped = times(folder.path(), options, 50);
+  EXPECT_TRUE(std::is_sorted(looped.begin(), looped.end()));
+}
+
+TEST(ImageSource, TimesThatAreAllTheSameAskForARate) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  write(folder / "rgb.txt", "0 rgb/0.png\n0 rgb/1.png\n0 rgb/2.png\n");
+  EXPECT_THAT(error_of(folder.path()), AllOf(HasSubstr("3 images"), HasSubstr("--rate HZ")));
+  CameraOptions options;
+  options.rate_hz = 10;
+  EXPECT_THAT(times(folder.path(), options), ElementsAre(0, 100000, 200000));
+}
+
+TEST(ImageSource, ColourAndDepthInOneFolder) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 5; ++i) {
+    cv::imwrite(folder / fmt::format("frame-{:06}.color.png", i), picture(i));
+    cv::imwrite(folder / fmt::format("frame-{:06}.depth.png", i), picture(50 + i));
+  }
+  write(folder / "calibration.yaml", kCalibration);
+  EXPECT_EQ(times(folder.path()).size(), 5u);
+  CameraOptions options;
+  options.files = "*.depth.png";
+  const OpenedSource opened = open_image_source(folder.path().string(), options);
+  std::string error;
+  EXPECT_EQ(cv::norm(decode_grey(*opened.source->next(), &error), picture(50), cv::NORM_INF), 0);
+  options.files = "*.jpg";
+  EXPECT_THAT(error_of(folder.path(), options), HasSubstr("fits no image"));
+}
+
+TEST(ImageSource, AFolderOfFoldersNamesThoseWithImages) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "image_0");
+  cv::imwrite(folder / "image_0/0.png", picture(1));
+  write(folder / "calibration.yaml", kCalibration);
+  EXPECT_THAT(error_of(folder.path()), AllOf(HasSubstr("no images"), HasSubstr("image_0")));
+}
+
+TEST(ImageSource, ImagesOfALogAreOrderedAndItsLengthIsKnown) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "x.lcm";
+  LogWriter log(file);
+  for (const int64_t i : {0, 1, 3, 2, 4, 900, 5, 6, 7, 8}) {
+    image_t image = make_grey_image(1'000'000 * (i + 1), picture(static_cast<int>(i)));
+    set_metadata(&image, kCalibrationKey, kCalibration);
+    log.write(1'000'000 * i, "CAMERA", encode_message(image));
+  }
+  ASSERT_TRUE(log.close());
+  const OpenedSource opened = open_image_source(file, {});
+  EXPECT_EQ(opened.source->total(), 9);
+  EXPECT_EQ(opened.source->skipped().out_of_order, 1);
+  for (int i = 0; i < 9; ++i) {
+    const std::optional<image_t> image = opened.source->next();
+    std::string error;
+    EXPECT_EQ(image->utime, 1'000'000 * (i + 1));
+    EXPECT_EQ(cv::norm(decode_grey(*image, &error), picture(i), cv::NORM_INF), 0) << i;
+  }
+}
+
+TEST(SkippedFrames, ComplainOfMoreThanOnePerCentWithARemedy) {
+  SkippedFrames skipped;
+  skipped.unreadable = 1;
+  EXPECT_TRUE(skipped.complaints(99).empty());
+  EXPECT_THAT(skipped.complaints(90),
+              ElementsAre(AllOf(HasSubstr("1 of 91 images (1.1 %)"), HasSubstr("record them"))));
+  skipped.wrong_size = 50;
+  EXPECT_EQ(skipped.complaints(49).size(), 1u);
 }
 
 TEST(ImageSource, CorruptPng) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/file_name_times.h"
+
+#include <gmock/gmock.h>
+
+namespace rumi::camera_driver {
+namespace {
+
+struct Example {
+  const char* name;
+  const char* time;
+  TimeUnit unit;
+};
+
+TEST(FileNameTimes, AreFoundInEveryForm) {
+  for (const Example& e : {
+           Example{"1305031102.175304.png", "1305031102.175304", TimeUnit::kSeconds},
+           Example{"rgb_12.500.png", "12.500", TimeUnit::kSeconds},
+           Example{"1403636579763555584.png", "1403636579763555584", TimeUnit::kNanoseconds},
+           Example{"cam0_1403636579763555584_left.png", "1403636579763555584", TimeUnit::kNanoseconds},
+           Example{"1400000000033333.jpg", "1400000000033333", TimeUnit::kMicroseconds},
+           Example{"1400000000033.jpg", "1400000000033", TimeUnit::kMilliseconds},
+           Example{"1400000000.jpg", "1400000000", TimeUnit::kSeconds},
+           Example{"2026-03-02_10-15-00.250.png", "1772446500.250", TimeUnit::kSeconds},
+           Example{"IMG_20260302_101500_250.jpg", "1772446500.250", TimeUnit::kSeconds},
+           Example{"2026-03-02T10:15:00.png", "1772446500.0", TimeUnit::kSeconds},
+           Example{"20260302101500250.png", "1772446500.250", TimeUnit::kSeconds},
+       }) {
+    const FileNameTimes found = times_in_names({e.name});
+    EXPECT_EQ(found.times.at(0), e.time) << e.name;
+    EXPECT_EQ(found.usual, e.unit) << e.name;
+  }
+}
+
+TEST(FileNameTimes, NumbersAreNone) {
+  for (const char* name : {"00000.png", "frame-000000.color.jpg", "0000000000.png", "0000001403636579.png", "1.5.png",
+                           "a.png", "12345678.png", "", ".png", "99999999999999999999999.png", "2026.png"})
+    EXPECT_EQ(times_in_names({name}).times.at(0), "") << name;
+  EXPECT_EQ(times_in_names({std::string(4000, '1') + ".png"}).times.at(0), "");
+}
+
+TEST(FileNameTimes, WhatMostHave) {
+  const FileNameTimes found = times_in_names({"12.5000.png", "12.6000.png", "1403636579763555584.png", "x.png"});
+  EXPECT_THAT(found.times, ::testing::ElementsAre("12.5000", "12.6000", "", ""));
+}
+
+}  // namespace
+}  // namespace rumi::camera_driver

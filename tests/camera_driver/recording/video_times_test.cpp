@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/video_times.h"
+
+#include <gmock/gmock.h>
+
+#include "bus/wire/image_codec.h"
+#include "camera_driver/open_source.h"
+#include "tests/camera_driver/recording.h"
+#include "tests/camera_driver/write_video.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+using namespace testing;
+using ::testing::HasSubstr;
+
+// Of the images that camera_driver would publish: times, and that each is the picture of its time.
+std::vector<int64_t> play(const fs::path& file, const CameraOptions& options = {}) {
+  const OpenedSource opened = open_image_source(file.string(), options);
+  EXPECT_EQ(opened.error, "");
+  std::vector<int64_t> times;
+  double last = 0;
+  while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
+    times.push_back(image->utime);
+    std::string error;
+    const double brightness = cv::mean(decode_grey(*image, &error))[0];
+    EXPECT_GT(brightness, last) << "frame " << times.size();
+    last = brightness;
+  }
+  return times;
+}
+
+class VideoTimesTest : public ::testing::Test {
+ protected:
+  void write(const char* name, const VideoOptions& options) {
+    if (!write_video(folder_ / name, options)) GTEST_SKIP() << "this FFmpeg cannot write such a video";
+    testing::write(folder_ / "calibration.yaml", kCalibration);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(VideoTimesTest, AreThoseOfShowingWhateverTheOrderOfDecoding) {
+  for (const int b_frames : {0, 1, 3}) {
+    VideoOptions options;
+    options.b_frames = b_frames;
+    write("v.mp4", options);
+    std::vector<int64_t> expected;
+    for (int i = 0; i < options.frames; ++i) expected.push_back(i * options.step_us);
+    EXPECT_EQ(play(folder_ / "v.mp4"), expected) << b_frames;
+  }
+}
+
+TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
+  VideoOptions options;
+  options.has_times = false;
+  write("v.h264", options);
+  EXPECT_THAT(open_image_source(folder_ / "v.h264", {}).error, HasSubstr("no times; give --rate HZ"));
+  CameraOptions at_rate;
+  at_rate.rate_hz = 10;
+  const std::vector<int64_t> times = play(folder_ / "v.h264", at_rate);
+  ASSERT_EQ(times.size(), 30u);
+  EXPECT_EQ(times.back(), 2'900'000);
+}
+
+TEST_F(VideoTimesTest, OfNoVideoAreNone) {
+  testing::write(folder_ / "garbage.mp4", std::string(5000, 'g'));
+  EXPECT_TRUE(read_video_times(folder_ / "garbage.mp4").utimes.empty());
+  EXPECT_TRUE(read_video_times(folder_ / "missing.mp4").utimes.empty());
+}
+
+}  // namespace
+}  // namespace rumi::camera_driver
