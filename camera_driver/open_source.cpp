@@ -51,6 +51,19 @@ std::string calibration_in_log(FrameReader& reader) {
   return calibration;
 }
 
+// In a file that has the camera in several sizes the one of the first image that can be read.
+void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
+  if (calibration->others.empty()) return;
+  std::string ignored;
+  while (reader.advance()) {
+    const std::optional<image_t> image = reader.load(false, &ignored);
+    if (!image) continue;
+    choose_size(image->width, image->height, calibration);
+    break;
+  }
+  reader.rewind();
+}
+
 CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
                              const std::string& input) {
   if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
@@ -139,7 +152,9 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   Opened opened = open_any(input, options);
   if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
   if (!opened.camera.ok()) return {nullptr, opened.camera.error};
-  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera.camera, options);
+  choose_size_of_images(*opened.reader.reader, &opened.camera);
+  log_notes(opened.camera);
+  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
   return {std::move(source), ""};
 }

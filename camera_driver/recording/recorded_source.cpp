@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "base/log.h"
-#include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "camera_driver/source/encode_as.h"
@@ -29,12 +28,13 @@ int64_t count_wanted(const std::vector<int64_t>& utimes, const CameraOptions& op
 
 }  // namespace
 
-RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
-                               const CameraOptions& options)
+RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader,
+                               const CameraFileResult& calibration, const CameraOptions& options)
     : name_(std::move(name)),
-      calibration_(camera_to_yaml(camera)),
+      calibration_(camera_to_yaml(calibration.camera)),
       reader_(std::move(reader)),
-      camera_(camera),
+      calibration_file_(calibration),
+      camera_(calibration.camera),
       options_(options),
       selector_(options) {
   const std::vector<int64_t> utimes = reader_->utimes();
@@ -149,9 +149,9 @@ std::optional<image_t> RecordedSource::load_checked(const FrameStamp& stamp) {
   }
   if (image->width != camera_.width || image->height != camera_.height) {
     skip(&SkippedFrames::wrong_size,
-         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; give the calibration of this "
-                     "camera and size (--camera FILE)",
-                     stamp.where, image->width, image->height, camera_.width, camera_.height));
+         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; {}", stamp.where,
+                     image->width, image->height, camera_.width, camera_.height,
+                     advice_on_size(calibration_file_, image->width, image->height)));
     return std::nullopt;
   }
   image = encode_as(std::move(*image), options_, &error);
