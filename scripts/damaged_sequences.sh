@@ -58,7 +58,8 @@ damage() { # DAMAGE folder
 }
 
 ratio() { # OUT folder of a replay, the whole recording
-  "$rumi" evaluate "$1" --groundtruth "$sequence/groundtruth.txt" --json >"$1/evaluation.json"
+  "$rumi" evaluate "$1" --groundtruth "$sequence/groundtruth.txt" --json >"$1/evaluation.json" ||
+    [ -s "$1/evaluation.json" ]
 }
 
 echo "damage,frames,windows,front_tracked_ratio,front_submap_ratio,tracked_ratio,ate_m,window,gap_frames,sampled,registered,ate_window_m,path_m,cpu_s,failure" >"$out/table.csv"

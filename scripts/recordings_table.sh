@@ -72,7 +72,8 @@ measure() { # name seed
   for truth in groundtruth.txt colmap.txt; do
     if [ ! -e "$folder/$truth" ]; then continue; fi
     basename "$truth" .txt >"$run/truth"
-    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log"; then
+    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log" ||
+      [ -s "$run/part" ]; then
       mv "$run/part" "$run/evaluation.json"
       return 0
     fi
