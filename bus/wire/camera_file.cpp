@@ -24,9 +24,7 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxBytes = 65536, kMaxListBytes = 4 << 20;
 
 constexpr const char* kExpected =
-    "expected our YAML (fx: 525 ... width: 640, see config/cameras) or that of ROS camera_info, Kalibr, OpenCV, EuRoC "
-    "or "
-    "ORB-SLAM";
+    "expected our YAML (fx: 525 ... width: 640, see config/cameras), or a file of a tool that the README names";
 
 // With an error, or with cameras.
 FileCameras read_text(const std::string& text, const std::string& name) {
@@ -172,7 +170,7 @@ std::string advice_on_size(const CameraFileResult& calibration, int width, int h
 
 void log_notes(const CameraFileResult& result) {
   for (const std::string& note : result.notes) log_warning("{}", note);
-  if (!result.others.empty()) log_info("{}: its camera {} is taken", result.file, result.name);
+  if (result.name != result.lens) log_info("{}: its camera {} is taken", result.file, result.name);
 }
 
 std::string camera_to_yaml(const Camera& camera) {

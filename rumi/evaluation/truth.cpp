@@ -77,9 +77,7 @@ class LineReader {
     return poses;
   }
   size_t skipped() const { return skipped_; }
-  std::string text() const {
-    return fmt::format("{} of {} lines are no poses (first: {})", skipped_, table_.lines.size(), first_);
-  }
+  const std::string& first() const { return first_; }  // "line 1, nan"
 
  private:
   std::optional<double> number(const std::string& field) {
@@ -209,11 +207,21 @@ std::optional<std::vector<double>> read_times(const fs::path& truth, std::string
   return std::nullopt;
 }
 
+// Every quaternion is zero, or nan: whoever wrote it had positions only.
+bool has_no_rotation(const TruthTable& table, const TruthColumns& columns) {
+  return std::all_of(table.lines.begin(), table.lines.end(), [&columns](const TruthLine& line) {
+    return std::all_of(columns.quaternion->begin(), columns.quaternion->end(), [&line](size_t column) {
+      return column < line.fields.size() && to_number(line.fields[column]).value_or(0) == 0;
+    });
+  });
+}
+
 class TruthReader {
  public:
   TruthReader(std::string file, const TruthOptions& options) : file_(std::move(file)), options_(options) {}
 
   TruthFile read() {
+    if (const std::string stranger = known_stranger(); !stranger.empty()) return refuse(stranger);
     const std::optional<TruthTable> table = read_truth_table(file_);
     if (!table) return refuse("cannot be read: does the file exist?");
     if (table->lines.empty()) return refuse("holds no poses");
@@ -240,23 +248,35 @@ class TruthReader {
     result_.error = fmt::format("{}: {}", file_, why);
     return result_;
   }
+  // What is no text of poses, and is known all the same.
+  std::string known_stranger() const {
+    std::error_code code;
+    if (fs::is_directory(file_, code))
+      return fs::exists(fs::path(file_) / "data.csv", code) ? "is a folder: give the data.csv in it"
+                                                            : "is a folder: give the file of the true path in it";
+    std::ifstream in(file_, std::ios::binary);
+    std::string head(16, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    const auto begins = [&head](const char* sign) { return head.starts_with(sign); };
+    if (begins("#ROSBAG") || begins("\x89MCAP") || begins("SQLite format"))
+      return "is a bag of ROS: write its poses as TUM's lines (time tx ty tz qx qy qz qw), as evo_traj --save_as_tum "
+             "does";
+    if (begins("PK") || begins("\x93NUMPY")) return "is an archive, or a file of NumPy: write its poses as TUM's lines";
+    if (begins("{")) return "is JSON: write its poses as TUM's lines (time tx ty tz qx qy qz qw)";
+    return "";
+  }
   void note(const std::string& what) { result_.notes.push_back(fmt::format("{}: {}", file_, what)); }
 
   std::vector<RawPose> read_lines(const TruthTable& table, TruthColumns* columns) {
+    if (columns->quaternion && has_no_rotation(table, *columns)) columns->quaternion.reset();
+    result_.has_rotations = columns->quaternion || columns->matrix;
     LineReader reader(table, *columns);
     std::vector<RawPose> raw = reader.read();
-    if (raw.empty() && columns->quaternion) {
-      columns->quaternion.reset();
-      LineReader positions(table, *columns);
-      raw = positions.read();
-      if (!raw.empty()) note("no line has a rotation (" + reader.text() + "): positions only");
-    }
     if (raw.empty())
-      refuse(fmt::format("none of {} lines is a pose: {}", table.lines.size(), reader.text()));
-    else if (columns->quaternion || columns->matrix || result_.notes.empty()) {
-      if (reader.skipped() > 0) note(reader.text());
-    }
-    result_.has_rotations = columns->quaternion || columns->matrix;
+      refuse(fmt::format("none of {} lines is a pose (first: {})", table.lines.size(), reader.first()));
+    else if (reader.skipped() > 0)
+      note(
+          fmt::format("{} of {} lines are no poses (first: {})", reader.skipped(), table.lines.size(), reader.first()));
     if (!result_.has_rotations) tell_of_positions(table, *columns);
     return raw;
   }

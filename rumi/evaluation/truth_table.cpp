@@ -98,6 +98,18 @@ bool are_poses_without_times(const TruthTable& table) {
   return 10 * rotations > 9 * table.lines.size();
 }
 
+// Matrices over four lines each have a line 0 0 0 1 (7-Scenes, ScanNet, Redwood's .log).
+bool are_matrices_over_lines(const TruthTable& table) {
+  const auto is_last_row = [](const TruthLine& line) {
+    if (line.fields.size() != 4) return false;
+    for (size_t i = 0; i < 4; ++i)
+      if (to_number(line.fields[i]) != (i < 3 ? 0.0 : 1.0)) return false;
+    return true;
+  };
+  const auto rows = std::count_if(table.lines.begin(), table.lines.end(), is_last_row);
+  return table.columns == 4 && 5 * static_cast<size_t>(rows) >= table.lines.size() && rows > 0;
+}
+
 std::optional<TruthColumns> columns_by_number(const TruthTable& table, bool is_euroc) {
   const size_t n = table.columns;
   TruthColumns columns;
@@ -164,6 +176,10 @@ std::optional<TruthColumns> find_columns(const TruthTable& table, bool is_euroc,
                                            [](const std::string& name) { return name.starts_with("lat"); });
   if (is_on_the_globe) {
     *error = "has latitudes: convert them to metres (x y z), as with UTM";
+    return std::nullopt;
+  }
+  if (are_matrices_over_lines(table)) {
+    *error = "has matrices over four lines each: write the 12 or 16 numbers of a pose into one line";
     return std::nullopt;
   }
   if (table.names.size() == table.columns)

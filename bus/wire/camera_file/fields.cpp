@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -47,11 +48,27 @@ bool is_optics(const std::string& name) {
   return kOptics.contains(name.substr(name.rfind('.') + 1));
 }
 
+// "data:[1, 2" and "Camera.fx:500" with a space behind the colon.
+std::string with_spaces(const std::string& text) {
+  std::string spaced;
+  bool in_key = true;  // nothing but a name so far in this line
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    spaced += c;
+    if (in_key && c == ':' && i + 1 < text.size() && std::isspace(static_cast<unsigned char>(text[i + 1])) == 0)
+      spaced += ' ';
+    const bool is_of_name = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == ' ';
+    in_key = c == '\n' || (in_key && is_of_name);
+  }
+  return spaced;
+}
+
 }  // namespace
 
 YAML::Node load_yaml(std::string text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-  if (text.starts_with("%YAML")) text.erase(0, text.find('\n'));  // OpenCV's "%YAML:1.0" is no directive of YAML's
+  // OpenCV's "%YAML:1.0" is no directive of YAML's, and OpenCV needs no space behind a key's colon.
+  if (text.starts_with("%YAML")) text = with_spaces(text.erase(0, text.find('\n')));
   if (text.find_first_not_of(" \t\r\n") != std::string::npos && text[text.find_first_not_of(" \t\r\n")] == '{')
     std::replace(text.begin(), text.end(), '\t', ' ');  // JSON may be indented with them, YAML may not
   return YAML::Load(text);
@@ -191,7 +208,8 @@ void Fields::pass_over(std::initializer_list<const char*> beginnings) {
 void Fields::tell_unused() {
   std::vector<std::string> unused;
   for (const std::string& name : order_) {
-    if (used_.contains(name)) continue;
+    const bool is_form_of_matrix = name.ends_with(".rows") || name.ends_with(".cols") || name.ends_with(".dt");
+    if (used_.contains(name) || is_form_of_matrix) continue;
     const YAML::Node& node = values_.at(name);
     const std::optional<double> value = node.IsScalar() ? parse_number(node.Scalar()) : std::nullopt;
     if (is_optics(name) && value == 0) continue;

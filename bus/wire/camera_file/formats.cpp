@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace rumi {
 namespace {
@@ -18,7 +19,6 @@ struct Stranger {
 
 const std::vector<Stranger>& strangers_by_key() {
   static const std::vector<Stranger> kStrangers = {
-      {"P0", "is KITTI's calib.txt: give P0's values 1, 6, 3 and 7 as fx, fy, cx, cy, and the size of the images"},
       {"P_rect_",
        "is KITTI's calib_cam_to_cam.txt: give P_rect_00's values 1, 6, 3 and 7 as fx, fy, cx, cy, and S_rect_00 "
        "as width and height"},
@@ -27,6 +27,7 @@ const std::vector<Stranger>& strangers_by_key() {
       {"camera_angle_x", "is a transforms.json (NeRF)"},
       {"cameras[0].camera.", "is a file of SVO or ROVIO"},
       {"cameras[0].", "is a file of OKVIS, or of a like program"},
+      {"cam_model", "is a file of SVO or of REMODE"},
       {"cam0_calib", "names the cameras' files and is none: give the file that cam0_calib names"},
       {"M1",
        "is a stereo calibration of OpenCV, which has no size of the images: name M1 camera_matrix and D1 "
@@ -48,7 +49,39 @@ FileCameras refuse(const Fields& in, const std::string& what) {
                       says_what_to_do ? "" : std::string(", which is not read: ") + kWriteOwn)};
 }
 
+// KITTI's calib.txt: P0 to P3 with the twelve numbers of a projection each, and no size of the images.
+FileCameras refuse_kitti(Fields in) {
+  std::istringstream text(in.text("P0", ""));
+  double p[12] = {};
+  for (double& value : p) text >> value;
+  return refuse(in,
+                fmt::format("is KITTI's calib.txt, which has no size of the images: for its camera 0 write fx: {:.7g}, "
+                            "fy: {:.7g}, cx: {:.7g}, cy: {:.7g}, width: <pixels>, height: <pixels>",
+                            p[0], p[5], p[2], p[6]));
+}
+
+FileCameras read_one(const Fields& in);
+
+// Cameras that are a group each: camera0: {camera_matrix: ...}.
+FileCameras read_groups(const Fields& in) {
+  FileCameras all;
+  for (const std::string& name : in.names()) {
+    const std::string group = name.substr(0, name.find('.'));
+    const bool is_known = std::any_of(all.cameras.begin(), all.cameras.end(),
+                                      [&group](const FileCamera& camera) { return camera.name == group; });
+    if (is_known || group == name || !in.has_any(group + ".camera_matrix")) continue;
+    FileCameras one = read_one(in.group(group + "."));
+    all.format = one.format;
+    for (FileCamera& camera : one.cameras) {
+      camera.name = camera.lens = group;
+      all.cameras.push_back(std::move(camera));
+    }
+  }
+  return all;
+}
+
 FileCameras refuse_unknown(const Fields& in) {
+  if (in.has("P0")) return refuse_kitti(in);
   for (const Stranger& stranger : strangers_by_key())
     if (in.has_any(stranger.sign)) return refuse(in, stranger.what);
   std::vector<std::string> names;
@@ -73,10 +106,7 @@ bool has_kalibr_camera(const Fields& in) {
   return false;
 }
 
-}  // namespace
-
-FileCameras read_fields(const Fields& in) {
-  if (!in.error().empty()) return {"", {}, in.error()};
+FileCameras read_one(const Fields& in) {
   if (in.has_any("Camera.") || in.has_any("Camera1.")) return read_orbslam(in);
   // Only FileStorage's matrices have an element type; only ROS has them with rows and columns and none.
   const bool is_ros = in.has("camera_matrix.data") && !in.has("camera_matrix.dt");
@@ -91,6 +121,14 @@ FileCameras read_fields(const Fields& in) {
   if (in.has("intrinsics")) return read_euroc(in);
   if (has_one_of(in, {"model", "fx", "fy", "cx", "cy", "fps"})) return read_rumi(in);
   return refuse_unknown(in);
+}
+
+}  // namespace
+
+FileCameras read_fields(const Fields& in) {
+  if (!in.error().empty()) return {"", {}, in.error()};
+  const FileCameras groups = read_groups(in);
+  return groups.cameras.empty() ? read_one(in) : groups;
 }
 
 std::string known_stranger(const std::string& text) {
@@ -109,6 +147,8 @@ std::string known_stranger(const std::string& text) {
   if (holds("projection:") && holds("+-")) return "is Kalibr's text of results: give the camchain YAML made with it";
   for (const char* model : {"Pinhole ", "RadTan ", "EquiDistant ", "KannalaBrandt ", "FOV ", "EUCM "})
     if (begins(model)) return "is a file of DSO, which is not read: " + own;
+  if (text.find_first_not_of("0123456789.+-eE,;[]() \t\r\n") == std::string::npos)
+    return "has numbers without names, and no size of the images: " + own;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first != std::string::npos && text[first] == '<')
     return "is XML of a kind that is not read (of OpenCV's FileStorage it would be): " + own;

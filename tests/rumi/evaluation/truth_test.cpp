@@ -90,7 +90,7 @@ TEST_F(TruthTest, TellsWhichLinesAreNoPoses) {
   EXPECT_THAT(read("1 2\n").error, HasSubstr("they have 2 numbers"));
   EXPECT_THAT(read("# nothing\n").error, HasSubstr("holds no poses"));
   EXPECT_THAT(read_groundtruth((folder_.path() / "absent.txt").string()).error, HasSubstr("absent.txt"));
-  EXPECT_THAT(read_groundtruth(folder_.path().string()).error, HasSubstr("cannot be read"));
+  EXPECT_THAT(read_groundtruth(folder_.path().string()).error, HasSubstr("is a folder"));
   EXPECT_THAT(read("\x89PNG\nrubbish\n").error, HasSubstr("none of"));
 }
 
@@ -143,6 +143,16 @@ TEST_F(TruthTest, NumbersOfImagesAreNoTimes) {
   EXPECT_THAT(read("0 0 0 0 0 0 0 1\n10 0 0 0 0 0 0 1\n20 0 0 0 0 0 0 1\n", of_run(0)).hint,
               HasSubstr("--groundtruth-rate"));
   EXPECT_THAT(read("0.1 0 0 0 0 0 0 1\n", of_run(0, 30)).error, HasSubstr("leave the option out"));
+}
+
+TEST_F(TruthTest, OfAnotherKindIsRefusedByItsName) {
+  EXPECT_THAT(read("#ROSBAG V2.0\nrubbish\n").error, HasSubstr("is a bag of ROS"));
+  EXPECT_THAT(read("{\"frames\": []}").error, HasSubstr("is JSON"));
+  EXPECT_THAT(read("1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
+  EXPECT_THAT(read("0 0 1\n1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
+  // COLMAP's images.txt: no quaternion where TUM has it, and not nothing either.
+  EXPECT_THAT(read("1 0.85 0.17 0.01 0.49 -0.67 1.27 1.02 1 a.jpg\n2 0.8 0.2 0 0.5 -0.6 1.2 1.1 1 b.jpg\n").error,
+              HasSubstr("none of 2 lines"));
 }
 
 constexpr const char* kKitti =

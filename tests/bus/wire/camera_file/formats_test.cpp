@@ -346,6 +346,23 @@ TEST_F(CameraFiles, OfColmapAreShiftedByHalfAPixel) {
   EXPECT_THAT(read_camera_file(file + ":4").error, HasSubstr("'FOV'"));
 }
 
+TEST(CameraOfOpenCv, NeedsNoSpaceBehindAColon) {
+  const std::string text = with(with(kOpenCv, "data: [ 50.", "data:[ 50."), "image_width: 64", "image_width:64");
+  EXPECT_EQ(error_of(text), "");
+  expect_size_and_matrix(parse(text).camera);
+}
+
+TEST(CameraOfOpenCv, MayBeAGroup) {
+  const std::string camera =
+      "image_width: 64, image_height: 48, camera_matrix: [50, 0, 32, 0, 51, 24, 0, 0, 1], distortion_coefficients: [0, "
+      "0, 0, 0]";
+  const CameraFileResult result = parse(fmt::format("camera0: {{{0}}}\ncamera1: {{{0}}}\n", camera));
+  ASSERT_EQ(result.error, "");
+  EXPECT_EQ(result.name, "camera0");
+  expect_size_and_matrix(result.camera);
+  EXPECT_EQ(result.others.size(), 1u);
+}
+
 TEST(CameraOfCamodocal, IsReadOrRefusedByItsModel) {
   const std::string pinhole =
       "%YAML:1.0\n---\nmodel_type: PINHOLE\ncamera_name: camera\nimage_width: 64\nimage_height: 48\n"
@@ -393,7 +410,9 @@ TEST(CamerasOfBasaltAndDepthAi, AreReadByTheirNames) {
 
 TEST(FilesOfOthers, AreRefusedByTheirNames) {
   const std::pair<const char*, const char*> kStrangers[] = {
-      {"P0: 7.2e+02 0 6.1e+02 0\nP1: 1 2 3\n", "KITTI"},
+      {"P0: 7.2e+02 0 6.1e+02 0 0 7.1e+02 1.8e+02 0 0 0 1 0\nP1: 1 2 3\n", "fx: 720, fy: 710, cx: 610, cy: 180"},
+      {"525.0 0 320\n0 525.0 240\n0 0 1\n", "numbers without names"},
+      {"cam_model: Pinhole\ncam_fx: 414\n", "SVO"},
       {"{\"fl_x\": 50, \"fl_y\": 50, \"w\": 64, \"h\": 48}", "transforms.json"},
       {"cameras:\n  - {focal_length: [50, 51], image_dimension: [64, 48]}\n", "OKVIS"},
       {"%YAML:1.0\nimu: 1\ncam0_calib: \"cam0.yaml\"\n", "give the file that cam0_calib names"},
