@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "rumi/evaluation/body_frame.h"
 #include "rumi/evaluation/text_fields.h"
@@ -262,6 +263,7 @@ class TruthReader {
       return "is a bag of ROS: write its poses as TUM's lines (time tx ty tz qx qy qz qw), as evo_traj --save_as_tum "
              "does";
     if (begins("PK") || begins("\x93NUMPY")) return "is an archive, or a file of NumPy: write its poses as TUM's lines";
+    if (begins("\xFF\xFE") || begins("\xFE\xFF")) return "is UTF-16 (as PowerShell writes it): save it as UTF-8";
     if (begins("{")) return "is JSON: write its poses as TUM's lines (time tx ty tz qx qy qz qw)";
     return "";
   }

@@ -147,6 +147,10 @@ TEST_F(TruthTest, NumbersOfImagesAreNoTimes) {
 
 TEST_F(TruthTest, OfAnotherKindIsRefusedByItsName) {
   EXPECT_THAT(read("#ROSBAG V2.0\nrubbish\n").error, HasSubstr("is a bag of ROS"));
+  EXPECT_THAT(read("\xFF\xFE"
+                   "1")
+                  .error,
+              HasSubstr("UTF-16"));
   EXPECT_THAT(read("{\"frames\": []}").error, HasSubstr("is JSON"));
   EXPECT_THAT(read("1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
   EXPECT_THAT(read("0 0 1\n1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
