@@ -47,7 +47,7 @@ bool is_camera_line(const std::vector<std::string>& words) {
 }
 
 FileCamera read_line(const std::vector<std::string>& words, const std::string& file) {
-  const std::string name = words[0], model = words[1];
+  const std::string &name = words[0], &model = words[1];
   std::string yaml = fmt::format("width: '{}'\nheight: '{}'\n", words[2], words[3]);
   const auto known = parameters().find(model);
   for (size_t i = 4; known != parameters().end() && i < std::min(words.size(), 4 + known->second.size()); ++i)
