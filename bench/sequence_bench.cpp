@@ -52,7 +52,7 @@ Recording read_recording(const std::string& folder, const camera_driver::CameraO
     r.utime_us.push_back(image->utime);
   }
   if (!needs_truth) return r;
-  tool::TrajectoryFile truth = tool::read_groundtruth(folder + "/groundtruth.txt");
+  tool::TruthFile truth = tool::read_groundtruth(folder + "/groundtruth.txt");
   if (!truth.ok()) throw std::runtime_error(truth.error);
   r.truth = std::move(truth.poses);
   return r;

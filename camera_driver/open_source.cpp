@@ -41,12 +41,24 @@ fs::path find_euroc_list(const fs::path& folder) {
   return {};
 }
 
+std::optional<image_t> first_readable_image(FrameReader& reader) {
+  std::string ignored;
+  std::optional<image_t> image;
+  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) image = reader.load(i, false, &ignored);
+  return image;
+}
+
 // The calibration in the metadata of the first readable image of a log, or an empty string.
 std::string calibration_in_log(FrameReader& reader) {
-  std::string ignored;
-  for (size_t i = 0; i < reader.utimes().size(); ++i)
-    if (const std::optional<image_t> image = reader.load(i, false, &ignored)) return metadata(*image, kCalibrationKey);
-  return {};
+  const std::optional<image_t> image = first_readable_image(reader);
+  return image ? metadata(*image, kCalibrationKey) : "";
+}
+
+// In a file that has the camera in several sizes the one of the first image that can be read.
+void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
+  if (calibration->others.empty()) return;
+  if (const std::optional<image_t> image = first_readable_image(reader))
+    choose_size(image->width, image->height, calibration);
 }
 
 CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
@@ -157,7 +169,9 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   Opened opened = open_any(input, options);
   if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
   if (!opened.camera.ok()) return {nullptr, opened.camera.error};
-  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera.camera, options);
+  choose_size_of_images(*opened.reader.reader, &opened.camera);
+  log_notes(opened.camera);
+  auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
   return {std::move(source), ""};
 }

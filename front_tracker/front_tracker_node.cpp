@@ -52,6 +52,7 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
   if (!options.camera_file.empty()) {
     const CameraFileResult file = read_camera_file(options.camera_file);
     if (!file.ok()) throw std::runtime_error(file.error);
+    log_notes(file);
     camera_from_file_ = file.camera;
   }
   bus.subscribe<image_t>(channels::kCamera, kImageQueue, [this](const image_t& image) { on_image(image); });

@@ -42,6 +42,7 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
   if (!options.camera_file.empty()) {
     const CameraFileResult file = read_camera_file(options.camera_file);
     if (!file.ok()) throw std::runtime_error(file.error);
+    log_notes(file);
     camera_from_file_ = file.camera;
   }
   bus.subscribe<image_t>(channels::kCamera, {.capacity = 64, .drop = DropPolicy::kDropOldest},

@@ -16,7 +16,7 @@ COMPONENTS = ["front_tracker", "map_server", "ruminator", "viewer_offscreen"]
 def replay(build, recording, out):
     done = subprocess.run([f"{build}/bin/rumi", "replay", recording, "-o", out, "-q"],
                           stdout=subprocess.DEVNULL)
-    if done.returncode != 0:
+    if done.returncode not in (0, 3):  # 3: not with all of the images
         sys.exit(f"{build}/bin/rumi replay {recording}: exit code {done.returncode}")
     run = json.loads((out / "run.json").read_text())
     return {"all": sum(run["cpu_ms_per_frame"].values()), "MB": run["peak_rss_mb"], **run["cpu_ms_per_frame"]}

@@ -58,7 +58,8 @@ damage() { # DAMAGE folder
 }
 
 ratio() { # OUT folder of a replay, the whole recording
-  "$rumi" evaluate "$1" --groundtruth "$sequence/groundtruth.txt" --json >"$1/evaluation.json"
+  "$rumi" evaluate "$1" --groundtruth "$sequence/groundtruth.txt" --json >"$1/evaluation.json" ||
+    [ -s "$1/evaluation.json" ]
 }
 
 echo "damage,frames,windows,front_tracked_ratio,front_submap_ratio,tracked_ratio,ate_m,window,gap_frames,sampled,registered,ate_window_m,path_m,cpu_s,failure" >"$out/table.csv"
@@ -71,7 +72,8 @@ for damage in "$@"; do
   for rebuild in false true; do
     run=$folder/rebuild_$rebuild
     [ -e "$run/evaluation.json" ] && continue
-    "$rumi" replay -q "$folder/sequence" -o "$run" --set "ruminator.rebuild=$rebuild"
+    "$rumi" replay -q "$folder/sequence" -o "$run" --set "ruminator.rebuild=$rebuild" ||
+      [ $? -eq 3 ] # what tracked nothing is measured, too
     ratio "$run"
   done
   front=$folder/rebuild_false back=$folder/rebuild_true

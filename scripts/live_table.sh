@@ -24,7 +24,8 @@ if [ -z "${RUMI_TABLE_ONLY:-}" ]; then
       keypoints=$((1000 + (run % 2 * 2 - 1) * (run / 2) * 7))
       "$here/live_run.sh" "$build" "$data/$recording" "$folder" --set front_tracker.keypoints=$keypoints \
         >"$folder.log" 2>&1 || { tail -n 20 "$folder.log"; exit 1; }
-      "$build/bin/rumi" evaluate "$folder" --groundtruth "$data/$recording/groundtruth.txt" --json >"$folder/part"
+      "$build/bin/rumi" evaluate "$folder" --groundtruth "$data/$recording/groundtruth.txt" --json >"$folder/part" ||
+        [ -s "$folder/part" ]
       mv "$folder/part" "$folder/evaluation.json"
     done
   done

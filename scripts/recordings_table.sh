@@ -68,11 +68,12 @@ measure() { # name seed
   rm -rf "$run"
   mkdir -p "$run"
   # shellcheck disable=SC2086
-  "$rumi" replay -q "$folder" -o "$run/run" $options >"$run/log" 2>&1 || echo "$1, seed $2: see $run/log" >&2
+  "$rumi" replay -q "$folder" -o "$run/run" $options >"$run/log" 2>&1 || [ $? -eq 3 ] || echo "$1, seed $2: see $run/log" >&2
   for truth in groundtruth.txt colmap.txt; do
     if [ ! -e "$folder/$truth" ]; then continue; fi
     basename "$truth" .txt >"$run/truth"
-    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log"; then
+    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log" ||
+      [ -s "$run/part" ]; then
       mv "$run/part" "$run/evaluation.json"
       return 0
     fi

@@ -26,8 +26,10 @@ measure() { # sequence start kind
     render_path "$folder/sequence" "$1:$2" "$3"
     touch "$folder/rendered"
   fi
-  "$rumi" replay -q "$folder/sequence" -o "$folder/front" --set ruminator.rebuild=false --set map_server.merge=false
-  "$rumi" evaluate "$folder/front" --groundtruth "$folder/sequence/groundtruth.txt" --json >"$folder/part"
+  "$rumi" replay -q "$folder/sequence" -o "$folder/front" --set ruminator.rebuild=false --set map_server.merge=false ||
+    [ $? -eq 3 ]
+  "$rumi" evaluate "$folder/front" --groundtruth "$folder/sequence/groundtruth.txt" --json >"$folder/part" ||
+    [ -s "$folder/part" ] # what tracked nothing has figures, too
   mv "$folder/part" "$folder/evaluation.json"
   if [ -z "${RUMI_TABLE_KEEP:-}" ]; then rm -rf "$folder/sequence" "$folder/rendered" "$folder/front"; fi
 }

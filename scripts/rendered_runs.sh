@@ -24,8 +24,9 @@ render() { # sequence start kind seed
 
 replay() { # folder name option: the run and its evaluation in folder/name
   if [ -e "$1/$2/evaluation.json" ]; then return; fi
-  "$rumi" replay -q "$1/sequence" -o "$1/$2" --set "$3"
-  "$rumi" evaluate "$1/$2" --groundtruth "$1/sequence/groundtruth.txt" --json >"$1/$2/evaluation.json.part"
+  "$rumi" replay -q "$1/sequence" -o "$1/$2" --set "$3" || [ $? -eq 3 ]
+  "$rumi" evaluate "$1/$2" --groundtruth "$1/sequence/groundtruth.txt" --json >"$1/$2/evaluation.json.part" ||
+    [ -s "$1/$2/evaluation.json.part" ]
   mv "$1/$2/evaluation.json.part" "$1/$2/evaluation.json"
 }
 

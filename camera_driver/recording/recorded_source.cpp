@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/log.h"
-#include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "camera_driver/source/encode_as.h"
@@ -31,12 +30,13 @@ std::vector<OrderedFrame> select(const std::vector<OrderedFrame>& frames, const 
 
 }  // namespace
 
-RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
-                               const CameraOptions& options)
+RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader,
+                               const CameraFileResult& calibration, const CameraOptions& options)
     : name_(std::move(name)),
-      calibration_(camera_to_yaml(camera)),
+      calibration_(camera_to_yaml(calibration.camera)),
       reader_(std::move(reader)),
-      camera_(camera),
+      calibration_file_(calibration),
+      camera_(calibration.camera),
       options_(options) {}
 
 // Which frames are played, and in which order.
@@ -179,9 +179,9 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   }
   if (image->width != camera_.width || image->height != camera_.height) {
     skip(&SkippedFrames::wrong_size,
-         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; give the calibration of this "
-                     "camera and size (--camera FILE)",
-                     reader_->where(frame), image->width, image->height, camera_.width, camera_.height));
+         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; {}", reader_->where(frame),
+                     image->width, image->height, camera_.width, camera_.height,
+                     advice_on_size(calibration_file_, image->width, image->height)));
     return std::nullopt;
   }
   image = encode_as(std::move(*image), options_, &error);

@@ -2,6 +2,7 @@
 // A recording as an ImageSource: selects, checks, restamps and encodes what a FrameReader reads.
 #pragma once
 
+#include "bus/wire/camera_file.h"
 #include "camera_driver/recording/frame_order.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/source/image_source.h"
@@ -10,7 +11,7 @@ namespace rumi::camera_driver {
 
 class RecordedSource : public ImageSource {
  public:
-  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const Camera& camera,
+  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFileResult& calibration,
                  const CameraOptions& options);
 
   // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with
@@ -37,6 +38,7 @@ class RecordedSource : public ImageSource {
 
   std::string name_, calibration_;
   std::unique_ptr<FrameReader> reader_;
+  CameraFileResult calibration_file_;
   Camera camera_;
   CameraOptions options_;
   std::vector<OrderedFrame> frames_;  // those that are wanted

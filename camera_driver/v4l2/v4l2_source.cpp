@@ -262,20 +262,23 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   const auto refuse = [&input](const std::string& why) { return OpenedSource{nullptr, input + ": " + why}; };
   if (options.loop) return refuse("loop is true: a camera has no end to begin again from");
   if (options.speed != 1) return refuse(fmt::format("speed is {}: a camera has its own", options.speed));
-  Camera camera;
+  CameraFileResult file;
   if (options.camera_file.empty()) {
-    camera.width = options.width > 0 ? options.width : kDefaultWidth;
-    camera.height = options.height > 0 ? options.height : kDefaultHeight;
+    file.camera.width = options.width > 0 ? options.width : kDefaultWidth;
+    file.camera.height = options.height > 0 ? options.height : kDefaultHeight;
   } else {
-    const CameraFileResult file = read_camera_file(options.camera_file);
+    file = read_camera_file(options.camera_file);
     if (!file.ok()) return {nullptr, file.error};
-    camera = file.camera;
   }
-  const bool fits =
-      (options.width == 0 || options.width == camera.width) && (options.height == 0 || options.height == camera.height);
-  if (!fits)
-    return refuse(fmt::format("width x height is {} x {} but the calibration {} is for {} x {}", options.width,
-                              options.height, options.camera_file, camera.width, camera.height));
+  // A side that is not given is the calibration's.
+  const int width = options.width > 0 ? options.width : file.camera.width;
+  const int height = options.height > 0 ? options.height : file.camera.height;
+  choose_size(width, height, &file);
+  log_notes(file);
+  const Camera& camera = file.camera;
+  if (width != camera.width || height != camera.height)
+    return refuse(fmt::format("width x height is {} x {} but the calibration {} is for {} x {}; {}", width, height,
+                              options.camera_file, camera.width, camera.height, advice_on_size(file, width, height)));
   auto source = std::make_unique<V4l2Source>(system, input, camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
   if (options.camera_file.empty())

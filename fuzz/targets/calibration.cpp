@@ -42,7 +42,25 @@ std::vector<Bytes> seeds() {
   std::string orb = "%YAML:1.0\nCamera.type: \"KannalaBrandt8\"\nCamera.width: 64\nCamera.height: 48\n";
   for (const char* line : {"fx: 50.0", "fy: 51.0", "cx: 32", "cy: 24", "k1: 0.1", "k2: 0.2", "k3: 0.3", "k4: 0.4"})
     orb += std::string("Camera1.") + line + "\n";
-  return {to_bytes(camera_to_yaml(good_camera())),
+  const std::string stella =
+      "Camera:\n  model: perspective\n  fx: 50\n  fy: 51\n  cx: 32\n  cy: 24\n  k1: 0.1\n  cols: 64\n  rows: 48\n";
+  const std::string message =
+      "height: 48\nwidth: 64\ndistortion_model: plumb_bob\nd: [0, 0, 0, 0, 0]\nk: [" + k + "]\nroi: {}\n---\n";
+  const std::string vins = "model_type: PINHOLE\n" + size +
+                           "projection_parameters: {fx: 50, fy: 51, cx: 32, cy: 24}\ndistortion_parameters: {k1: 0}\n";
+  const std::string basalt =
+      "{\"value0\": {\"intrinsics\": [{\"camera_type\": \"kb4\", \"intrinsics\": {\"fx\": 50, \"fy\": 51, \"cx\": 32, "
+      "\"cy\": 24}}], \"resolution\": [[64, 48]]}}";
+  const std::string depthai =
+      "{\"cameraData\": [[0, {\"distortionCoeff\": [0, 0, 0, 0], \"height\": 48, \"width\": 64, \"intrinsicMatrix\": "
+      "[[50, 0, "
+      "32], [0, 51, 24], [0, 0, 1]]}]]}";
+  return {to_bytes(stella),
+          to_bytes(message),
+          to_bytes(vins),
+          to_bytes(basalt),
+          to_bytes(depthai),
+          to_bytes(camera_to_yaml(good_camera())),
           to_bytes(camera_to_yaml(fisheye)),
           to_bytes(ros),
           to_bytes(opencv),

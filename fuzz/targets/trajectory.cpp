@@ -15,6 +15,9 @@ constexpr const char* kFrames =
     "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n"
     "1000000,TRACKING,1,1,0.01,0.01,0.01\n1100000,TRACKING,1,1,0.01,0.01,0.01\n1200000,LOST,0,0,,,\n";
 constexpr const char* kEuroc = "#timestamp,x,y,z,w,x,y,z\n1000000000,0,0,0,1,0,0,0\n1100000000,1,0,0,1,0,0,0\n";
+constexpr const char* kKitti = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n";
+constexpr const char* kPositions = "1000,0,0,0\n1100,1,0,0\n1200,2,1,0\n";
+constexpr const char* kNamed = "\"time\";\"x\";\"y\";\"z\";\"qw\";\"qx\";\"qy\";\"qz\"\n1,0;0;0;0;1;0;0;0\n";
 constexpr const char* kSensor = "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
 constexpr const char* kRun = "{\"program\": \"rumi\", \"images\": 4, \"cpu_ms_per_frame\": {\"front_tracker\": 1.5}}";
 
@@ -65,6 +68,11 @@ std::vector<Bytes> seeds() {
   for (size_t i = 0; i <= kFileCount; ++i) {
     Bytes& bytes = all.emplace_back(to_bytes(std::string(i < kFileCount ? kFiles[i].good : kTum)));
     bytes.insert(bytes.begin(), static_cast<uint8_t>(i));
+  }
+  constexpr uint8_t kTruth = 4;  // of kFiles
+  for (const char* text : {kKitti, kPositions, kNamed}) {
+    all.push_back(to_bytes(std::string(text)));
+    all.back().insert(all.back().begin(), kTruth);
   }
   return all;
 }

@@ -33,12 +33,16 @@ void print_report(const ordered_json& json) {
   };
   line("ATE RMSE after Sim(3) alignment", "ate_rmse_m", " m");
   line("ATE RMSE after SE(3) alignment", "ate_se3_rmse_m", " m");
-  line("RPE over the interval, translation", "rpe_trans_m", " m");
-  line("RPE over the interval, rotation", "rpe_rot_deg", " deg");
+  if (json["truth_has_rotations"].get<bool>()) {
+    line("RPE over the interval, translation", "rpe_trans_m", " m");
+    line("RPE over the interval, rotation", "rpe_rot_deg", " deg");
+  } else {
+    fmt::print("{:<44}needs rotations, which are not in this file\n", "RPE over the interval");
+  }
   line("tracked_frame_ratio (in the served map)", "tracked_frame_ratio", "");
   line("submap_frame_ratio (in any submap)", "submap_frame_ratio", "");
   line("span_rate (first to last pose)", "span_rate", "");
-  line("true_rate (near the truth / all frames)", "true_rate", "");
+  line("true_rate (near the truth / with a truth)", "true_rate", "");
   line("CPU of all components", "ms_per_frame", " ms per frame");
   const auto honesty = [&](const char* what, const char* key) {
     const ordered_json& within = json["honesty"][key];
@@ -57,8 +61,10 @@ void print_report(const ordered_json& json) {
                submap["name"].get<std::string>(), submap["frames"].get<int>(), number(submap["ate_rmse_m"], " m"),
                number(submap["ate_in_map_rmse_m"], " m"), number(submap["path_m"], " m"));
   }
-  for (const ordered_json& reason : {json["reason"], json["honesty"]["reason"]})
-    if (!reason.get<std::string>().empty()) fmt::print("note: {}\n", reason.get<std::string>());
+  for (const ordered_json& note : json["notes"]) fmt::print("note: {}\n", note.get<std::string>());
+  const std::string reason = json["reason"], of_honesty = json["honesty"]["reason"];
+  if (!reason.empty()) fmt::print("note: {}\n", reason);
+  if (!of_honesty.empty() && of_honesty != reason) fmt::print("note: {}\n", of_honesty);
 }
 
 int evaluate(const Arguments& arguments) {
@@ -80,7 +86,9 @@ int evaluate(const Arguments& arguments) {
     fmt::print(stderr, "rumi evaluate: {}\n", error);
     return 1;
   }
-  return 0;
+  if (evaluation.run.map.ate_rmse_m) return 0;
+  fmt::print(stderr, "rumi evaluate: {}: nothing could be computed: {}\n", arguments.out, evaluation.run.map.reason);
+  return 1;
 }
 
 }  // namespace
@@ -91,12 +99,14 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
   command
       ->add_option("--groundtruth", arguments->groundtruth,
-                   "true path of the camera in TUM format, or EuRoC's state_groundtruth_estimate0/data.csv")
+                   "true path: TUM's lines, EuRoC's or TUM-VI's data.csv, KITTI's matrices, or positions only")
       ->required();
   command->add_flag("--json", arguments->json, "print JSON");
   command
-      ->add_option("--groundtruth-rate", arguments->truth.frames_per_second,
-                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+      ->add_option(
+          "--groundtruth-rate", arguments->truth.frames_per_second,
+          "the truth's first column counts images at this rate, Hz (ICL-NUIM), or there are no times (KITTI); 0: "
+          "there are")
       ->not_negative()
       ->show_default();
   command

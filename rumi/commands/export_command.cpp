@@ -12,7 +12,8 @@ namespace {
 
 void add_camera_flags(CommandLine& command, camera_driver::CameraOptions& camera) {
   command
-      .add_option("--camera", camera.camera_file, "calibration file, instead of the one beside the data or in the log")
+      .add_option("--camera", camera.camera_file,
+                  "calibration file (FILE:cam1: one of its cameras), instead of the one beside the data or in the log")
       ->type_name("FILE");
   command.add_option("--every", camera.every, "every Nth image only")->show_default();
   command.add_option("--start", camera.start_s, "leave out so many seconds at the beginning")->show_default();

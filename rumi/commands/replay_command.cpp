@@ -81,7 +81,8 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
         [arguments, key](const std::string& value) { arguments->settings.push_back(fmt::format("{}={}", key, value)); },
         help);
   };
-  shorthand("--camera", "camera_driver.camera_file", "calibration file, instead of the one beside the data");
+  shorthand("--camera", "camera_driver.camera_file",
+            "calibration file (FILE:cam1: one of its cameras), instead of the one beside the data");
   shorthand("--every", "camera_driver.every", "every Nth frame only");
   shorthand("--start", "camera_driver.start", "leave out so much at the beginning, s");
   shorthand("--duration", "camera_driver.duration", "end after so much, s; 0: all");

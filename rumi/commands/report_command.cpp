@@ -48,7 +48,7 @@ void add_report_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--groundtruth", arguments->options.groundtruth, "true path, for errors; see `rumi evaluate`");
   command
       ->add_option("--groundtruth-rate", arguments->options.truth.frames_per_second,
-                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+                   "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")
       ->not_negative()
       ->show_default();
   command->add_option("--log", arguments->options.log,

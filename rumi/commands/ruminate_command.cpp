@@ -18,6 +18,7 @@
 #include "bus/wire/submap_update.h"
 #include "map_server/outputs/writers.h"
 #include "rumi/commands/commands.h"
+#include "rumi/evaluation/truth.h"
 #include "rumi/run/all_options.h"
 #include "rumi/windows/window_report.h"
 #include "ruminator/colmap_builder.h"
@@ -171,7 +172,7 @@ int ruminate(const Arguments& arguments) {
     return complain(error, 2);
   const std::vector<std::string> files = window_files(arguments.windows);
   if (files.empty()) return complain(fmt::format("{}: no *.window in it", arguments.windows.front()), 1);
-  TrajectoryFile truth;
+  TruthFile truth;
   if (!arguments.truth.empty()) truth = read_groundtruth(arguments.truth, arguments.truth_options);
   if (!truth.ok()) return complain(truth.error, 1);
   if (!arguments.out.empty()) {
@@ -180,6 +181,7 @@ int ruminate(const Arguments& arguments) {
     if (error) return complain(fmt::format("{}: cannot be made: {}", arguments.out, error.message()), 1);
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
+  for (const std::string& note : truth.notes) log_warning("{}", note);
   cancel_on_signals();
   Ruminate command(arguments, options.ruminator.build, std::move(truth.poses));
   const int failures = command.run(files);

@@ -39,6 +39,7 @@ std::string resolve(Flags& f) {
   if (!f.camera_file.empty()) {
     const CameraFileResult read = read_camera_file(f.camera_file);
     if (!read.ok()) return read.error;
+    log_notes(read);
     f.synth.camera = read.camera;
   }
   if (const std::string error = parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;

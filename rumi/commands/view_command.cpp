@@ -8,7 +8,7 @@
 
 #include "base/command_line.h"
 #include "rumi/commands/commands.h"
-#include "rumi/evaluation/trajectory.h"
+#include "rumi/evaluation/truth.h"
 #include "rumi/outputs/map_file.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
@@ -17,6 +17,7 @@ namespace {
 
 struct Arguments {
   std::string map, out, groundtruth, view = "all";
+  TruthOptions truth;
 };
 
 const std::map<std::string, std::optional<viewer_offscreen::ViewKind>> kViews = {
@@ -31,8 +32,9 @@ std::string view(const Arguments& arguments) {
   AtlasPicture shown = make_picture(atlas, arguments.map);
   viewer_offscreen::MapPicture& picture = shown.picture;
   if (!arguments.groundtruth.empty()) {
-    const TrajectoryFile truth = read_groundtruth(arguments.groundtruth);
+    const TruthFile truth = read_groundtruth(arguments.groundtruth, arguments.truth);
     if (!truth.ok()) return truth.error;
+    for (const std::string& note : truth.notes) fmt::print(stderr, "{}\n", note);
     for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }
   return viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out);
@@ -58,6 +60,11 @@ void add_view_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
   command->add_option("-o,--output", arguments->out, "PNG file")->required();
   command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
+  command
+      ->add_option("--groundtruth-rate", arguments->truth.frames_per_second,
+                   "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")
+      ->not_negative()
+      ->show_default();
   command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
       ->one_of({"all", "oblique", "top", "side", "follow"})
       ->show_default();

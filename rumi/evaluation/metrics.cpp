@@ -112,7 +112,10 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
     const Eigen::Vector3d aligned = *similarity * estimated[i];
     metrics.errors.push_back({estimate[pairs[i].first].utime_us, aligned, actual[i], (aligned - actual[i]).norm()});
   }
-  relative_errors(estimate, truth, pairs, similarity->scale, options, &metrics);
+  if (options.truth_has_rotations)
+    relative_errors(estimate, truth, pairs, similarity->scale, options, &metrics);
+  else
+    metrics.reason = "the truth has no rotations";
   return metrics;
 }
 
@@ -134,12 +137,19 @@ RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std
   const int64_t span_us = map.empty() ? 0 : map.back().utime_us - map.front().utime_us;
   if (duration_us > 0) metrics.span_rate = static_cast<double>(span_us) / static_cast<double>(duration_us);
 
+  std::vector<TimedPose> at_frames;
+  for (const int64_t utime_us : times) at_frames.push_back({utime_us, SE3()});
+  metrics.frames_with_truth = static_cast<int>(associate(at_frames, truth, options).size());
+  // Images without a time are taken to have a truth as often as the others.
+  const double may_be_true = all * metrics.frames_with_truth / static_cast<double>(times.size());
+
   // Without an alignment nothing is known of the poses there are; without poses no frame is true, and that is known.
   int true_frames = 0;
   for (const PoseError& error : metrics.map.errors) {
     if (error.distance_m <= options.true_distance_m) true_frames += static_cast<int>(times.count(error.utime_us));
   }
-  if (metrics.map.truth_from_estimate || map.empty()) metrics.true_rate = true_frames / all;
+  const bool is_known = metrics.map.truth_from_estimate || map.empty();
+  if (is_known && may_be_true > 0) metrics.true_rate = std::min(1.0, true_frames / may_be_true);
 
   std::set<int64_t> in_a_submap;
   for (const auto& submap : submaps) {

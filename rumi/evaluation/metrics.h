@@ -17,6 +17,7 @@ struct MetricOptions {
   double max_time_difference_s = 0.02;  // between a pose and its truth; never more than half the frame period
   double true_distance_m = 0.10;        // true_rate counts the frames nearer to the truth than this
   double rpe_interval_s = 1.0;          // between the two poses that a relative error compares
+  bool truth_has_rotations = true;      // without them there are no relative errors
 };
 
 // Pairs (index in estimate, index in truth): the same time if the truth has it, else the nearest within the tolerance.
@@ -49,13 +50,14 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
                                       const MetricOptions& options = {});
 
 struct RunMetrics {
-  TrajectoryMetrics map;   // of the served map's trajectory
-  int frames = 0;          // all input frames
-  int tracked_frames = 0;  // with a pose in the served map
+  TrajectoryMetrics map;      // of the served map's trajectory
+  int frames = 0;             // all input frames
+  int frames_with_truth = 0;  // of those in frames.csv, with a truth
+  int tracked_frames = 0;     // with a pose in the served map
   // Absent without frames.
   std::optional<double> tracked_frame_ratio;
   std::optional<double> span_rate;           // the paper's tracking rate: first to last pose / first to last frame
-  std::optional<double> true_rate;           // frames within true_distance_m of the truth / all frames
+  std::optional<double> true_rate;           // frames within true_distance_m / frames that have a truth
   std::optional<double> submap_frame_ratio;  // frames with a pose in any submap / all frames
 };
 

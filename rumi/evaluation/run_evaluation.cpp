@@ -75,18 +75,50 @@ ordered_json to_json(const Honesty& honesty) {
           {"reason", honesty.reason}};
 }
 
+std::optional<RunTimes> times_of(const std::vector<InputFrame>& frames) {
+  if (frames.empty()) return std::nullopt;
+  RunTimes times{frames.front().utime_us, frames.back().utime_us, 0};
+  if (frames.size() > 1) times.period_us = (times.last_us - times.first_us) / static_cast<int64_t>(frames.size() - 1);
+  return times;
+}
+
+std::string span(int64_t first_us, int64_t last_us) {
+  return fmt::format("from {:.3f} to {:.3f} s", static_cast<double>(first_us) * 1e-6,
+                     static_cast<double>(last_us) * 1e-6);
+}
+
+// Of images and truths whose times do not meet, or hardly.
+std::string how_they_meet(const std::string& file, const TruthFile& truth, const RunTimes& run,
+                          const RunMetrics& metrics) {
+  return fmt::format("{}: {} of {} images have a truth: the images are {}, the truth is {}", file,
+                     metrics.frames_with_truth, metrics.frames, span(run.first_us, run.last_us),
+                     span(truth.poses.front().utime_us, truth.poses.back().utime_us));
+}
+
+std::string advice(const TruthFile& truth, const RunTimes& run) {
+  if (!truth.hint.empty()) return truth.hint;
+  const bool overlap = truth.poses.front().utime_us <= run.last_us && truth.poses.back().utime_us >= run.first_us;
+  return overlap ? "between its times are larger steps than --max-time-difference bridges"
+                 : "give the truth of this recording, in the clock of its images";
+}
+
 }  // namespace
 
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
-                            const TruthOptions& truth_options, const MetricOptions& metric_options,
+                            const TruthOptions& truth_options, const MetricOptions& asked_metrics,
                             RunEvaluation* evaluation) {
   const fs::path out = folder;
   const TrajectoryFile map = read_trajectory((out / "trajectory.txt").string());
   if (!map.ok()) return map.error;
   const FramesFile frames = read_frames((out / "frames.csv").string());
   if (!frames.ok()) return frames.error;
-  TrajectoryFile truth = read_groundtruth(groundtruth, truth_options);
+  const std::optional<RunTimes> run_times = times_of(frames.frames);
+  TruthOptions with_times = truth_options;
+  with_times.run = run_times;
+  TruthFile truth = read_groundtruth(groundtruth, with_times);
   if (!truth.ok()) return truth.error;
+  MetricOptions metric_options = asked_metrics;
+  metric_options.truth_has_rotations = truth.has_rotations;
 
   std::vector<fs::path> files;
   std::error_code no_folder;
@@ -109,6 +141,18 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   const ordered_json run = read_run(out / "run.json");
   const int images = run.contains("images") && run["images"].is_number() ? run["images"].get<int>() : 0;
   evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
+  const RunMetrics& metrics = evaluation->run;
+  evaluation->notes = truth.notes;
+  evaluation->truth_has_rotations = truth.has_rotations;
+  if (run_times && metrics.frames >= 3) {
+    const std::string meeting = how_they_meet(groundtruth, truth, *run_times, metrics);
+    if (metrics.frames_with_truth < 3) {
+      std::string notes;
+      for (const std::string& note : truth.notes) notes += "\n  " + note;
+      return fmt::format("{}; {}{}", meeting, advice(truth, *run_times), notes);
+    }
+    if (2 * metrics.frames_with_truth < metrics.frames) evaluation->notes.push_back(meeting);
+  }
   evaluation->truth = std::move(truth.poses);
   if (run.contains("cpu_ms_per_frame") && run["cpu_ms_per_frame"].is_object()) {
     evaluation->cpu_ms_per_frame = run["cpu_ms_per_frame"];
@@ -140,6 +184,9 @@ ordered_json to_json(const RunEvaluation& evaluation) {
       {"honesty", to_json(evaluation.honesty)},
       {"ms_per_frame", evaluation.cpu_ms_per_frame.is_null() ? ordered_json() : ordered_json(cpu_ms)},
       {"cpu_ms_per_frame", evaluation.cpu_ms_per_frame},
+      {"images_with_truth", run.frames_with_truth},
+      {"truth_has_rotations", evaluation.truth_has_rotations},
+      {"notes", evaluation.notes},
       {"reason", run.map.reason},
   };
   for (const SubmapResult& submap : evaluation.submaps) {

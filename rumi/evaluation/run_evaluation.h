@@ -9,6 +9,7 @@
 
 #include "rumi/evaluation/honesty.h"
 #include "rumi/evaluation/metrics.h"
+#include "rumi/evaluation/truth.h"
 
 namespace rumi::tool {
 
@@ -23,10 +24,13 @@ struct RunEvaluation {
   std::vector<SubmapResult> submaps;
   Honesty honesty;  // of the deviations in frames.csv
   std::vector<TimedPose> truth;
+  bool truth_has_rotations = true;
+  std::vector<std::string> notes;           // on the truth: what was decided, or left out
   nlohmann::ordered_json cpu_ms_per_frame;  // by component, from run.json; null if it is not there
 };
 
-// Reads trajectory.txt, frames.csv and submaps/ in the folder, and the truth. Returns what is wrong, or nothing.
+// Reads trajectory.txt, frames.csv and submaps/ in the folder, and the truth. Returns what is wrong, or nothing. It is
+// wrong if fewer than three images have a truth; that fewer have a pose is told by `run.map.reason`.
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth,
                             const MetricOptions& metrics, RunEvaluation* evaluation);
 

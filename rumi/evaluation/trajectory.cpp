@@ -2,7 +2,6 @@
 #include "rumi/evaluation/trajectory.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,21 +9,11 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
-#include <sstream>
+
+#include "rumi/evaluation/text_fields.h"
 
 namespace rumi::tool {
 namespace {
-
-std::vector<std::string> split(const std::string& line, const char* separators) {
-  std::vector<std::string> fields;
-  size_t begin = line.find_first_not_of(separators);
-  while (begin != std::string::npos) {
-    const size_t end = line.find_first_of(separators, begin);
-    fields.push_back(line.substr(begin, end == std::string::npos ? end : end - begin));
-    begin = end == std::string::npos ? end : line.find_first_not_of(separators, end);
-  }
-  return fields;
-}
 
 // Empty fields count; the end of the line may be that of another system.
 std::vector<std::string> split_csv(const std::string& line) {
@@ -55,11 +44,6 @@ bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size
   return true;
 }
 
-std::optional<double> to_number(const std::string& text) {
-  double value = 0;
-  return parse(text, &value) && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
-
 // The numbers of a line, or nothing if one of the first `count` is missing or not finite.
 std::optional<std::vector<double>> numbers(const std::vector<std::string>& fields, size_t count) {
   if (fields.size() < count) return std::nullopt;
@@ -70,12 +54,6 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string>& field
     values[i] = *value;
   }
   return values;
-}
-
-std::optional<SE3> make_pose(double x, double y, double z, double qw, double qx, double qy, double qz) {
-  const Eigen::Quaterniond q(qw, qx, qy, qz);
-  if (std::abs(q.norm() - 1.0) > 0.01) return std::nullopt;
-  return SE3(q, {x, y, z});
 }
 
 // Far enough from the ends of the numbers for the difference of two times.
@@ -92,9 +70,18 @@ void sort_by_time(TrajectoryFile* result) {
   poses.erase(end, poses.end());
 }
 
-// Reads the lines with a function that makes a pose of one, or nothing.
-template <class ParseLine>
-TrajectoryFile read_lines(const std::string& file, const std::string& expected, ParseLine parse) {
+std::optional<TimedPose> parse_pose(const std::string& line) {
+  const auto v = numbers(split(line, " \t\r"), 8);
+  if (!v) return std::nullopt;
+  const Eigen::Quaterniond q((*v)[7], (*v)[4], (*v)[5], (*v)[6]);
+  const int64_t utime_us = to_us((*v)[0]);
+  if (std::abs(q.norm() - 1.0) > 0.01 || !is_time(utime_us)) return std::nullopt;
+  return TimedPose{utime_us, SE3(q, {(*v)[1], (*v)[2], (*v)[3]})};
+}
+
+}  // namespace
+
+TrajectoryFile read_trajectory(const std::string& file) {
   TrajectoryFile result;
   std::ifstream in(file);
   if (!in || std::filesystem::is_directory(file)) {
@@ -103,85 +90,15 @@ TrajectoryFile read_lines(const std::string& file, const std::string& expected, 
   }
   for (std::string line; std::getline(in, line);) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[line.find_first_not_of(" \t")] == '#') continue;
-    const std::optional<TimedPose> pose = parse(line);
-    if (pose && is_time(pose->utime_us)) {
+    if (const std::optional<TimedPose> pose = parse_pose(line))
       result.poses.push_back(*pose);
-    } else {
+    else
       ++result.skipped_lines;
-    }
   }
   sort_by_time(&result);
-  if (result.poses.empty() && result.skipped_lines > 0) {
-    result.error = fmt::format("{}: none of {} lines is {}", file, result.skipped_lines, expected);
-  }
-  return result;
-}
-
-// T_BS of sensor.yaml: body_from_cam.
-std::optional<SE3> read_body_from_cam(const std::filesystem::path& sensor_yaml) {
-  try {
-    const auto values = YAML::LoadFile(sensor_yaml.string())["T_BS"]["data"].as<std::vector<double>>();
-    if (values.size() != 16) return std::nullopt;
-    const Eigen::Matrix4d m = Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(values.data());
-    const SE3 pose(Eigen::Matrix3d(m.topLeftCorner<3, 3>()), m.topRightCorner<3, 1>());
-    return pose.is_finite() ? std::optional(pose) : std::nullopt;
-  } catch (const YAML::Exception&) {
-    return std::nullopt;
-  }
-}
-
-TrajectoryFile read_euroc(const std::string& file) {
-  const auto sensor = std::filesystem::path(file).parent_path().parent_path() / "cam0" / "sensor.yaml";
-  const std::optional<SE3> body_from_cam = read_body_from_cam(sensor);
-  if (!body_from_cam) {
-    TrajectoryFile failure;
-    failure.error = fmt::format(
-        "{}: EuRoC's truth is of the body, and {} with T_BS (16 numbers), which says where the camera is on it, cannot "
-        "be "
-        "read: keep the truth in its place in the dataset's folder",
-        file, sensor.string());
-    return failure;
-  }
-  return read_lines(
-      file, "a line of EuRoC ground truth (ns, x, y, z, qw, qx, qy, qz, ...)",
-      [&](const std::string& line) -> std::optional<TimedPose> {
-        const auto fields = split(line, ", \t\r");
-        const auto v = numbers(fields, 8);
-        int64_t ns = 0;
-        if (!v || std::from_chars(fields[0].data(), fields[0].data() + fields[0].size(), ns).ec != std::errc()) {
-          return std::nullopt;
-        }
-        const auto body = make_pose((*v)[1], (*v)[2], (*v)[3], (*v)[4], (*v)[5], (*v)[6], (*v)[7]);
-        if (!body) return std::nullopt;
-        return TimedPose{ns / 1000, *body * *body_from_cam};
-      });
-}
-
-bool looks_like_euroc(const std::string& file) {
-  std::ifstream in(file);
-  for (std::string line; std::getline(in, line);) {
-    if (!line.empty() && line[0] != '#') return line.find(',') != std::string::npos;
-  }
-  return false;
-}
-
-}  // namespace
-
-TrajectoryFile read_trajectory(const std::string& file, const TruthOptions& options) {
-  const double to_seconds = options.frames_per_second > 0 ? 1.0 / options.frames_per_second : 1.0;
-  return read_lines(file, "a pose in TUM format (time tx ty tz qx qy qz qw)",
-                    [&](const std::string& line) -> std::optional<TimedPose> {
-                      const auto v = numbers(split(line, " \t\r"), 8);
-                      if (!v) return std::nullopt;
-                      const auto pose = make_pose((*v)[1], (*v)[2], (*v)[3], (*v)[7], (*v)[4], (*v)[5], (*v)[6]);
-                      if (!pose) return std::nullopt;
-                      return TimedPose{to_us((*v)[0] * to_seconds), *pose};
-                    });
-}
-
-TrajectoryFile read_groundtruth(const std::string& file, const TruthOptions& options) {
-  TrajectoryFile result = looks_like_euroc(file) ? read_euroc(file) : read_trajectory(file, options);
-  if (result.ok() && result.poses.empty()) result.error = fmt::format("{}: holds no poses", file);
+  if (result.poses.empty() && result.skipped_lines > 0)
+    result.error = fmt::format("{}: none of {} lines is a pose in TUM format (time tx ty tz qx qy qz qw)", file,
+                               result.skipped_lines);
   return result;
 }
 

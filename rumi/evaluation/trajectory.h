@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trajectories as files: TUM format (time tx ty tz qx qy qz qw, map_from_cam), EuRoC's ground truth, and frames.csv.
+// What a run writes: trajectories in TUM format (time tx ty tz qx qy qz qw, map_from_cam), and frames.csv. The truth is
+// read by truth.h.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +24,9 @@ struct TrajectoryFile {
   bool ok() const { return error.empty(); }
 };
 
-struct TruthOptions {
-  // The first column counts frames at this rate instead of giving seconds (ICL-NUIM's *.gt.freiburg); 0 = seconds.
-  double frames_per_second = 0;
-};
-
 // TUM format; lines that start with '#' are comments. A file without a single usable line is an error only if it had
 // lines.
-TrajectoryFile read_trajectory(const std::string& file, const TruthOptions& options = {});
-
-// The above, or EuRoC's state_groundtruth_estimate0/data.csv (nanoseconds; poses of the body, which become poses of the
-// camera by T_BS of ../cam0/sensor.yaml).
-TrajectoryFile read_groundtruth(const std::string& file, const TruthOptions& options = {});
+TrajectoryFile read_trajectory(const std::string& file);
 
 struct InputFrame {
   int64_t utime_us = 0;

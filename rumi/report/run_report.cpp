@@ -92,6 +92,7 @@ void add_errors(const std::string& folder, const std::string& groundtruth, const
   page->section("Error", "Against " + groundtruth + ", after Sim(3) alignment.");
   page->picture(viewer_offscreen::encode_png(draw_evaluation(evaluation.run, evaluation.truth)), "png",
                 "Path and error over time");
+  for (const std::string& note : evaluation.notes) page->paragraph(note);
   const ordered_json json = to_json(evaluation);
   std::vector<std::vector<std::string>> rows;
   for (const auto& [key, value] : json.items())
@@ -248,7 +249,7 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   const map_server::Atlas atlas = load_map((fs::path(folder) / "map.db").string());
   AtlasPicture shown = make_picture(atlas, "Rumi");
   if (!options.groundtruth.empty()) {
-    const TrajectoryFile path = read_groundtruth(options.groundtruth, options.truth);
+    const TruthFile path = read_groundtruth(options.groundtruth, options.truth);
     if (!path.ok()) throw std::runtime_error(path.error);
     for (const TimedPose& pose : path.poses) shown.picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "rumi/evaluation/trajectory.h"
+#include "rumi/evaluation/truth.h"
 
 namespace rumi::tool {
 

@@ -396,6 +396,39 @@ TEST(ImageSource, RefusesACalibrationThatDoesNotFit) {
   EXPECT_THAT(error_of(folder.path()), AllOf(HasSubstr("no calibration"), HasSubstr("--camera FILE")));
 }
 
+TEST(ImageSource, NamesTheCameraOfTheFileThatFits) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 2);
+  const auto camera = [](int number, int width, int height) {
+    return fmt::format("cam{}: {{camera_model: pinhole, intrinsics: [50, 51, 32, 24], resolution: [{}, {}]}}\n", number,
+                       width, height);
+  };
+  CameraOptions options;
+  options.camera_file = folder / "camchain.yaml";
+  write(options.camera_file, camera(0, 80, 60) + camera(1, 64, 48));
+  EXPECT_THAT(error_of(folder.path(), options), AllOf(HasSubstr("80 x 60"), HasSubstr("camchain.yaml:cam1")));
+  options.camera_file += ":cam1";
+  EXPECT_EQ(open_recording(folder.path().string(), options).error, "");
+}
+
+TEST(ImageSource, TakesTheBlockOfTheImagesSize) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 2);
+  const auto block = [](int width, int height) {
+    return fmt::format(
+        " Intrinsic of \"Color\" / {0}x{1} / {{RGB8}}\n  Width: {0}\n  Height: {1}\n  PPX: 32\n  PPY: 24\n  Fx: 50\n  "
+        "Fy: 51\n"
+        "  Distortion: Brown Conrady\n  Coeffs: 0 0 0 0 0\n\n",
+        width, height);
+  };
+  CameraOptions options;
+  options.camera_file = folder / "d435.txt";
+  write(options.camera_file, block(80, 60) + block(64, 48));
+  const OpenedSource opened = open_recording(folder.path().string(), options);
+  ASSERT_EQ(opened.error, "");
+  EXPECT_EQ(opened.source->camera().width, 64);
+}
+
 TEST(ImageSource, RealDatasetsOpen) {
   const char* variable = std::getenv("RUMI_DATA_DIR");
   const fs::path data = variable ? fs::path(variable) : fs::path(RUMI_SOURCE_DIR) / "../shared/data";

@@ -91,6 +91,8 @@ TEST(CameraFile, OpenCvKalibrEurocOrbSlam) {
       text += prefix + line + "\n";
     c = parse(text + "Camera.type: \"KannalaBrandt8\"\n", "ORB-SLAM3");
     EXPECT_EQ(c.k4, 0.4);
+    EXPECT_THAT(error_of(text + "Camera.type: \"PinHole\"\n"), HasSubstr(prefix + "k4 is 0.4"));
+    text.resize(text.find(prefix + "k4"));
     c = parse(text + "Camera.type: \"PinHole\"\n", "ORB-SLAM3");
     EXPECT_EQ(std::tie(c.k3, c.k4, c.fps), std::make_tuple(.3, 0., 30.));
   }

@@ -167,6 +167,27 @@ TEST(RunMetricsTest, TrueRateIsNotImprovedByGuesses) {
   EXPECT_NEAR(metrics.true_rate.value(), 0.99, 1e-12);
 }
 
+TEST(RunMetricsTest, TrueRateIsOfTheFramesThatHaveATruth) {
+  const auto all = walk(1000);
+  const std::vector<TimedPose> truth(all.begin() + 100, all.begin() + 600);
+  auto map = all;
+  for (int i = 300; i < 305; ++i) map[i].map_from_cam.translation.z() += 0.5;
+  const auto metrics = evaluate_run(map, {}, frames_of(all), truth);
+  EXPECT_EQ(metrics.frames_with_truth, 500);
+  EXPECT_NEAR(metrics.true_rate.value(), 0.99, 1e-12);
+  EXPECT_NEAR(metrics.tracked_frame_ratio.value(), 1.0, 1e-12);
+}
+
+TEST(Metrics, WithoutTrueRotationsThereAreNoRelativeErrors) {
+  const auto truth = walk(300);
+  MetricOptions options;
+  options.truth_has_rotations = false;
+  const auto metrics = evaluate_trajectory(truth, truth, options);
+  EXPECT_LT(metrics.ate_rmse_m.value(), 1e-9);
+  EXPECT_FALSE(metrics.rpe_trans_m || metrics.rpe_rot_deg);
+  EXPECT_EQ(metrics.reason, "the truth has no rotations");
+}
+
 TEST(RunMetricsTest, AbsentFiguresStayAbsent) {
   const auto truth = walk(100);
   const auto nothing = evaluate_run({}, {}, {}, truth);

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What `rumi evaluate` says of a truth that cannot be used, and its exit code.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <functional>
+
+#include "base/command_line.h"
+#include "rumi/commands/commands.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rumi::tool {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+struct Said {
+  int code = 0;
+  std::string out, err;
+};
+
+class EvaluateCommandTest : public ::testing::Test {
+ protected:
+  EvaluateCommandTest() {
+    std::filesystem::create_directories(folder_.path() / "submaps");
+    write("frames.csv", frames());
+    write("trajectory.txt", walk(0, 40, 1.4e9));
+  }
+  void write(const std::string& name, const std::string& text) { std::ofstream(folder_.path() / name) << text; }
+  static std::string frames() {
+    std::string text = "utime,state,submap,in_map\n";
+    for (int i = 0; i < 40; ++i) text += fmt::format("{},TRACKING,1,1\n", 1'400'000'000'000'000 + 100'000 * int64_t{i});
+    return text;
+  }
+  static std::string walk(int from, int to, double start_s) {
+    std::string text;
+    for (int i = from; i < to; ++i)
+      text += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 0 1\n", start_s + 0.1 * i, 0.1 * i, 0.01 * i * i);
+    return text;
+  }
+  Said evaluate(const std::string& truth, std::vector<std::string> flags = {}) {
+    write("truth.txt", truth);
+    std::vector<std::string> words = {"rumi", "evaluate", folder_.path().string(), "--groundtruth",
+                                      (folder_.path() / "truth.txt").string()};
+    words.insert(words.end(), flags.begin(), flags.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    CommandLine app("test", "rumi");
+    std::function<int()> chosen;
+    add_evaluate_command(app, &chosen);
+    EXPECT_EQ(app.parse(static_cast<int>(argv.size()), argv.data()).error, "");
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
+    Said said;
+    said.code = chosen();
+    std::fflush(stdout);
+    said.out = ::testing::internal::GetCapturedStdout();
+    said.err = ::testing::internal::GetCapturedStderr();
+    return said;
+  }
+  testing::TemporaryFolder folder_;
+};
+
+TEST_F(EvaluateCommandTest, MeasuresARun) {
+  const Said said = evaluate(walk(0, 40, 1.4e9));
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m"));
+  EXPECT_THAT(said.err, IsEmpty());
+}
+
+TEST_F(EvaluateCommandTest, RefusesAnotherClockWithBothSpans) {
+  const Said said = evaluate(walk(0, 40, 12.5));
+  EXPECT_EQ(said.code, 1);
+  EXPECT_THAT(said.err,
+              AllOf(HasSubstr("0 of 40 images have a truth"), HasSubstr("from 1400000000.000 to 1400000003.900 s"),
+                    HasSubstr("from 12.500 to 16.400 s")));
+  EXPECT_THAT(said.out, IsEmpty());
+}
+
+TEST_F(EvaluateCommandTest, RefusesATruthOfTwoImages) {
+  const Said said = evaluate(walk(38, 60, 1.4e9));
+  EXPECT_EQ(said.code, 1);
+  EXPECT_THAT(said.err, HasSubstr("2 of 40 images have a truth"));
+}
+
+TEST_F(EvaluateCommandTest, TellsThatNothingWasTrackedAndGivesTheFigures) {
+  write("trajectory.txt", "");
+  const Said said = evaluate(walk(0, 40, 1.4e9), {"--json"});
+  EXPECT_EQ(said.code, 1);
+  EXPECT_THAT(said.err, AllOf(HasSubstr("nothing could be computed"), HasSubstr("0 of 0 poses")));
+  EXPECT_THAT(said.out, AllOf(HasSubstr("\"true_rate\": 0.0"), HasSubstr("\"ate_rmse_m\": null")));
+}
+
+TEST_F(EvaluateCommandTest, TellsWhichLinesAreNoPosesAndCountsOnlyFramesWithATruth) {
+  std::string truth = walk(0, 40, 1.4e9);
+  for (int i = 0; i < 20; ++i) truth.replace(truth.find("0 0 0 0 1\n"), 10, "0 nan 0 0 1\n");
+  const Said said = evaluate(truth);
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("20 of 40 lines are no poses (first: line 1, nan)"),
+                              HasSubstr("true_rate (near the truth / with a truth)   1.0000")));
+}
+
+TEST_F(EvaluateCommandTest, TakesPositionsWithoutRotations) {
+  std::string truth;
+  for (int i = 0; i < 40; ++i) truth += fmt::format("{:.6f} {:.6f} {:.6f} 0\n", 1.4e9 + 0.1 * i, 0.1 * i, 0.01 * i * i);
+  const Said said = evaluate(truth);
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("needs rotations, which are not in this file"), HasSubstr("0.0000 m")));
+}
+
+}  // namespace
+}  // namespace rumi::tool
