@@ -138,6 +138,7 @@ RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std
   if (duration_us > 0) metrics.span_rate = static_cast<double>(span_us) / static_cast<double>(duration_us);
 
   std::vector<TimedPose> at_frames;
+  at_frames.reserve(times.size());
   for (const int64_t utime_us : times) at_frames.push_back({utime_us, SE3()});
   metrics.frames_with_truth = static_cast<int>(associate(at_frames, truth, options).size());
   // Images without a time are taken to have a truth as often as the others.
