@@ -23,6 +23,7 @@
 #include "front_tracker/options.h"
 #include "front_tracker/tracking/tracker.h"
 #include "rumi/evaluation/metrics.h"
+#include "rumi/evaluation/truth.h"
 
 namespace rumi {
 namespace {
