@@ -14,6 +14,7 @@
 #include "base/command_line.h"
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
@@ -179,7 +180,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
     run_node(*bus, node, status, [&] { reload(flags, &table, description.on_reload, node.node()); });
   } catch (const std::exception& e) {
-    log_error("{}", e.what());
+    log_error("{}", reason_of(e));
     return kFailure;
   }
   return kOk;

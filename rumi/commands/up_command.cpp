@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/failures.h"
+#include "base/scratch_folder.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/all_options.h"
 #include "rumi/run/supervisor.h"
@@ -43,10 +47,11 @@ class SharedConfig {
  public:
   // Throws std::runtime_error.
   explicit SharedConfig(const std::string& yaml) {
-    std::string name = (fs::temp_directory_path() / "rumi-up-XXXXXX").string();
+    std::string name = (fs::path(scratch_folder()) / "rumi-up-XXXXXX").string();
     const int fd = mkstemp(name.data());
+    if (fd < 0) throw std::runtime_error(fmt::format("{}: cannot be made: {}", name, std::strerror(errno)));
     file_ = name;
-    if (fd >= 0) close(fd);
+    close(fd);
     write(yaml);
   }
   // Throws std::runtime_error.
@@ -158,7 +163,7 @@ int up(const Arguments& arguments) {
     error = supervisor.run(g_stop, g_at_once, hooks);
     if (error.empty()) error = snapshot_error;
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) return 0;
   fmt::print(stderr, "rumi up: {}\n", error);
