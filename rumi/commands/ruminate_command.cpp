@@ -86,7 +86,7 @@ std::string write_results(const Arguments& arguments, const std::string& name, c
 class Ruminate {
  public:
   Ruminate(const Arguments& arguments, const ruminator::BuildOptions& options, std::vector<TimedPose> truth)
-      : arguments_(arguments), builder_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
+      : arguments_(arguments), colmap_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
 
   // Returns how many windows could not be rebuilt.
   int run(const std::vector<std::string>& files) {
@@ -133,7 +133,7 @@ class Ruminate {
         (in / (arguments_.keep_work ? name + ".work" : fmt::format("rumi-{}-{}", getpid(), name))).string();
     ruminator::BuildResult result;
     try {
-      result = builder_(
+      result = colmap_.builder(
           job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
     } catch (const std::exception& e) {
       result.failure = reason_of(e);
@@ -160,7 +160,7 @@ class Ruminate {
   }
 
   const Arguments& arguments_;
-  ruminator::Builder builder_;
+  ruminator::ColmapBuilder colmap_;
   std::vector<TimedPose> truth_;
   std::vector<WindowRow> rows_;
   bool line_is_shown_ = false;
