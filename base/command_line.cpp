@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
 #include <optional>
+
+#include "base/nearest_word.h"
 
 namespace rumi {
 
@@ -69,6 +75,63 @@ CommandLine* CommandLine::add_command(const std::string& name, const std::string
 
 void CommandLine::on_chosen(std::function<void()> chosen) { app_->callback(std::move(chosen)); }
 
+namespace {
+
+void add_names(const CLI::App& app, std::vector<std::string>* names) {
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names->push_back("--" + name);
+    for (const std::string& name : option->get_snames()) names->push_back("-" + name);
+  }
+}
+
+bool is_number(const std::string& text) {
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return *end == '\0';
+}
+
+std::string no_such(const std::string& what, const std::string& word, const std::vector<std::string>& known) {
+  const std::string similar = similar_word(word, known);
+  return fmt::format("{}: there is no such {}{}", word, what, similar.empty() ? "" : "; did you mean " + similar + "?");
+}
+
+// "-every": the library takes it for five flags of a letter.
+std::string no_such_flag(const std::string& flag, const std::vector<std::string>& known) {
+  if (flag.starts_with("--") || flag.size() == 2) return no_such("flag", flag, known);
+  const std::string similar = similar_word("-" + flag, known);
+  return similar.empty() ? no_such("flag", flag, {}) : fmt::format("{}: did you mean {}?", flag, similar);
+}
+
+}  // namespace
+
+// What is wrong is most often a word that is spelt wrong, whatever else then is missing. Nothing where it is not.
+std::string CommandLine::misspelt(int argc, char** argv) const {
+  const CLI::App* app = app_;
+  std::vector<std::string> known, commands;
+  add_names(*app, &known);
+  for (const CLI::App* command : app->get_subcommands([](const CLI::App*) { return true; }))
+    commands.push_back(command->get_name());
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--") break;
+    const bool is_flag = word.size() > 1 && word[0] == '-' && !is_number(word);
+    if (!is_flag) {
+      if (app != app_ || commands.empty()) continue;
+      if (std::find(commands.begin(), commands.end(), word) == commands.end())
+        return no_such("command", word, commands);
+      app = app_->get_subcommand(word);
+      if (app->get_allow_extras()) return {};
+      add_names(*app, &known);
+      continue;
+    }
+    const std::string flag = word.substr(0, word.find('='));
+    const bool is_long = flag.starts_with("--");
+    const std::string name = is_long ? flag : flag.substr(0, 2);  // -l URL, -lURL
+    if (std::find(known.begin(), known.end(), name) == known.end()) return no_such_flag(flag, known);
+  }
+  return {};
+}
+
 CommandLine::Result CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
@@ -76,7 +139,8 @@ CommandLine::Result CommandLine::parse(int argc, char** argv) {
     app_->exit(e);
     return {.done = true, .error = ""};
   } catch (const CLI::ParseError& e) {
-    return {.done = false, .error = e.what()};
+    const std::string word = misspelt(argc, argv);
+    return {.done = false, .error = word.empty() ? e.what() : word};
   }
   return {};
 }

@@ -78,6 +78,7 @@ class CommandLine {
 
  private:
   explicit CommandLine(CLI::App* command);
+  std::string misspelt(int argc, char** argv) const;
   std::unique_ptr<CLI::App> own_;  // of a program
   CLI::App* app_;
   std::vector<std::unique_ptr<CommandLine>> commands_;

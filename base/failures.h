@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <string>
 #include <utility>
 
@@ -10,6 +11,8 @@
 
 namespace rumi {
 
+// What was thrown, for a person: what libraries say of their own code is left out, and a file is named.
+std::string reason_of(const std::exception& thrown);
 // Of the exception that is being handled.
 std::string what_was_thrown();
 

@@ -16,6 +16,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "base/nearest_word.h"
+
 namespace rumi {
 namespace {
 
@@ -29,25 +31,20 @@ bool parse_number(const std::string& text, T* value) {
   return error == std::errc() && stop == end;
 }
 
-size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<size_t> row(b.size() + 1);
-  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substitution = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substitution}));
-    }
-  }
-  return row.back();
-}
-
 std::string section_of(const std::string& key) { return key.substr(0, key.find('.')); }
 
+// As YAML reads it back. YAML::Emitter would put other bytes for those that are no UTF-8, and then a name from a disk
+// of an old Windows names nothing.
 std::string quoted(const std::string& text) {
-  YAML::Emitter emitter;
-  emitter << YAML::DoubleQuoted << text;
-  return emitter.c_str();
+  std::string result = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ' || byte == 0x7f)
+      result += fmt::format("\\x{:02x}", byte);
+    else
+      result += (c == '"' || c == '\\') ? std::string{'\\', c} : std::string{c};
+  }
+  return result + '"';
 }
 
 std::string value_text(const std::variant<int*, double*, bool*, std::string*>& field) {
@@ -180,11 +177,10 @@ std::string OptionTable::assign_to(const Field& to, const Entry& entry, const st
 }
 
 std::string OptionTable::unknown(const std::string& key) const {
-  const auto nearest = std::min_element(entries_.begin(), entries_.end(), [&](const Entry& a, const Entry& b) {
-    return edit_distance(a.key, key) < edit_distance(b.key, key);
-  });
-  if (nearest == entries_.end()) return fmt::format("{}: unknown option; this program has none", key);
-  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest->key);
+  std::vector<std::string> keys;
+  for (const Entry& entry : entries_) keys.push_back(entry.key);
+  if (keys.empty()) return fmt::format("{}: unknown option; this program has none", key);
+  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest_word(key, keys));
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {

@@ -82,21 +82,43 @@ double cpu_s_of(pid_t child) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+// How long the child has done nothing.
+class Idleness {
+ public:
+  explicit Idleness(Clock::time_point now) : since_(now) {}
+  double seconds(double cpu_s, bool said_something) {
+    if (said_something || cpu_s - cpu_s_ >= kSignOfLifeS) {
+      since_ = Clock::now();
+      cpu_s_ = cpu_s;
+    }
+    return seconds_since(since_);
+  }
+
+ private:
+  static constexpr double kSignOfLifeS = 0.05;  // of CPU time; a window that waits to be closed uses less
+  Clock::time_point since_;
+  double cpu_s_ = 0;
+};
+
 // Waits for the child's end, and brings it about when the time is up or `cancel` is set.
-Outcome supervise(const Child& child, const ChildCommand& command, const std::atomic<bool>& cancel, Output* output) {
+Outcome supervise(const Child& child, const ChildCommand& command, const std::atomic<bool>& cancel, Output* output,
+                  bool* was_idle) {
   const Clock::time_point start = Clock::now();
   // -1 on a kernel before 5.3: then the end is seen at the next poll.
   const FileDescriptor end(static_cast<int>(syscall(SYS_pidfd_open, child.pid(), 0)));
   Outcome outcome = Outcome::kExited;
+  Idleness idleness(start);
   std::optional<Clock::time_point> asked;
   while (!child.has_ended()) {
     std::array<pollfd, 2> wanted{{{end.get(), POLLIN, 0}, {child.output(), POLLIN, 0}}};
     poll(wanted.data(), wanted.size(), kPollMs);
-    if (wanted[1].revents != 0) output->take();
+    const bool said_something = wanted[1].revents != 0 && output->take();
     if (!asked) {
+      const double cpu_s = cpu_s_of(child.pid());
+      *was_idle = idleness.seconds(cpu_s, said_something) >= command.idle_limit_s;
       if (cancel)
         outcome = Outcome::kCancelled;
-      else if (seconds_since(start) >= command.time_limit_s || cpu_s_of(child.pid()) >= command.cpu_limit_s)
+      else if (*was_idle || seconds_since(start) >= command.time_limit_s || cpu_s >= command.cpu_limit_s)
         outcome = Outcome::kTimedOut;
       if (outcome == Outcome::kExited) continue;
       asked = Clock::now();
@@ -144,6 +166,7 @@ std::string ChildResult::describe() const {
     case Outcome::kSignalled:
       return fmt::format("killed by signal {} ({})", signal, strsignal(signal));
     case Outcome::kTimedOut:
+      if (was_idle) return fmt::format("stopped after {:.1f} s, as it did nothing", wall_s);
       return fmt::format("stopped at its time limit, after {:.1f} s ({:.1f} s of CPU time)", wall_s, cpu_s);
     case Outcome::kCancelled:
       return "cancelled";
@@ -170,7 +193,7 @@ ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& canc
   std::optional<Child> child = Child::start(launch_of(command), &error);
   if (!child) return not_started(error);
   Output output(&*child, std::move(log), command);
-  result.outcome = supervise(*child, command, cancel, &output);
+  result.outcome = supervise(*child, command, cancel, &output, &result.was_idle);
   note_end(child->reap(), &result);
   for (int i = 0; i < kLastBuffers && output.take(); ++i) {
   }

@@ -20,6 +20,8 @@ struct ChildCommand {
   std::function<void(std::string_view)>
       on_output;             // called in this thread with what it says, as it comes; may be empty
   double time_limit_s = 60;  // of the wall clock; against a child that hangs
+  // Of the time in which its first process uses hardly any CPU time and says nothing.
+  double idle_limit_s = std::numeric_limits<double>::infinity();
   double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
   int nice = 0;                                                  // ours, if that is higher
   int threads = 1;  // OMP_NUM_THREADS and its kin, in the child's environment
@@ -30,6 +32,7 @@ struct ChildResult {
   Outcome outcome = Outcome::kNotStarted;
   int exit_code = 0;             // kExited
   int signal = 0;                // kSignalled
+  bool was_idle = false;         // kTimedOut, by idle_limit_s
   double wall_s = 0, cpu_s = 0;  // CPU: its own and that of the children it waited for
   std::string last_output;       // the end of what it said, at most 16 KiB
   bool ok() const { return outcome == Outcome::kExited && exit_code == 0; }

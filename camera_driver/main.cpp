@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   rumi::camera_driver::CameraOptions options;
   rumi::ProcessDescription process;
   process.name = "camera_driver";
+  process.only_one_on_channel = true;
   process.summary =
       "Publishes the images of a camera (V4L2), or of a recording at the pace at which they were recorded, on CAMERA. "
       "SIGUSR2: reads --config again and sets the camera's controls.";

@@ -13,6 +13,7 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/file_list.h"
+#include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/recorded_source.h"
 #include "camera_driver/v4l2/v4l2_source.h"
 
@@ -141,6 +142,7 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   const fs::path path = without_slash(input);
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
+  if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   if (fs::exists(status)) return refuse(std::string("is neither a file nor a folder; ") + kWhatToGive);

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   rumi::front_tracker::FrontTrackerOptions options;
   rumi::ProcessDescription process;
   process.name = "front_tracker";
+  process.only_one = true;
   process.summary =
       "Tracks the camera in real time: images come in on CAMERA, a state and a pose for each go out on RUMI_TRACK, the "
       "submaps on RUMI_SUBMAP.";

@@ -6,6 +6,7 @@ int main(int argc, char** argv) {
   rumi::map_server::MapServerOptions options;
   rumi::ProcessDescription process;
   process.name = "map_server";
+  process.only_one = true;
   process.summary =
       "Keeps all submaps in one database (map.db), serves the map and its state to whoever asks. Submaps come in on "
       "RUMI_SUBMAP, the state goes out on RUMI_MAP_STATUS, what RUMI_MAP_REQUEST asks for on RUMI_MAP_CHUNK.";

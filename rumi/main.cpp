@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "base/process_name.h"
 #include "rumi/commands/commands.h"
 
@@ -30,16 +31,16 @@ int main(int argc, char** argv) {
   rumi::tool::add_export_command(app, &chosen);
   rumi::tool::add_import_command(app, &chosen);
   rumi::tool::add_config_command(app, &chosen);
-  const rumi::CommandLine::Result parsed = app.parse(argc, argv);
-  if (parsed.done) return 0;
-  if (!parsed.error.empty()) {
-    fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", parsed.error);
-    return 2;
-  }
   try {
+    const rumi::CommandLine::Result parsed = app.parse(argc, argv);
+    if (parsed.done) return 0;
+    if (!parsed.error.empty()) {
+      fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", parsed.error);
+      return 2;
+    }
     return chosen();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi: {}\n", e.what());
+    fmt::print(stderr, "rumi: {}\n", rumi::reason_of(e));
     return 1;
   }
 }

@@ -7,6 +7,7 @@ int main(int argc, char** argv) {
   rumi::ruminator::RuminatorOptions options;
   rumi::ProcessDescription process;
   process.name = "ruminator";
+  process.only_one = true;
   process.summary =
       "Rebuilds with COLMAP what was not tracked: keeps the images around every loss (CAMERA, RUMI_TRACK), makes a "
       "back "
@@ -15,7 +16,7 @@ int main(int argc, char** argv) {
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&options](rumi::Bus& bus) {
     rumi::ruminator::RuminatorHooks hooks;
-    hooks.builder = rumi::ruminator::colmap_builder(options.build);
+    if (options.rebuild) hooks.use(rumi::ruminator::colmap_builder(options.build));
     return std::make_unique<rumi::ruminator::RuminatorNode>(bus, options, std::move(hooks));
   };
   return rumi::run_process(argc, argv, process);

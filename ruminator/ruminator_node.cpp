@@ -208,7 +208,9 @@ NodeStatus RuminatorNode::status() {
       fmt::format("{}; {}; {} images in {:.1f} MB; {} images dropped, {} broken, {} states without image, {} rejected",
                   open, queue_.detail(), ring_.size(), static_cast<double>(ring_.bytes()) / kBytesPerMb,
                   ring_.dropped(), ring_.broken(), without_image_, rejected_ + sampler_.ignored());
-  status.degraded = ring_.dropped() > 0 || queue_.degraded();
+  const std::string problem = hooks_.builder_problem ? hooks_.builder_problem() : "";
+  if (!problem.empty()) status.detail = fmt::format("{}; {}", problem, status.detail);
+  status.degraded = ring_.dropped() > 0 || queue_.degraded() || !problem.empty();
   status.last_utime_us = last_utime_us_;
   return status;
 }

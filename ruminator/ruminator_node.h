@@ -13,6 +13,7 @@
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "lcmtypes/rumi/window_t.hpp"
+#include "ruminator/colmap_builder.h"
 #include "ruminator/options.h"
 #include "ruminator/queue/rebuild_queue.h"
 #include "ruminator/window/frame_ring.h"
@@ -23,8 +24,14 @@ namespace rumi::ruminator {
 
 struct RuminatorHooks {
   Builder builder;                               // required with options.rebuild
+  std::function<std::string()> builder_problem;  // what the builder does without, for a person; may be empty
   std::function<void(const WindowJob&)> on_job;  // every window, as it is complete
   RebuildQueue::BuiltHandler on_built;
+
+  void use(const ColmapBuilder& colmap) {
+    builder = colmap.builder;
+    builder_problem = colmap.problem;
+  }
 };
 
 class RuminatorNode : public Node {

@@ -9,14 +9,17 @@
 #include <chrono>
 #include <csignal>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 #include "base/command_line.h"
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
+#include "bus/process/only_one.h"
 #include "bus/process/safe_node.h"
 #include "bus/transport/lcm_bus.h"
 #include "bus/transport/receive_losses.h"
@@ -31,7 +34,9 @@ constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr const char* kLossAdvice =
     "the receive buffer is too small for what comes, or the machine too busy; recv_buf_size=8388608 in the LCM URL and "
     "`sudo sysctl -w net.core.rmem_max=8388608` help";
-enum ExitCode { kOk = 0, kFailure = 1, kWrongCommandLine = 2 };
+// So long whoever is on the bus already may take to say so. Each start waits for it, also after a crash.
+constexpr std::chrono::milliseconds kAnswer{100};
+enum ExitCode { kOk = 0, kFailure = 1, kNotAgain = 2 };
 
 std::atomic<int> g_stop_signals = 0;
 std::atomic<int> g_finish_signals = 0;
@@ -108,7 +113,25 @@ void reload(const CommonFlags& flags, OptionTable* table, const std::function<st
   if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
 
-void run_node(Bus& bus, SafeNode& node, StatusPublisher& status, const std::function<void()>& on_reload) {
+// Tells others that it is here. Returns why it must end, or an empty string.
+std::string look_around(OnlyOne& only_one, StatusPublisher& status, SafeNode& node, int64_t now_us) {
+  if (only_one.take_question()) status.answer(node, now_us);
+  if (const std::string warning = only_one.take_warning(); !warning.empty()) log_warning("{}", warning);
+  return only_one.problem();
+}
+
+// Returns why it must not begin, or an empty string.
+std::string ask_around(Bus& bus, OnlyOne& only_one) {
+  only_one.ask();
+  const auto end = std::chrono::steady_clock::now() + kAnswer;
+  while (only_one.problem().empty() && std::chrono::steady_clock::now() < end) bus.dispatch(10);
+  return only_one.problem();
+}
+
+// Returns why it ended too soon, or an empty string.
+std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne* only_one,
+                     const std::function<void()>& on_reload) {
+  std::string problem;
   const auto step = [&] {
     const int64_t now_us = bus.now_us();
     const int64_t wait_ms = (node.next_tick_us(now_us) - now_us + 999) / 1000;
@@ -117,12 +140,14 @@ void run_node(Bus& bus, SafeNode& node, StatusPublisher& status, const std::func
     if (g_reload.exchange(false)) on_reload();
   };
   const auto run_while = [&](const auto& condition) {
-    while (condition()) {
+    while (problem.empty() && condition()) {
       step();
       status.tick(node, bus.now_us());
+      if (only_one) problem = look_around(*only_one, status, node, bus.now_us());
     }
   };
   run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
+  if (!problem.empty()) return problem;
   bus.dispatch(0);  // what had arrived when we were asked to end, as the last images of a camera that was ended first
   log_debug("ending");
   if (g_stop_signals == 0) node.finish();
@@ -137,11 +162,17 @@ void run_node(Bus& bus, SafeNode& node, StatusPublisher& status, const std::func
   }
   if (!node.finished()) log_warning("not everything could be handed on before the end");
   status.stopping(node, bus.now_us());
+  return {};
 }
 
 int wrong_command_line(const std::string& name, const std::string& problem) {
   fmt::print(stderr, "{}: {}\n", name, problem);
-  return kWrongCommandLine;
+  return kNotAgain;
+}
+
+int refused(const std::string& problem) {
+  log_error("{}", problem);
+  return kNotAgain;
 }
 
 }  // namespace
@@ -175,11 +206,20 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
     if (!bus) throw std::runtime_error(error);
     catch_stop_signals();
+    std::optional<OnlyOne> only_one;
+    if (description.only_one || description.only_one_on_channel) {
+      only_one.emplace(*bus, description.name,
+                       description.only_one_on_channel ? flags.names.on_wire(channels::kCamera) : "");
+      if (const std::string problem = ask_around(*bus, *only_one); !problem.empty()) return refused(problem);
+    }
     SafeNode node(description.make_node(*bus));
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
-    run_node(*bus, node, status, [&] { reload(flags, &table, description.on_reload, node.node()); });
+    if (only_one) status.set_claim(only_one->started_us(), only_one->publishes());
+    const std::string problem = run_node(*bus, node, status, only_one ? &*only_one : nullptr,
+                                         [&] { reload(flags, &table, description.on_reload, node.node()); });
+    if (!problem.empty()) return refused(problem);
   } catch (const std::exception& e) {
-    log_error("{}", e.what());
+    log_error("{}", reason_of(e));
     return kFailure;
   }
   return kOk;
@@ -210,6 +250,12 @@ void StatusPublisher::tick(Node& node, int64_t now_us) {
   publish(node, now_us, process_status_t::RUNNING);
 }
 
+void StatusPublisher::set_claim(int64_t started_us, const std::string& publishes) {
+  started_us_ = started_us;
+  publishes_ = publishes;
+}
+
+void StatusPublisher::answer(Node& node, int64_t now_us) { publish(node, now_us, process_status_t::RUNNING); }
 void StatusPublisher::stopping(Node& node, int64_t now_us) { publish(node, now_us, process_status_t::STOPPING); }
 
 void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
@@ -232,6 +278,7 @@ void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
     message.channels.push_back(
         {counts.channel, counts.received, counts.dropped, counts.undecodable, counts.queue_depth});
   }
+  if (!publishes_.empty()) message.channels.push_back({publishes_, 0, 0, 0, 0});
   message.nchannels = static_cast<int32_t>(message.channels.size());
   message.processing_ms = static_cast<float>(node_status.processing_ms);
   message.cpu_s = process_cpu_s();

@@ -46,6 +46,9 @@ class Node {
 struct ProcessDescription {
   std::string name;     // "front_tracker"
   std::string summary;  // one or two lines for --help
+  // There may be one on a bus (only_one.h): of its name, or ...
+  bool only_one = false;
+  bool only_one_on_channel = false;  // ... of those that publish on the camera's channel
   // Adds the process's own flags to the command line (may be empty).
   std::function<void(CommandLine&)> add_flags;
   // Registers its options (may be empty).
@@ -59,7 +62,8 @@ struct ProcessDescription {
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
 // buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set KEY=VALUE, -v, -q, -h,
-// --version. Returns the exit code: 0, 1 for a failure, 2 for a wrong command line.
+// --version. Returns the exit code: 0, 1 for a failure, 2 where starting it again would not help: a wrong command line,
+// or another one on the bus of which there may be one.
 int run_process(int argc, char** argv, const ProcessDescription& description);
 
 // The 1 Hz status of a node on any bus; call after every dispatch.
@@ -67,7 +71,11 @@ class StatusPublisher {
  public:
   // lost: how many datagrams found the receive buffer full so far (ReceiveLosses); nothing where there are none.
   StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost = {});
+  // See OnlyOne: when the process began, and the channel that it alone publishes on.
+  void set_claim(int64_t started_us, const std::string& publishes);
   void tick(Node& node, int64_t now_us);
+  // Now, as somebody asked.
+  void answer(Node& node, int64_t now_us);
   void stopping(Node& node, int64_t now_us);
 
  private:
@@ -79,6 +87,7 @@ class StatusPublisher {
   int64_t last_us_ = kNever_us;
   std::function<int64_t()> count_lost_;
   int64_t lost_ = 0;
+  std::string publishes_;
 };
 
 inline constexpr const char* kDefaultLcmUrl = "udpm://239.255.76.67:7667?ttl=0&recv_buf_size=2097152";

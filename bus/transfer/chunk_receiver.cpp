@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/failures.h"
 #include "base/log.h"
 #include "bus/transfer/chunked_transfer.h"
 
@@ -146,7 +147,7 @@ void ChunkReceiver::complete(const Id& id) {
     try {
       verdict = handler_({header.sender, header.kind, header.request_id, std::move(bytes)});
     } catch (const std::exception& e) {
-      verdict = {false, e.what(), 0};
+      verdict = {false, reason_of(e), 0};
     }
   }
   chunk_ack_t ack;

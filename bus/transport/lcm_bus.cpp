@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bus/transport/lcm_bus.h"
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <thread>
 
 #include "base/failures.h"
+#include "base/file_descriptor.h"
 #include "base/log.h"
 #include "bus/transport/handler.h"
 
@@ -31,6 +37,25 @@ std::string escaped(const std::string& channel) {
     regex += c;
   }
   return regex;
+}
+
+std::string multicast_group(const std::string& url) {
+  const size_t start = url.find("://");
+  std::string group = start == std::string::npos ? "" : url.substr(start + 3);
+  group = group.substr(0, group.find_first_of(":?/"));
+  return group.empty() ? kDefaultGroup : group;
+}
+
+// Asked before LCM is, whose own answer is a page long. Nothing is sent.
+std::string why_unreachable(const std::string& group) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(1);
+  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return {};  // LCM may know it
+  const FileDescriptor socket_of_udp(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  if (!socket_of_udp) return {};
+  const int result = connect(socket_of_udp.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address));
+  return result == 0 ? "" : std::strerror(errno);
 }
 
 bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
@@ -59,6 +84,11 @@ std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames&
                     names.prefix, names.camera, kMaxLcmChannelLength);
     return nullptr;
   }
+  if (url.starts_with("udpm://"))
+    if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
+      *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
+      return nullptr;
+    }
   auto lcm = std::make_unique<lcm::LCM>(url);
   if (!lcm->good()) {
     *error = fmt::format("the LCM bus {} cannot be opened. ", url);
@@ -186,15 +216,11 @@ std::vector<ChannelCounts> LcmBus::counts() const {
 }
 
 std::string multicast_advice(const std::string& url) {
-  const size_t start = url.find("://");
-  std::string group = start == std::string::npos ? "" : url.substr(start + 3);
-  group = group.substr(0, group.find_first_of(":?/"));
-  if (group.empty()) group = kDefaultGroup;
   return fmt::format(
       "Is there a multicast route? On one machine these two commands set it up:\n"
       "  sudo ip link set lo multicast on\n"
       "  sudo ip route add {}/32 dev lo",
-      group);
+      multicast_group(url));
 }
 
 std::string receive_buffer_advice(const std::string& url, int64_t rmem_max) {

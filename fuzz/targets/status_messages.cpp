@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What `rumi status` hears.
+#include "base/json_text.h"
 #include "bus/wire/map_overview.h"
 #include "fuzz/good_messages.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
@@ -19,7 +20,7 @@ class Listener : public Node {
   void tick(int64_t) override {}
   NodeStatus status() override {
     map_.complete();
-    live_.to_json().dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    json_text(live_.to_json(), 2);
     return {.detail = live_.to_text()};
   }
 

@@ -3,6 +3,7 @@
 // the path of a camera. The other files are good.
 #include <filesystem>
 
+#include "base/json_text.h"
 #include "fuzz/scratch.h"
 #include "rumi/evaluation/run_evaluation.h"
 #include "rumi/synth/camera_path.h"
@@ -39,7 +40,7 @@ void make_folder() {
 void evaluate(const std::string& truth) {
   tool::RunEvaluation evaluation;
   if (tool::evaluate_folder(scratch() / "run", scratch() / truth, {}, {}, &evaluation).empty())
-    tool::to_json(evaluation).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    json_text(tool::to_json(evaluation), 2);
 }
 
 void follow(const std::string& file) {

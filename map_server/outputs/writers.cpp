@@ -136,16 +136,18 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
   return out.commit();
 }
 
-std::string write_outputs(const Atlas& atlas, const std::string& folder) {
+std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder) {
   const fs::path root(folder);
   std::error_code error;
   fs::create_directories(root / "submaps", error);
-  if (error) return fmt::format("cannot create {}: {}", (root / "submaps").string(), error.message());
-  std::string problem = write_trajectory_tum(atlas, (root / "trajectory.txt").string());
-  if (problem.empty()) problem = write_submaps(atlas, root / "submaps");
-  if (problem.empty()) problem = write_frames_csv(atlas, (root / "frames.csv").string());
-  if (problem.empty()) problem = write_ply(atlas, (root / "map.ply").string());
-  return problem;
+  if (error) return {fmt::format("cannot create {}: {}", (root / "submaps").string(), error.message())};
+  // On a disk that is nearly full: what is small and most wanted first.
+  std::vector<std::string> problems = {write_trajectory_tum(atlas, (root / "trajectory.txt").string()),
+                                       write_frames_csv(atlas, (root / "frames.csv").string()),
+                                       write_submaps(atlas, root / "submaps"),
+                                       write_ply(atlas, (root / "map.ply").string())};
+  std::erase(problems, "");
+  return problems;
 }
 
 }  // namespace rumi::map_server

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "map_server/atlas/atlas.h"
 
@@ -31,9 +32,10 @@ std::string write_frames_csv(const Atlas& atlas, const std::string& file);
 // Binary PLY of the served map: landmarks in the colour of their submap, camera centres of all frames in white.
 std::string write_ply(const Atlas& atlas, const std::string& file);
 
-// All of it into a folder (created): trajectory.txt, submaps/NNN.txt, frames.csv, map.ply. Files in submaps/ that look
-// like ours but belong to no submap of this atlas are removed: they are from an earlier run.
-std::string write_outputs(const Atlas& atlas, const std::string& folder);
+// All of it into a folder (created): trajectory.txt, frames.csv, submaps/NNN.txt, map.ply. Files in submaps/ that look
+// like ours but belong to no submap of this atlas are removed: they are from an earlier run. What can be written is
+// written; returns what could not, a line each.
+std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder);
 
 struct Colour {
   uint8_t red = 0, green = 0, blue = 0;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/scratch_folder.h"
 #include "map_server/store/map_store.h"
 
 namespace rumi::map_server {
@@ -72,7 +73,7 @@ std::future<std::string> MapStore::begin_copy(const std::string& file, bool in_t
 
 std::future<DatabaseBytes> MapStore::begin_copy_bytes(bool in_thread) {
   const bool in_memory = file_ == kInMemory;
-  const std::string beside = in_memory ? (fs::temp_directory_path() / "map.db").string() : file_;
+  const std::string beside = in_memory ? (fs::path(scratch_folder()) / "map.db").string() : file_;
   const std::string temporary = fmt::format("{}.snapshot-{}", beside, getpid());
   const auto policy = in_thread && !in_memory ? std::launch::async : std::launch::deferred;
   return std::async(policy, [temporary, written = begin_copy(temporary, in_thread)]() mutable {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
@@ -176,7 +177,7 @@ int demo(const Arguments& arguments) {
   try {
     Demo(arguments).run();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi demo: {}\n", e.what());
+    fmt::print(stderr, "rumi demo: {}\n", reason_of(e));
     return 1;
   }
   return 0;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/json_text.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/run_evaluation.h"
 #include "rumi/report/evaluation_plot.h"
@@ -77,7 +78,7 @@ int evaluate(const Arguments& arguments) {
   }
   const ordered_json json = to_json(evaluation);
   if (arguments.json) {
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", json_text(json, 2));
   } else {
     print_report(json);
   }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "map_server/outputs/colmap_export.h"
 #include "map_server/outputs/writers.h"
 #include "rumi/commands/commands.h"
@@ -35,7 +36,7 @@ int run(const Arguments& arguments) {
   try {
     error = export_map(load_map(arguments.map), arguments.out, arguments.format);
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) return 0;
   fmt::print(stderr, "rumi export-map: {}\n", error);

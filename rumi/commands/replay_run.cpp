@@ -9,9 +9,11 @@
 #include <filesystem>
 
 #include "base/cpu_clock.h"
+#include "base/log.h"
 #include "base/whole_file.h"
 #include "camera_driver/source/image_source.h"
 #include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/reserved_space.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/run/metered_bus.h"
@@ -124,9 +126,13 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
   return run;
 }
 
-std::string write_everything(Replay& replay, const std::string& out) {
-  if (std::string error = write_run_outputs(replay.atlas(), out); !error.empty()) return error;
-  return replay.store().write_copy((fs::path(out) / "map.db").string());
+// Whatever of it is possible, windows.csv and the end of --log too. Returns what is not, a line each.
+std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const std::string& out) {
+  std::vector<std::string> missing = {replay.close_log(), windows.finish()};
+  for (const std::string& problem : write_run_outputs(replay.atlas(), out)) missing.push_back(problem);
+  missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));
+  std::erase(missing, "");
+  return missing;
 }
 
 std::string begin_log(const ReplayRun& run, Replay* replay) {
@@ -164,20 +170,26 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   WindowOutput windows(run.out);
   AllOptions options = run.options;
   options.viewer_offscreen.output = run.out;
+  options.ruminator.scratch = run.out;
   Replay replay(options, run.input, windows.hooks());
   std::string& error = outcome.error;
   error = prepare_output_folder(run.out);
   if (error.empty()) error = begin_log(run, &replay);
   if (error.empty()) error = windows.prepare();
+  ReservedSpace reserved;
+  if (error.empty()) error = reserved.take(run.out, replay.progress().total);
   if (error.empty()) {
+    if (const std::string doubt = doubt_about_space(run.out, replay.progress().total); !doubt.empty())
+      log_warning("{}", doubt);
     play(run, &replay, &outcome);
-    error = replay.close_log();
+    reserved.release();
+    const std::vector<std::string> missing = write_everything(replay, windows, run.out);
+    outcome.wall_s = seconds_since(begin);
+    ordered_json record = run_record(run, replay, windows, process_cpu_s() - begin_cpu_s, outcome.wall_s);
+    const std::string all_missing = note_missing(missing, run.out, &record);
+    error = write_run_json(run.out, record);
+    if (error.empty()) error = all_missing;
   }
-  if (error.empty()) error = windows.finish();
-  if (error.empty()) error = write_everything(replay, run.out);
-  outcome.wall_s = seconds_since(begin);
-  const double cpu_s = process_cpu_s() - begin_cpu_s;
-  if (error.empty()) error = write_run_json(run.out, run_record(run, replay, windows, cpu_s, outcome.wall_s));
   outcome.counts = count(replay.atlas());
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();

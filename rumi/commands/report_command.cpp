@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "base/whole_file.h"
 #include "rumi/commands/commands.h"
 #include "rumi/report/run_report.h"
@@ -28,7 +29,7 @@ int report(const Arguments& arguments) {
     output.write(page);
     error = output.commit();
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) {
     fmt::print("report  {}\n", file);

@@ -11,7 +11,10 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/failures.h"
+#include "base/json_text.h"
 #include "base/log.h"
+#include "base/scratch_folder.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
 #include "bus/transport/bus.h"
@@ -84,7 +87,7 @@ std::string write_results(const Arguments& arguments, const std::string& name, c
 class Ruminate {
  public:
   Ruminate(const Arguments& arguments, const ruminator::BuildOptions& options, std::vector<TimedPose> truth)
-      : arguments_(arguments), builder_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
+      : arguments_(arguments), colmap_(ruminator::colmap_builder(options)), truth_(std::move(truth)) {}
 
   // Returns how many windows could not be rebuilt.
   int run(const std::vector<std::string>& files) {
@@ -116,7 +119,7 @@ class Ruminate {
     if (read.ok()) result = build(name, read.job);
     rows_.push_back(make_window_row(name, read.job.window, result, truth_));
     const WindowRow& row = rows_.back();
-    fmt::print("{}\n", arguments_.json ? to_json(row).dump() : window_table_line(row, !truth_.empty()));
+    fmt::print("{}\n", arguments_.json ? json_text(to_json(row)) : window_table_line(row, !truth_.empty()));
     std::fflush(stdout);
     if (!result.submap) return false;
     if (arguments_.out.empty()) return true;
@@ -126,15 +129,15 @@ class Ruminate {
   }
 
   ruminator::BuildResult build(const std::string& name, const ruminator::WindowJob& job) {
-    const fs::path in = arguments_.keep_work ? fs::path(arguments_.out) : fs::temp_directory_path();
+    const fs::path in = arguments_.keep_work ? fs::path(arguments_.out) : fs::path(scratch_folder(arguments_.out));
     const std::string work =
         (in / (arguments_.keep_work ? name + ".work" : fmt::format("rumi-{}-{}", getpid(), name))).string();
     ruminator::BuildResult result;
     try {
-      result = builder_(
+      result = colmap_.builder(
           job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
     } catch (const std::exception& e) {
-      result.failure = e.what();
+      result.failure = reason_of(e);
     }
     clear_line();
     std::error_code ignored;
@@ -158,7 +161,7 @@ class Ruminate {
   }
 
   const Arguments& arguments_;
-  ruminator::Builder builder_;
+  ruminator::ColmapBuilder colmap_;
   std::vector<TimedPose> truth_;
   std::vector<WindowRow> rows_;
   bool line_is_shown_ = false;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 #include "rumi/commands/commands.h"
@@ -97,10 +98,15 @@ std::string take_snapshot(const Arguments& arguments) {
   const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
   if (!snapshot.error.empty()) return snapshot.error;
   const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
+  std::string copy_problem;
   const map_server::Atlas atlas =
-      load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string());
-  error = write_run_outputs(atlas, arguments.out);
-  if (error.empty()) error = write_run_json(arguments.out, run_record(arguments, atlas, processes));
+      load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string(), &copy_problem);
+  std::vector<std::string> missing = write_run_outputs(atlas, arguments.out);
+  if (!copy_problem.empty()) missing.push_back(copy_problem);
+  nlohmann::ordered_json run = run_record(arguments, atlas, processes);
+  const std::string all_missing = note_missing(missing, arguments.out, &run);
+  error = write_run_json(arguments.out, run);
+  if (error.empty()) error = all_missing;
   if (error.empty()) {
     print_summary(count(atlas), left_out(atlas), arguments.out);
     print_processes(processes);
@@ -113,7 +119,7 @@ int run(const Arguments& arguments) {
   try {
     error = take_snapshot(arguments);
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) return 0;
   fmt::print(stderr, "rumi snapshot: {}\n", error);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/json_text.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 #include "rumi/commands/commands.h"
@@ -33,10 +34,7 @@ void listen(Bus& bus, std::chrono::milliseconds duration) {
 void print(const LiveStatus& status, const Arguments& arguments) {
   constexpr const char* kClearScreen = "\x1B[H\x1B[2J";
   if (arguments.follow && !arguments.json && isatty(STDOUT_FILENO)) fmt::print("{}", kClearScreen);
-  // What processes say may hold bytes that are no text.
-  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-  fmt::print("{}", arguments.json ? status.to_json().dump(arguments.follow ? -1 : 2, ' ', false, kReplace) + "\n"
-                                  : status.to_text());
+  fmt::print("{}", arguments.json ? json_text(status.to_json(), arguments.follow ? -1 : 2) + "\n" : status.to_text());
   std::fflush(stdout);
 }
 

@@ -3,15 +3,24 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/failures.h"
+#include "base/log.h"
+#include "base/scratch_folder.h"
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "map_server/store/map_store.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/all_options.h"
+#include "rumi/run/other_system.h"
 #include "rumi/run/supervisor.h"
 
 namespace rumi::tool {
@@ -23,6 +32,13 @@ struct Arguments {
   std::string config, input, lcm_url, snapshot;
   std::vector<std::string> settings, camera_flags;
 };
+
+constexpr std::chrono::milliseconds kListen{500};  // for others; all of them answer at once
+
+std::string default_url() {
+  const char* variable = std::getenv("LCM_DEFAULT_URL");
+  return variable && *variable ? variable : kDefaultLcmUrl;
+}
 
 std::atomic<bool> g_stop = false, g_at_once = false, g_reload = false;
 
@@ -43,10 +59,11 @@ class SharedConfig {
  public:
   // Throws std::runtime_error.
   explicit SharedConfig(const std::string& yaml) {
-    std::string name = (fs::temp_directory_path() / "rumi-up-XXXXXX").string();
+    std::string name = (fs::path(scratch_folder()) / "rumi-up-XXXXXX").string();
     const int fd = mkstemp(name.data());
+    if (fd < 0) throw std::runtime_error(fmt::format("{}: cannot be made: {}", name, std::strerror(errno)));
     file_ = name;
-    if (fd >= 0) close(fd);
+    close(fd);
     write(yaml);
   }
   // Throws std::runtime_error.
@@ -108,6 +125,23 @@ Supervised snapshot_process(const UpOptions& up, const std::string& out, bool up
   return {"snapshot", command};
 }
 
+// What would end all again soon after its start, and disturb others meanwhile. Returns it for a person, or an empty
+// string; throws std::runtime_error for the same.
+std::string why_not_here(const AllOptions& options) {
+  const UpOptions& up = options.up;
+  const std::string& database = options.map_server.database;
+  const bool is_file = !database.empty() && database != map_server::kInMemory;
+  if (is_file && !options.map_server.localize_only) const map_server::FileLock is_free(database + ".lock");
+  ChannelNames names;
+  names.prefix = up.channel_prefix;
+  names.camera = up.channel;
+  std::string error;
+  const std::unique_ptr<LcmBus> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names, &error);
+  if (!bus) return error;
+  const std::string camera_channel = up.input.empty() ? "" : names.on_wire(channels::kCamera);
+  return find_other_system(*bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
+}
+
 // On SIGUSR2. True if the shared options are new.
 bool read_again(const Arguments& arguments, const SharedConfig& config) {
   AllOptions options;
@@ -137,7 +171,9 @@ int up(const Arguments& arguments) {
     return 2;
   }
   listen_to_signals();
+  start_logging("rumi", false, /*quiet=*/true);
   try {
+    if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
     const SharedConfig config(table.to_yaml(OptionTable::Which::kAll));
     SupervisorOptions supervision;
     supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
@@ -158,7 +194,7 @@ int up(const Arguments& arguments) {
     error = supervisor.run(g_stop, g_at_once, hooks);
     if (error.empty()) error = snapshot_error;
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) return 0;
   fmt::print(stderr, "rumi up: {}\n", error);

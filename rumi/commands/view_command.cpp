@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/command_line.h"
+#include "base/failures.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/truth.h"
 #include "rumi/outputs/map_file.h"
@@ -45,7 +46,7 @@ int run(const Arguments& arguments) {
   try {
     error = view(arguments);
   } catch (const std::exception& e) {
-    error = e.what();
+    error = reason_of(e);
   }
   if (error.empty()) return 0;
   fmt::print(stderr, "rumi view: {}\n", error);

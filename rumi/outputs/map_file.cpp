@@ -4,9 +4,13 @@
 #include <fmt/format.h>
 #include <stdlib.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
+#include "base/failures.h"
+#include "base/scratch_folder.h"
 #include "base/whole_file.h"
 #include "map_server/outputs/writers.h"
 #include "viewer_offscreen/picture/draw_map.h"
@@ -18,8 +22,11 @@ namespace fs = std::filesystem;
 
 class TemporaryFolder {
  public:
-  TemporaryFolder() : name_((fs::temp_directory_path() / "rumi-map-XXXXXX").string()) {
-    if (!mkdtemp(name_.data())) throw std::runtime_error(fmt::format("{}: cannot be made", name_));
+  // `also`: where it may be, see scratch_folder().
+  explicit TemporaryFolder(const fs::path& also)
+      : name_((fs::path(scratch_folder(also.string())) / "rumi-map-XXXXXX").string()) {
+    if (!mkdtemp(name_.data()))
+      throw std::runtime_error(fmt::format("{}: cannot be made: {}", name_, std::strerror(errno)));
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -39,14 +46,15 @@ map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wa
   return map_server::MapStore::copy_in_memory(file, wait).load();
 }
 
-map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to) {
-  const TemporaryFolder folder;
+map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to,
+                                 std::string* copy_problem) {
+  const TemporaryFolder folder(fs::path(copy_to).parent_path());
   const std::string received = folder.file("map.db");
   WholeFile file(received);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);
   map_server::MapStore store(received);
-  if (const std::string error = store.write_copy(copy_to); !error.empty()) throw std::runtime_error(error);
+  *copy_problem = store.write_copy(copy_to);
   return store.load();
 }
 
@@ -66,10 +74,16 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
   return result;
 }
 
-std::string write_run_outputs(const map_server::Atlas& atlas, const std::string& folder) {
-  if (std::string error = map_server::write_outputs(atlas, folder); !error.empty()) return error;
-  return viewer_offscreen::write_png(viewer_offscreen::draw_map(make_picture(atlas, "Rumi").picture),
-                                     (fs::path(folder) / "trajectory.png").string());
+std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder) {
+  std::vector<std::string> problems = map_server::write_outputs(atlas, folder);
+  const std::string picture = (fs::path(folder) / "trajectory.png").string();
+  std::string problem;
+  const std::string thrown = thrown_by([&] {
+    problem = viewer_offscreen::write_png(viewer_offscreen::draw_map(make_picture(atlas, "Rumi").picture), picture);
+  });
+  if (!thrown.empty()) problem = fmt::format("cannot write {}: {}", picture, thrown);
+  if (!problem.empty()) problems.push_back(problem);
+  return problems;
 }
 
 AtlasCounts count(const map_server::Atlas& atlas) {

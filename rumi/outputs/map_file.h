@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "map_server/atlas/atlas.h"
 #include "map_server/store/map_store.h"
@@ -18,8 +19,9 @@ namespace rumi::tool {
 // message for the user, also if somebody keeps it locked for longer than `wait`.
 map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait = map_server::kReaderWait);
 
-// A map that came as the bytes of its file, copied to `copy_to` too. Throws as above.
-map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to);
+// A map that came as the bytes of its file, copied to `copy_to` too. Throws as above; why it could not be copied is in
+// *copy_problem.
+map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to, std::string* copy_problem);
 
 // What a picture of the atlas shows. It points into the atlas and into `placed`.
 struct AtlasPicture {
@@ -30,8 +32,9 @@ struct AtlasPicture {
 };
 AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title);
 
-// trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. Returns what went wrong, or nothing.
-std::string write_run_outputs(const map_server::Atlas& atlas, const std::string& folder);
+// trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. What can be written is written; returns what could
+// not, a line each.
+std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder);
 
 // What there is to say about an atlas in numbers.
 struct AtlasCounts {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_text.h"
 #include "base/process_name.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
@@ -123,7 +124,7 @@ std::string write_run_json(const std::string& folder, const ordered_json& run) {
   ordered_json json{{"program", "rumi"}, {"version", version()}};
   json.update(run);
   WholeFile file((fs::path(folder) / "run.json").string());
-  file.write(json.dump(2) + "\n");
+  file.write(json_text(json, 2) + "\n");
   return file.commit();
 }
 

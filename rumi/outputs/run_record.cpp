@@ -2,10 +2,18 @@
 #include "rumi/outputs/run_record.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 
 namespace rumi::tool {
+
+std::string note_missing(const std::vector<std::string>& missing, const std::string& folder,
+                         nlohmann::ordered_json* run) {
+  if (missing.empty()) return {};
+  (*run)["missing"] = missing;
+  return fmt::format("{}; what could be written is in {}", fmt::join(missing, "; "), folder);
+}
 
 nlohmann::ordered_json counts_to_json(const AtlasCounts& counts) {
   return {

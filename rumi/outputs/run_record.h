@@ -10,6 +10,11 @@
 
 namespace rumi::tool {
 
+// Notes in run.json what could not be written, a line each: `rumi report` goes without it. Returns it as one sentence
+// for a person; empty where nothing is missing.
+std::string note_missing(const std::vector<std::string>& missing, const std::string& folder,
+                         nlohmann::ordered_json* run);
+
 nlohmann::ordered_json counts_to_json(const AtlasCounts& counts);
 // What came out, what was left out (a line each) and where everything is, for a person.
 void print_summary(const AtlasCounts& counts, const std::vector<std::string>& left_out, const std::string& folder);

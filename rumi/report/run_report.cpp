@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "base/json_text.h"
 #include "bus/wire/image_codec.h"
 #include "map_server/alignment/submap_alignment.h"
 #include "rumi/evaluation/run_evaluation.h"
@@ -38,13 +39,17 @@ std::string name_of(SubmapKey key) { return fmt::format("{} {}", key.id < 0 ? "b
 std::string text_of(const ordered_json& value) {
   if (value.is_null()) return "unknown";
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : json_text(value);
 }
 
 double seconds_since(int64_t first_us, int64_t utime_us) { return 1e-6 * static_cast<double>(utime_us - first_us); }
 
-void add_summary(const ordered_json& run, const map_server::Atlas& atlas, HtmlPage* page) {
-  const AtlasCounts counts = count(atlas);
+void add_missing(const ordered_json& run, HtmlPage* page) {
+  if (!run.contains("missing") || !run["missing"].is_array()) return;
+  for (const ordered_json& problem : run["missing"]) page->paragraph("Missing: " + text_of(problem));
+}
+
+void add_summary(const ordered_json& run, const AtlasCounts& counts, HtmlPage* page) {
   std::vector<std::vector<std::string>> rows;
   for (const char* key : {"input", "lcm_url", "command", "version", "wall_s", "cpu_s", "peak_rss_mb"})
     if (run.contains(key)) rows.push_back({key, text_of(run[key])});
@@ -55,6 +60,7 @@ void add_summary(const ordered_json& run, const map_server::Atlas& atlas, HtmlPa
       {"submaps, keyframes, landmarks", fmt::format("{}, {}, {}", counts.submaps, counts.keyframes, counts.landmarks)});
   page->section("Run");
   page->table({}, rows);
+  add_missing(run, page);
 }
 
 void add_views(const cv::Mat& all, const viewer_offscreen::Scene& scene, viewer_offscreen::Renderer* renderer,
@@ -238,6 +244,54 @@ void add_load_over_time(const std::string& log, HtmlPage* page) {
   page->chart("Memory", "MB", load.memory_mb);
 }
 
+AtlasCounts counts_of(const ordered_json& run) {
+  const ordered_json counts = run.value("counts", ordered_json::object());
+  const auto number = [&](const char* name) { return counts.value(name, 0); };
+  AtlasCounts result;
+  result.frames = number("frames");
+  result.frames_in_map = number("frames_in_map");
+  result.tracked_frames = number("tracked_frames");
+  result.submaps = number("submaps");
+  result.keyframes = number("keyframes");
+  result.landmarks = number("landmarks");
+  return result;
+}
+
+// The path of trajectory.txt, for a picture: a submap with no landmarks.
+Submap path_alone(const std::string& folder) {
+  const TrajectoryFile path = read_trajectory((fs::path(folder) / "trajectory.txt").string());
+  if (!path.ok()) throw std::runtime_error(path.error);
+  Submap submap;
+  submap.key = {1, 1};
+  Keyframe first;
+  first.id = 0;
+  submap.keyframes[0] = first;
+  for (const TimedPose& pose : path.poses)
+    submap.frames[pose.utime_us] = {
+        .utime_us = pose.utime_us, .reference_keyframe = 0, .cam_from_keyframe = pose.map_from_cam.inverse()};
+  return submap;
+}
+
+bool lacks_its_map(const std::string& folder, const ordered_json& run) {
+  return run.contains("missing") && !fs::exists(fs::path(folder) / "map.db");
+}
+
+// Of a run whose map did not fit on the disk: what the other files tell.
+std::string report_without_map(const std::string& folder, const ordered_json& run, const ReportOptions& options) {
+  const Submap path = path_alone(folder);
+  viewer_offscreen::MapPicture picture;
+  picture.submaps.push_back({&path, true});
+  const viewer_offscreen::Scene scene = viewer_offscreen::make_scene(picture);
+  viewer_offscreen::Renderer renderer;
+  HtmlPage page("Rumi: " + text_of(run.value("input", ordered_json(folder))));
+  add_summary(run, counts_of(run), &page);
+  add_views(renderer.draw(scene), scene, &renderer, &page);
+  if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
+  add_load(run, &page);
+  if (!options.log.empty()) add_load_over_time(options.log, &page);
+  return page.finish();
+}
+
 }  // namespace
 
 std::string make_report(const std::string& folder, const ReportOptions& options) {
@@ -246,6 +300,7 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   if (run.is_null()) throw std::runtime_error(fmt::format("{}: is no folder of a run (no run.json of ours)", folder));
   if (!run.value("finished", false))
     throw std::runtime_error(fmt::format("{}: the run was not finished (run.json)", folder));
+  if (lacks_its_map(folder, run)) return report_without_map(folder, run, options);
   const map_server::Atlas atlas = load_map((fs::path(folder) / "map.db").string());
   AtlasPicture shown = make_picture(atlas, "Rumi");
   if (!options.groundtruth.empty()) {
@@ -256,7 +311,7 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   const viewer_offscreen::Scene scene = viewer_offscreen::make_scene(shown.picture);
   viewer_offscreen::Renderer renderer;
   HtmlPage page("Rumi: " + text_of(run.value("input", ordered_json(folder))));
-  add_summary(run, atlas, &page);
+  add_summary(run, count(atlas), &page);
   const cv::Mat all = renderer.draw(scene);
   add_views(all, scene, &renderer, &page);
   add_timeline(all, scene, &page);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/json_text.h"
 #include "slam/map/tracking_state.h"
 
 namespace rumi::tool {
@@ -205,11 +206,11 @@ std::string LiveStatus::to_text() const {
   std::string text = fmt::format("{:<18}{:<10}{:>8}{:>8}{:>9}{:>9}{:>8}{:>10}{:>9}\n", "process", "state", "in/s",
                                  "out/s", "dropped", "waiting", "CPU %", "ms/frame", "MB");
   for (const auto& [name, p] : json["processes"].items()) {
-    text +=
-        fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
-                    p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
-                    p["dropped"].get<int64_t>(), p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(),
-                    p["cpu_ms_per_frame"].is_null() ? "-" : p["cpu_ms_per_frame"].dump(), p["memory_mb"].get<double>());
+    text += fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
+                        p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
+                        p["dropped"].get<int64_t>(), p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(),
+                        p["cpu_ms_per_frame"].is_null() ? "-" : json_text(p["cpu_ms_per_frame"]),
+                        p["memory_mb"].get<double>());
     text += stages_text(p["cpu_ms_per_frame_by_stage"]);
     const bool says_why = p["state"] == "degraded" || name == "camera_driver";
     if (says_why) text += fmt::format("  {}\n", p["detail"].get<std::string>());

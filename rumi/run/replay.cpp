@@ -49,9 +49,11 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   ruminator::RuminatorOptions ruminator = options.ruminator;
   ruminator.build_thread = false;
   ruminator.spool.clear();
-  add<ruminator::RuminatorNode>(
-      "ruminator", ruminator,
-      ruminator::RuminatorHooks{ruminator::colmap_builder(ruminator.build), hooks.on_window, hooks.on_rebuilt});
+  ruminator::RuminatorHooks ruminator_hooks;
+  ruminator_hooks.on_job = hooks.on_window;
+  ruminator_hooks.on_built = hooks.on_rebuilt;
+  if (ruminator.rebuild) ruminator_hooks.use(ruminator::colmap_builder(ruminator.build));
+  add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks);
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // In a replay the clock does not tell one session from another: every folder of images begins at 0.
   if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty())

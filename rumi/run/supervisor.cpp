@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook{50};          // how often deaths are looked for
 constexpr milliseconds kAskToFinish{500};  // so often, and not before it has had time to install a handler
 constexpr size_t kLongestLine = 16384;     // a longer one is cut
-constexpr int kWrongCommandLine = 2;       // exit code of all Rumi processes: starting again would not help
+constexpr int kNotAgain = 2;               // exit code of all Rumi processes: starting again would not help
 
 bool ended_well(const ChildEnd& end) { return end.exited() && end.exit_code() == 0; }
 
@@ -134,7 +134,7 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
 // Returns why everything must be given up, or plans a restart.
 std::string Supervisor::on_death(Process& process, const ChildEnd& end) {
   const std::string what = fmt::format("{} {}", process.what.name, end.describe());
-  if (end.exited() && end.exit_code() == kWrongCommandLine) return what + ": wrong command line or options";
+  if (end.exited() && end.exit_code() == kNotAgain) return what + ": starting it again would not help";
   const auto now = Clock::now();
   process.failed_starts = now - process.started < options_.failed_start ? process.failed_starts + 1 : 0;
   if (process.failed_starts >= options_.max_failed_starts) {

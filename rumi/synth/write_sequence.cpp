@@ -9,6 +9,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/failures.h"
 #include "bus/wire/camera_file.h"
 #include "rumi/synth/sequence_renderer.h"
 
@@ -72,7 +73,7 @@ std::string write_sequence(const SynthOptions& options, const std::string& folde
     fs::remove(fs::path(folder) / "rgb.txt");
     return write_frames(options, folder, progress);
   } catch (const std::exception& e) {
-    return e.what();
+    return reason_of(e);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "base/json_text.h"
 #include "rumi/evaluation/metrics.h"
 
 namespace rumi::tool {
@@ -50,7 +51,7 @@ std::optional<double> ate_percent(const WindowRow& row) {
 
 std::string csv_field(const ordered_json& value) {
   if (value.is_null()) return "";
-  if (!value.is_string()) return value.dump();
+  if (!value.is_string()) return json_text(value);
   std::string text = value.get<std::string>();
   for (size_t i = 0; (i = text.find('"', i)) != std::string::npos; i += 2) text.insert(i, 1, '"');
   return fmt::format("\"{}\"", text);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "base/options.h"
@@ -15,6 +16,8 @@
 
 namespace rumi::ruminator {
 
+class ColmapProgram;
+
 // How a window is rebuilt.
 struct BuildOptions {
   std::string colmap = "colmap";              // the program: a name found in PATH or a path
@@ -26,6 +29,8 @@ struct BuildOptions {
   PairSelection pairs;
   ModelRefinementOptions refinement;
   int global_track_images = kMinTrackImages;  // for tests: no option
+  // What is known of `colmap`, for all windows; null: it is asked for each. No option.
+  std::shared_ptr<ColmapProgram> colmap_program = nullptr;
   double scale_max_change = kMaxScaleChange;
   double tear_max_severed = kMaxSevered;
   double min_parallax_px = 2;             // of some pair of images, or the camera has only turned

@@ -28,7 +28,7 @@ class Attempts {
         o_(options),
         folder_(folder),
         cancel_(cancel),
-        mapper_(options.colmap),
+        mapper_(options.colmap_program ? options.colmap_program : std::make_shared<ColmapProgram>(options.colmap)),
         completion_(input, options) {
     rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs);
     for (const WindowImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));

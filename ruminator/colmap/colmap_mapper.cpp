@@ -5,13 +5,14 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <utility>
+
+#include "ruminator/colmap/colmap_environment.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -22,12 +23,8 @@ using Kind = MapperOutcome::Kind;
 using Outcome = ChildResult::Outcome;
 
 constexpr uintmax_t kFullDiskBytes = 1 << 20;  // less is left: what failed, failed because of that
-constexpr double kHelpTimeLimitS = 60;
-constexpr size_t kComplaintLength = 300;
+constexpr double kIdleLimitS = 300;            // of a mapper that neither works nor says anything: it hangs
 constexpr size_t kLongestLine = 4096;
-// Qt is a part of COLMAP even where it shows nothing, and looks for a display. Its log would leave files in /tmp.
-const std::vector<std::string> kEnvironment = {"QT_QPA_PLATFORM=offscreen", "GLOG_logtostderr=1"};
-
 // The names that an option has had, from 3.8 on.
 struct MapperOption {
   std::vector<std::string> names;
@@ -87,53 +84,6 @@ std::vector<std::string> mapper_arguments(const std::vector<MapperOption>& optio
         break;
       }
   return arguments;
-}
-
-// "  --Mapper.num_threads arg (=-1)": the name.
-std::set<std::string> options_in_help(std::string_view help) {
-  std::set<std::string> names;
-  for (size_t at = help.find("--"); at != std::string_view::npos; at = help.find("--", at + 2)) {
-    const std::string_view rest = help.substr(at + 2);
-    const auto part_of_name = [](char c) {
-      return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
-    };
-    const auto end = std::find_if_not(rest.begin(), rest.end(), part_of_name);
-    if (end != rest.begin()) names.emplace(rest.begin(), end);
-  }
-  return names;
-}
-
-// "COLMAP 3.8 -- Structure-from-Motion ...": 3.8.
-std::string version_in_help(std::string_view help) {
-  constexpr std::string_view kName = "COLMAP ";
-  const size_t at = help.find(kName);
-  if (at == std::string_view::npos) return {};
-  const std::string_view rest = help.substr(at + kName.size());
-  return std::string(rest.substr(0, rest.find_first_of(" \n\r\t")));
-}
-
-bool contains_any_case(std::string_view text, std::string_view what) {
-  const auto same = [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-  };
-  return std::search(text.begin(), text.end(), what.begin(), what.end(), same) != text.end();
-}
-
-// The last line that tells of an error, or the last line; printable.
-std::string complaint(std::string_view output) {
-  std::string last, error;
-  for (size_t begin = 0; begin < output.size();) {
-    const size_t end = std::min(output.find('\n', begin), output.size());
-    std::string line(output.substr(begin, std::min(end - begin, kComplaintLength)));
-    begin = end + 1;
-    std::replace_if(
-        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
-    if (line.find_first_not_of(' ') == std::string::npos) continue;
-    line.erase(0, line.find_first_not_of(' '));
-    last = line;
-    if (contains_any_case(line, "error") || contains_any_case(line, "check failed")) error = line;
-  }
-  return error.empty() ? last : error;
 }
 
 // Counts the images in what the mapper says: "Registering image #7 (12)", in 4.x "(num_reg_frames=12)", before it tries
@@ -251,22 +201,13 @@ void add_cost(const ChildResult& child, MapperOutcome* outcome) {
 
 }  // namespace
 
-ChildResult ColmapMapper::learn_options(int nice, const std::atomic<bool>& cancel) {
-  ChildCommand command;
-  command.arguments = {program_, "mapper", "-h"};
-  command.environment = kEnvironment;
-  command.time_limit_s = kHelpTimeLimitS;
-  command.nice = nice;
-  ChildResult help = run_child(command, cancel);
-  if (!help.ok()) return help;
-  options_ = options_in_help(help.last_output);
-  version_ = version_in_help(help.last_output);
-  if (!options_.contains("database_path")) {
-    options_.clear();
-    help.outcome = Outcome::kNotStarted;
-    help.error = fmt::format("{}: does not know COLMAP's command mapper: {}", program_, complaint(help.last_output));
-  }
-  return help;
+// What fails because of the machine fails with every window, and may take long to.
+void ColmapMapper::give_up_if_in_vain(const ChildResult& result, const MapperOutcome& outcome) {
+  if (outcome.kind == Kind::kFailed && tells_of_gpu(result.last_output))
+    program_->give_up(fmt::format("{} needs a GPU that it cannot use here ({}); a build of it without CUDA works",
+                                  program_->name(), complaint(result.last_output)));
+  if (outcome.kind == Kind::kTimedOut && result.was_idle)
+    program_->give_up(fmt::format("{} hangs ({})", program_->name(), result.describe()));
 }
 
 MapperOutcome ColmapMapper::run(const MapperCommand& command, const MapperSettings& settings,
@@ -276,31 +217,36 @@ MapperOutcome ColmapMapper::run(const MapperCommand& command, const MapperSettin
     fail(&outcome, tells_of_full_disk(problem) ? Kind::kDiskFull : Kind::kNotStarted, problem);
     return outcome;
   }
-  if (options_.empty()) {
-    const ChildResult help = learn_options(command.nice, cancel);
-    add_cost(help, &outcome);
-    if (options_.empty()) {
-      judge_failure(help, command, &outcome);
-      return outcome;
-    }
+  if (program_->is_given_up()) {
+    fail(&outcome, Kind::kFailed, "COLMAP was not used, as it did not work before");
+    return outcome;
+  }
+  const ChildResult help = program_->ask(command.nice, cancel);
+  add_cost(help, &outcome);
+  if (!help.ok()) {
+    judge_failure(help, command, &outcome);
+    return outcome;
   }
   ProgressReader progress(command.progress);
   ChildCommand child;
-  child.arguments = mapper_arguments(mapper_options(command, settings), options_);
-  child.arguments.insert(child.arguments.begin(), program_);
-  child.environment = kEnvironment;
+  child.arguments = mapper_arguments(mapper_options(command, settings), program_->options());
+  child.arguments.insert(child.arguments.begin(), program_->name());
+  child.environment = colmap_environment();
   child.log_file = command.log_file;
   if (command.progress) child.on_output = [&](std::string_view text) { progress.take(text); };
   child.cpu_limit_s = command.cpu_limit_s;
   child.time_limit_s = command.time_limit_s;
+  child.idle_limit_s = kIdleLimitS;
   child.nice = command.nice;
   child.threads = settings.threads;
   const ChildResult result = run_child(child, cancel);
   add_cost(result, &outcome);
-  if (result.ok())
+  if (result.ok()) {
     read_models(command, &outcome);
-  else
-    judge_failure(result, command, &outcome);
+    return outcome;
+  }
+  judge_failure(result, command, &outcome);
+  give_up_if_in_vain(result, outcome);
   return outcome;
 }
 

@@ -4,12 +4,13 @@
 
 #include <atomic>
 #include <functional>
-#include <set>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/process_name.h"
 #include "base/run_child.h"
+#include "ruminator/colmap/colmap_program.h"
 #include "ruminator/colmap/read_model.h"
 
 namespace rumi::ruminator {
@@ -73,19 +74,20 @@ struct MapperOutcome {
   }
 };
 
-// COLMAP as installed. Option names changed between 3.8 and 4.x: the first run asks the program which it knows.
+// Option names changed between 3.8 and 4.x: the program is asked which it knows.
 class ColmapMapper {
  public:
-  explicit ColmapMapper(std::string program) : program_(std::move(program)) {}
+  explicit ColmapMapper(std::shared_ptr<ColmapProgram> program) : program_(std::move(program)) {}
+  // One that no other mapper knows.
+  explicit ColmapMapper(const std::string& program) : program_(std::make_shared<ColmapProgram>(program)) {}
 
   MapperOutcome run(const MapperCommand& command, const MapperSettings& settings, const std::atomic<bool>& cancel);
-  const std::string& version() const { return version_; }  // "3.8"; empty before the first run, or if it is not told
+  std::string version() const { return program_->version(); }
 
  private:
-  ChildResult learn_options(int nice, const std::atomic<bool>& cancel);
+  void give_up_if_in_vain(const ChildResult& result, const MapperOutcome& outcome);
 
-  std::string program_, version_;
-  std::set<std::string> options_;  // of `mapper`, without dashes
+  std::shared_ptr<ColmapProgram> program_;
 };
 
 }  // namespace rumi::ruminator

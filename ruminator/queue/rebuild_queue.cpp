@@ -8,8 +8,10 @@
 #include <utility>
 
 #include "base/due.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/process_name.h"
+#include "base/scratch_folder.h"
 #include "bus/process/process.h"
 #include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/submap_update_t.hpp"
@@ -66,9 +68,9 @@ bool may_begin(int64_t now_us, int64_t not_before_us) {
   return now_us >= not_before_us || not_before_us - now_us > kClockWentBackUs;
 }
 
-// Only ever in the temporary folder, for jobs that are in memory.
-std::string temporary_work_folder(JobName name) {
-  return (std::filesystem::temp_directory_path() /
+// For jobs that are in memory.
+std::string temporary_work_folder(JobName name, const std::string& also) {
+  return (std::filesystem::path(scratch_folder(also)) /
           fmt::format("rumi-{}-{}", unique_process_name("ruminator"), to_string(name)))
       .string();
 }
@@ -258,7 +260,10 @@ void RebuildQueue::start(Entries::iterator entry) {
   if (entry->job) {
     ++entry->tries;
     task.job = entry->job;
-    task.work_folder = temporary_work_folder(entry->name);
+    const std::string problem =
+        thrown_by([&] { entry->work_folder = temporary_work_folder(entry->name, options_.scratch); });
+    if (!problem.empty()) return fail(entry, problem);
+    task.work_folder = entry->work_folder;
   } else {
     entry->tries = spool_->begin_try(entry->name);
     task.file = spool_->window_file(entry->name);
@@ -312,7 +317,7 @@ void RebuildQueue::take_report(int64_t now_us) {
 void RebuildQueue::on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us) {
   const BuildResult& r = report.result;
   std::error_code ignored;
-  if (entry->job) std::filesystem::remove_all(temporary_work_folder(entry->name), ignored);
+  if (entry->job) std::filesystem::remove_all(entry->work_folder, ignored);
   if (r.cancelled && !r.submap) {
     if (!entry->job) spool_->forget_try(entry->name);
     return give_up(entry, "called off");

@@ -27,6 +27,7 @@ struct RebuildQueueOptions {
   bool rebuild = true;               // false: windows are announced only
   bool build_thread = true;          // false: rebuild at once, as replay does
   std::string spool = "rumi-spool";  // folder; empty: windows wait in memory
+  std::string scratch;               // where windows in memory are rebuilt if no temporary folder will do; no option
   int failed_mb = 500;               // kept in the spool of windows that could not be rebuilt
   int build_tries = 3;               // of one window
   double retry_s = 30;               // to the next try, of rebuilding or of sending to map_server
@@ -69,6 +70,7 @@ class RebuildQueue {
     std::string note;                      // announced as the reason
     std::string result;                    // kDelivering: what rebuilding gave, for the log
     std::shared_ptr<const WindowJob> job;  // where it is not in the spool
+    std::string work_folder;               // of such a job, while it is rebuilt
     std::optional<Spool::Claim> claim;
     std::vector<uint8_t> submap;  // kDelivering, where it is not in the spool
     int tries = 0;

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -95,17 +96,39 @@ Spool::Claim::~Claim() {
 Spool::Spool(std::string folder, int64_t max_failed_bytes)
     : folder_(std::move(folder)), max_failed_bytes_(max_failed_bytes) {}
 
+namespace {
+
+std::string user_name(uid_t uid) {
+  const passwd* entry = getpwuid(uid);
+  return entry ? fmt::format("{} (uid {})", entry->pw_name, uid) : fmt::format("uid {}", uid);
+}
+
+// Whose the folder is, where that is the reason.
+std::string owner_note(const std::string& folder) {
+  struct stat info {};
+  const std::string there = exists(folder) ? folder : fs::absolute(folder).parent_path().string();
+  if (stat(there.c_str(), &info) != 0 || info.st_uid == geteuid()) return {};
+  return fmt::format("; {} belongs to {}, and this is {}", there, user_name(info.st_uid), user_name(geteuid()));
+}
+
+std::string unusable(const std::string& folder, const std::string& reason) {
+  return fmt::format("{}: windows cannot be kept in it ({}{}); name another folder with --set ruminator.spool=FOLDER",
+                     folder, reason, owner_note(folder));
+}
+
+}  // namespace
+
 std::unique_ptr<Spool> Spool::open(const std::string& folder, int64_t max_failed_bytes, std::string* error) {
   std::error_code code;
   fs::create_directories(fs::path(folder) / kFailedFolder, code);
   if (code) {
-    *error = fmt::format("{}: cannot be made ({})", folder, code.message());
+    *error = unusable(folder, code.message());
     return nullptr;
   }
   const std::string probe = temporary_name((fs::path(folder) / "probe").string());
   const int fd = ::open(probe.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   if (fd < 0) {
-    *error = fmt::format("{}: cannot be written to ({})", folder, std::strerror(errno));
+    *error = unusable(folder, std::strerror(errno));
     return nullptr;
   }
   close(fd);

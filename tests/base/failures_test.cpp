@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,6 +20,19 @@ TEST(Failures, WhatIsThrownBecomesAReason) {
   EXPECT_EQ(thrown_by([] { throw std::runtime_error("it rains"); }), "it rains");
   EXPECT_EQ(thrown_by([] { throw std::runtime_error(""); }), "no reason given");
   EXPECT_EQ(thrown_by([] { throw "it rains"; }), "what was thrown is no std::exception");
+}
+
+TEST(Failures, WhatLibrariesThrowNamesNoCodeOfTheirs) {
+  const auto missing = [] { std::filesystem::directory_iterator it("/nowhere/at/all"); };
+  EXPECT_EQ(thrown_by(missing), "/nowhere/at/all: No such file or directory");
+  EXPECT_EQ(thrown_by([] { throw std::bad_alloc(); }), "there is not enough memory");
+  EXPECT_EQ(thrown_by([] { YAML::Load("a: b: c"); }), "YAML that cannot be read: line 1: illegal map value");
+  EXPECT_EQ(reason_of(std::runtime_error("[json.exception.type_error.302] type must be number, but is string")),
+            "JSON that cannot be read or written: type must be number, but is string");
+  EXPECT_EQ(
+      reason_of(std::runtime_error("OpenCV(4.6.0) ./modules/core/src/alloc.cpp:73: error: (-4:Insufficient memory) "
+                                   "Failed to allocate 12 bytes in function 'OutOfMemoryError'\n")),
+      "OpenCV cannot work on an image: Failed to allocate 12 bytes");
 }
 
 TEST(Failures, AreCountedAndToldNowAndThen) {

@@ -141,6 +141,19 @@ TEST_F(OptionsTest, ToYamlIsReadBack) {
   EXPECT_FALSE(copy.enabled);
 }
 
+TEST_F(OptionsTest, YamlKeepsEveryByteOfAName) {
+  for (const std::string title : {"K\xfc"
+                                  "che",
+                                  "a \"b\" c:\\d\n\t#e", "\xe2\x80\xa8 \xc2\x85 \xff\x01"}) {
+    EXPECT_EQ(table_.set("viewer.title=" + title), "");
+    Example copy;
+    OptionTable other;
+    describe(other, copy);
+    EXPECT_EQ(other.load_yaml_text(table_.to_yaml(OptionTable::Which::kAll), "copy"), "");
+    EXPECT_EQ(copy.title, title);
+  }
+}
+
 TEST_F(OptionsTest, HelpShowsDefaultsNotPresentValues) {
   EXPECT_EQ(table_.set("tracker.keypoints=77"), "");
   EXPECT_THAT(table_.help(OptionTable::Which::kAll), HasSubstr("tracker.keypoints = 1000"));

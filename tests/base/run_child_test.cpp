@@ -97,6 +97,20 @@ TEST_F(RunChildTest, ItIsStoppedAtItsTimeLimit) {
   EXPECT_THAT(result.describe(), HasSubstr("time limit"));
 }
 
+TEST_F(RunChildTest, ItIsStoppedWhenItDoesNothing) {
+  ChildCommand command = shell("sleep 60");
+  command.idle_limit_s = 0.2;
+  const ChildResult idle = run_child(command, never);
+  EXPECT_EQ(idle.outcome, Outcome::kTimedOut);
+  EXPECT_TRUE(idle.was_idle);
+  EXPECT_THAT(idle.describe(), HasSubstr("it did nothing"));
+  // Who works is not idle, whatever ends it.
+  command = shell("while :; do :; done");
+  command.idle_limit_s = 30;
+  command.cpu_limit_s = 0.2;
+  EXPECT_FALSE(run_child(command, never).was_idle);
+}
+
 TEST_F(RunChildTest, ItIsStoppedAtItsLimitOfCpuTime) {
   ChildCommand command = shell("while :; do :; done");
   command.cpu_limit_s = 0.2;

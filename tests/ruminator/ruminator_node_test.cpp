@@ -32,6 +32,7 @@ class RuminatorNodeTest : public ::testing::Test {
   void start() {
     RuminatorHooks hooks;
     hooks.builder = testing::fake_builder();
+    hooks.builder_problem = [this] { return builder_problem_; };
     hooks.on_job = [this](const WindowJob& job) { jobs_.push_back(job); };
     node_ = std::make_unique<RuminatorNode>(bus_, options_, hooks);
     bus_.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { announced_.push_back(w); });
@@ -87,6 +88,7 @@ class RuminatorNodeTest : public ::testing::Test {
   std::unique_ptr<RuminatorNode> node_;
   std::vector<window_t> announced_;
   std::vector<WindowJob> jobs_;
+  std::string builder_problem_;
   int64_t now_ = 1'000'000;
   bool jpeg_ = true;
   int64_t stream_ = kNoStream;
@@ -122,6 +124,15 @@ TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   EXPECT_EQ(resumed->state, window_t::COLLECTING);
   ASSERT_EQ(jobs_.size(), 1);
   expect_images_of(jobs_[0]);
+  EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(RuminatorNodeTest, WhatTheBuilderDoesWithoutIsInTheStatusWhileItIsSo) {
+  start();
+  builder_problem_ = "COLMAP: not found in PATH";
+  EXPECT_TRUE(node_->status().degraded);
+  EXPECT_THAT(node_->status().detail, ::testing::StartsWith("COLMAP: not found in PATH; no window open"));
+  builder_problem_.clear();
   EXPECT_FALSE(node_->status().degraded);
 }
 
@@ -490,7 +501,7 @@ TEST_F(RebuildingNodeTest, WithoutCalibrationItSaysWhatToDo) {
   EXPECT_TRUE(submaps_.empty());
 
   options_.camera_file = "/nowhere/camera.yaml";
-  EXPECT_THROW(RuminatorNode(bus_, options_, {testing::fake_builder(), {}, {}}), std::runtime_error);
+  EXPECT_THROW(RuminatorNode(bus_, options_, {testing::fake_builder(), {}, {}, {}}), std::runtime_error);
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ using namespace std::string_literals;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::Not;
 using testing::ThrowsMessage;
 
@@ -31,6 +32,28 @@ TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
   EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
+}
+
+TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_latin_1");
+  EXPECT_EQ(write_run_json(folder.string(), {{"input",
+                                              "K\xfc"
+                                              "che"}}),
+            "");
+  EXPECT_EQ(read_json(folder / "run.json")["input"],
+            "K\xef\xbf\xbd"
+            "che");
+}
+
+TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_latin_1_options");
+  const auto options = options_to_json(
+      "camera_driver:\n  camera_file: \"K\xfc"
+      "che.yaml\"\n");
+  EXPECT_EQ(write_run_json(folder.string(), {{"options", options}}), "");
+  EXPECT_EQ(read_json(folder / "run.json")["options"]["camera_driver"]["camera_file"],
+            "K\xef\xbf\xbd"
+            "che.yaml");
 }
 
 TEST(OutputFolder, OtherFilesAreLeftAlone) {
@@ -126,7 +149,7 @@ TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
 
 TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
   const map_server::Atlas atlas = make_test_atlas();
-  EXPECT_EQ(write_run_outputs(atlas, folder_.string()), "");
+  EXPECT_THAT(write_run_outputs(atlas, folder_.string()), IsEmpty());
   for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply", "trajectory.png"}) {
     EXPECT_TRUE(fs::exists(folder_ / name)) << name;
   }

@@ -58,7 +58,9 @@ TEST_F(SnapshotTest, BringsTheDatabaseAndTheStatusOfTheProcesses) {
   ASSERT_EQ(result.error, "");
   ASSERT_TRUE(result.processes.count("map_server"));
   const std::string copy = options_.database + ".copy";
-  const map_server::Atlas atlas = load_map_bytes(result.database, copy);
+  std::string copy_problem;
+  const map_server::Atlas atlas = load_map_bytes(result.database, copy, &copy_problem);
+  EXPECT_EQ(copy_problem, "");
   EXPECT_EQ(atlas.frames_in_map(), 4);
   EXPECT_EQ(load_map(copy).frames_in_map(), 4);
 }
@@ -69,7 +71,17 @@ TEST_F(SnapshotTest, SurvivesALossyBus) {
   bus_.set_tap([&](const std::string&, std::span<const uint8_t>) { return ++messages % 3 != 0; });
   const SnapshotResult result = request_snapshot(bus_, 10, 0);
   ASSERT_EQ(result.error, "");
-  EXPECT_EQ(load_map_bytes(result.database, options_.database + ".copy").frames_in_map(), 4);
+  std::string copy_problem;
+  EXPECT_EQ(load_map_bytes(result.database, options_.database + ".copy", &copy_problem).frames_in_map(), 4);
+  EXPECT_EQ(copy_problem, "");
+}
+
+TEST_F(SnapshotTest, AMapThatCannotBeCopiedIsStillThere) {
+  serve();
+  const SnapshotResult result = request_snapshot(bus_, 10, 0);
+  std::string copy_problem;
+  EXPECT_EQ(load_map_bytes(result.database, "/nowhere/map.db", &copy_problem).frames_in_map(), 4);
+  EXPECT_THAT(copy_problem, HasSubstr("/nowhere/map.db"));
 }
 
 TEST_F(SnapshotTest, SaysThatNobodyAnswers) {

@@ -23,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using testing::Not;
 using testing::ThrowsMessage;
 
@@ -133,7 +134,7 @@ class ReportTest : public testing::Test {
       return std::string();
     });
     atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}});
-    EXPECT_EQ(write_run_outputs(atlas_, folder_.string()), "");
+    EXPECT_THAT(write_run_outputs(atlas_, folder_.string()), IsEmpty());
     std::vector<ImageId> images;
     for (const auto& [image, frame] : atlas_.frames()) images.push_back(image);
     EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, images), "");
@@ -241,6 +242,16 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
   const std::string silent = (folder_ / "silent.lcm").string();
   ASSERT_TRUE(LogWriter(silent).close());
   EXPECT_THAT([&] { make_report(folder_.string(), {.log = silent}); }, refusal("no process tells its status"));
+}
+
+TEST_F(ReportTest, GoesWithoutAMapThatDidNotFitOnTheDisk) {
+  fs::remove(folder_ / "map.db");
+  write_run({{"finished", true},
+             {"counts", {{"frames", 5}, {"frames_in_map", 4}}},
+             {"missing", {"cannot write map.db: database or disk is full"}}});
+  const std::string page = make_report(folder_.string());
+  EXPECT_THAT(page, HasSubstr("Missing: cannot write map.db: database or disk is full"));
+  EXPECT_THAT(page, HasSubstr("frames with a pose in the map"));
 }
 
 TEST_F(ReportTest, SaysWhatIsWrongWithTheFolder) {

@@ -334,6 +334,23 @@ TEST_F(FakeColmapTest, AProgramThatIsNotColmapIsTold) {
   EXPECT_THAT(outcome.failure, HasSubstr("echo: does not know COLMAP's command mapper"));
 }
 
+TEST_F(FakeColmapTest, WhatWantsAGpuIsToldOnceAndNotTriedAgain) {
+  run("true");  // writes the program
+  testing::write_file(here / "colmap",
+                      testing::read_file(here / "colmap") +
+                          "echo run >> \"$here/runs\"\n"
+                          "echo 'F0501 cuda.cc:48] Check failed: cudaGetDeviceCount(&n) == cudaSuccess' "
+                          ">&2; exit 134\n");
+  const auto program = std::make_shared<ColmapProgram>(here / "colmap");
+  for (const char* folder : {"run/first", "run/second"}) {
+    command.output_folder = work / folder;
+    EXPECT_EQ(ColmapMapper(program).run(command, settings, kNever).kind, Kind::kFailed);
+    EXPECT_THAT(program->problem(), HasSubstr("needs a GPU that it cannot use here"));
+    EXPECT_THAT(program->problem(), HasSubstr("windows are rebuilt without it"));
+  }
+  EXPECT_EQ(testing::read_file(here / "runs"), "run\n");
+}
+
 TEST_F(FakeColmapTest, NoModelIsTheImagesFault) {
   const MapperOutcome outcome = run("echo 'ERROR: failed to create sparse model' >&2; exit 1");
   EXPECT_EQ(outcome.kind, Kind::kNoModel);

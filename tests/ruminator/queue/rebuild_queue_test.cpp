@@ -403,7 +403,7 @@ TEST_F(RebuildQueueTest, ASpoolThatCannotBeUsedIsSaidAndLivedWithout) {
   testing::write_file(folder_ / "spool", "a file");
   World world(options_, fake_builder());
   EXPECT_TRUE(world.queue->degraded());
-  EXPECT_THAT(world.queue->detail(), HasSubstr("spool: cannot be made"));
+  EXPECT_THAT(world.queue->detail(), HasSubstr("--set ruminator.spool=FOLDER"));
   world.queue->add(small_job(1));
   world.run_for(1);
   EXPECT_THAT(world.received, ElementsAre(-1));

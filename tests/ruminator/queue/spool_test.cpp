@@ -208,13 +208,13 @@ TEST_F(SpoolTest, AFolderThatCannotBeUsedIsNamed) {
   std::string error;
   testing::write_file(folder_ / "file", "");
   EXPECT_FALSE(Spool::open(folder_ / "file", kMegabyte, &error));
-  EXPECT_THAT(error, HasSubstr("/file: cannot be made"));
+  EXPECT_THAT(error, HasSubstr("/file: windows cannot be kept in it"));
   const int result = testing::run_on_small_disk(folder_.path().string(), kMegabyte, [&] {
     fs::create_directories(folder_ / "spool/failed");
     if (mount("tmpfs", folder_.path().c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY, nullptr) != 0) return 1;
     std::string problem;
     if (Spool::open(folder_ / "spool", kMegabyte, &problem)) return 2;
-    return problem.find("spool: cannot be written to (Read-only") != std::string::npos ? 0 : 3;
+    return problem.find("spool: windows cannot be kept in it (Read-only") != std::string::npos ? 0 : 3;
   });
   if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";
   EXPECT_EQ(result, 0);

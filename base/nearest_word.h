@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace rumi {
+
+// The word that is spelt most like `word`; empty where there are none.
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
+// The same, but none that has little in common with it.
+std::string similar_word(const std::string& word, const std::vector<std::string>& words);
+
+}  // namespace rumi

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/colmap/colmap_program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "base/log.h"
+#include "ruminator/colmap/colmap_environment.h"
+
+namespace rumi::ruminator {
+namespace {
+
+using Outcome = ChildResult::Outcome;
+
+constexpr double kHelpTimeLimitS = 60;      // on a machine that is busy, or reads it from a slow disk
+constexpr size_t kLongestHelp = 8'000'000;  // bytes that are looked at
+constexpr size_t kComplaintLength = 300;
+constexpr const char* kWithout =
+    "windows are rebuilt without it, by Rumi's own models alone: some get fewer poses, or none";
+
+// "  --Mapper.num_threads arg (=-1)": the name.
+std::set<std::string> options_in_help(std::string_view help) {
+  std::set<std::string> names;
+  for (size_t at = help.find("--"); at != std::string_view::npos; at = help.find("--", at + 2)) {
+    const std::string_view rest = help.substr(at + 2);
+    const auto part_of_name = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
+    };
+    const auto end = std::find_if_not(rest.begin(), rest.end(), part_of_name);
+    if (end != rest.begin()) names.emplace(rest.begin(), end);
+  }
+  return names;
+}
+
+// "COLMAP 3.8 -- Structure-from-Motion ...": 3.8.
+std::string version_in_help(std::string_view help) {
+  constexpr std::string_view kName = "COLMAP ";
+  const size_t at = help.find(kName);
+  if (at == std::string_view::npos) return {};
+  const std::string_view rest = help.substr(at + kName.size());
+  return std::string(rest.substr(0, rest.find_first_of(" \n\r\t")));
+}
+
+std::string why_it_failed(const std::string& name, const ChildResult& help) {
+  const std::string said = complaint(help.last_output);
+  if (help.outcome == Outcome::kNotStarted) return help.error;
+  if (help.outcome == Outcome::kTimedOut)
+    return fmt::format("{} does not answer `{} mapper -h` ({}): does it open a window, or wait for something?", name,
+                       name, help.describe());
+  return fmt::format("{} {}{}{}", name, help.describe(), said.empty() ? "" : ": ", said);
+}
+
+}  // namespace
+
+ColmapProgram::~ColmapProgram() {
+  end_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void ColmapProgram::begin_asking() {
+  thread_ = std::thread([this] { ask(0, end_); });
+}
+
+ChildResult ColmapProgram::ask(int nice, const std::atomic<bool>& cancel) {
+  const std::scoped_lock asking(asking_);
+  ChildResult known;
+  known.outcome = Outcome::kExited;
+  if (!options().empty()) return known;
+  if (!is_given_up()) return question(nice, cancel);
+  known.exit_code = 1;
+  known.last_output = problem();
+  return known;
+}
+
+ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
+  ChildCommand command;
+  command.arguments = {name_, "mapper", "-h"};
+  command.environment = colmap_environment();
+  command.time_limit_s = kHelpTimeLimitS;
+  command.idle_limit_s = idle_limit_s_;
+  command.nice = nice;
+  std::string text;
+  command.on_output = [&text](std::string_view part) {
+    text.append(part.substr(0, kLongestHelp - std::min(kLongestHelp, text.size())));
+  };
+  ChildResult help = run_child(command, cancel);
+  if (help.outcome == Outcome::kCancelled) return help;
+  if (help.ok() && !options_in_help(text).contains("database_path")) {
+    help.outcome = Outcome::kNotStarted;
+    help.error = fmt::format("{}: does not know COLMAP's command mapper: {}", name_, complaint(help.last_output));
+  }
+  judge(help, text);
+  return help;
+}
+
+void ColmapProgram::judge(const ChildResult& help, const std::string& text) {
+  if (help.outcome == Outcome::kTimedOut) return give_up(why_it_failed(name_, help));
+  if (!help.ok()) return tell(why_it_failed(name_, help));
+  const std::scoped_lock lock(mutex_);
+  options_ = options_in_help(text);
+  version_ = version_in_help(text);
+  problem_.clear();
+}
+
+// At once, as whoever asked may be at work for long before anybody looks at problem().
+void ColmapProgram::tell(const std::string& why) {
+  const std::string problem = fmt::format("COLMAP: {}; {}", why, kWithout);
+  const std::scoped_lock lock(mutex_);
+  if (problem != std::exchange(problem_, problem)) log_warning("{}", problem);
+}
+
+void ColmapProgram::give_up(const std::string& why) {
+  tell(why);
+  const std::scoped_lock lock(mutex_);
+  options_.clear();
+  given_up_ = true;
+}
+
+bool ColmapProgram::is_given_up() const {
+  const std::scoped_lock lock(mutex_);
+  return given_up_;
+}
+
+std::set<std::string> ColmapProgram::options() const {
+  const std::scoped_lock lock(mutex_);
+  return options_;
+}
+
+std::string ColmapProgram::version() const {
+  const std::scoped_lock lock(mutex_);
+  return version_;
+}
+
+std::string ColmapProgram::problem() const {
+  const std::scoped_lock lock(mutex_);
+  return problem_;
+}
+
+std::string complaint(std::string_view output) {
+  std::string last, error;
+  for (size_t begin = 0; begin < output.size();) {
+    const size_t end = std::min(output.find('\n', begin), output.size());
+    std::string line(output.substr(begin, std::min(end - begin, kComplaintLength)));
+    begin = end + 1;
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+    if (line.find_first_not_of(' ') == std::string::npos) continue;
+    line.erase(0, line.find_first_not_of(' '));
+    last = line;
+    if (contains_any_case(line, "error") || contains_any_case(line, "check failed")) error = line;
+  }
+  return error.empty() ? last : error;
+}
+
+bool tells_of_gpu(std::string_view output) {
+  constexpr std::array kWords = {"cuda", "cublas", "cusolver", "nvidia", "no gpu", "sift_gpu", "siftgpu", "opengl"};
+  const std::string line = complaint(output);
+  return std::any_of(kWords.begin(), kWords.end(), [&](const char* word) { return contains_any_case(line, word); });
+}
+
+}  // namespace rumi::ruminator

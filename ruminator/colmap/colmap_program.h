@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// COLMAP as it is installed here: which options its mapper knows, or why it cannot be used. One for all windows, so
+// that what does not work is found out once, at the start.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "base/run_child.h"
+
+namespace rumi::ruminator {
+
+class ColmapProgram {
+ public:
+  // Who answers nothing, and does nothing, for so long, waits for somebody to close its window.
+  static constexpr double kIdleLimitS = 8;
+  explicit ColmapProgram(std::string name, double idle_limit_s = kIdleLimitS)
+      : name_(std::move(name)), idle_limit_s_(idle_limit_s) {}
+  ~ColmapProgram();  // calls off begin_asking()
+  ColmapProgram(const ColmapProgram&) = delete;
+  ColmapProgram& operator=(const ColmapProgram&) = delete;
+
+  const std::string& name() const { return name_; }
+  // Asks in a thread of its own, so that its problem() is known before the first window.
+  void begin_asking();
+  // Asks, unless the answer is known; waits for a question under way. What did not start, or ended with an error, is
+  // asked again each time: it costs little, and somebody may have installed it meanwhile.
+  ChildResult ask(int nice, const std::atomic<bool>& cancel);
+  // Is not to be tried again by this process: it hangs, or lacks what the machine has not got.
+  void give_up(const std::string& why);
+  bool is_given_up() const;
+
+  std::set<std::string> options() const;  // of `mapper`, without dashes; empty: not known
+  std::string version() const;            // "3.8"; empty: not known
+  // What is wrong with it, and what follows, as the log has told; empty while nothing is known to be.
+  std::string problem() const;
+
+ private:
+  ChildResult question(int nice, const std::atomic<bool>& cancel);
+  void tell(const std::string& why);
+  void judge(const ChildResult& help, const std::string& text);
+
+  const std::string name_;
+  const double idle_limit_s_;
+  mutable std::mutex mutex_;  // of what follows
+  std::set<std::string> options_;
+  std::string version_, problem_;
+  bool given_up_ = false;
+  std::mutex asking_;
+  std::atomic<bool> end_ = false;
+  std::thread thread_;
+};
+
+// The last line of an output that tells of an error, or the last line; printable.
+std::string complaint(std::string_view output);
+// The output tells of CUDA, or of a GPU that is not there.
+bool tells_of_gpu(std::string_view output);
+
+}  // namespace rumi::ruminator

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/command_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace rumi {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class CommandLineTest : public testing::Test {
+ protected:
+  CommandLineTest() {
+    CommandLine* replay = app_.add_command("replay", "plays");
+    replay->add_option("INPUT", input_, "")->required();
+    replay->add_option("-o,--output", output_, "")->required();
+    replay->add_option("--every", every_, "");
+    CommandLine* up = app_.add_command("up", "runs");
+    up->allow_extras();
+  }
+  std::string error(std::vector<std::string> words) {
+    words.insert(words.begin(), "rumi");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    return app_.parse(static_cast<int>(argv.size()), argv.data()).error;
+  }
+  CommandLine app_{"a program", "rumi"};
+  std::string input_, output_;
+  int every_ = 1;
+};
+
+TEST_F(CommandLineTest, AMisspeltFlagHasTheNearOneBesideIt) {
+  EXPECT_EQ(error({"replay", "in", "-o", "out", "--evry", "2"}),
+            "--evry: there is no such flag; did you mean --every?");
+  EXPECT_EQ(error({"replay", "in", "-o", "out", "--evry=2"}), "--evry: there is no such flag; did you mean --every?");
+  EXPECT_EQ(error({"replay", "in", "-o", "out", "-every", "2"}), "-every: did you mean --every?");
+}
+
+TEST_F(CommandLineTest, WhatIsMissingBecauseOfItIsNotWhatIsTold) {
+  EXPECT_EQ(error({"replay", "in", "--out", "out"}), "--out: there is no such flag; did you mean --output?");
+}
+
+TEST_F(CommandLineTest, AMisspeltCommandHasTheNearOneBesideIt) {
+  EXPECT_EQ(error({"relay", "in"}), "relay: there is no such command; did you mean replay?");
+  EXPECT_EQ(error({"frobnicate"}), "frobnicate: there is no such command");
+}
+
+TEST_F(CommandLineTest, WhatIsSpeltRightIsNotBlamed) {
+  EXPECT_THAT(error({"replay", "in"}), HasSubstr("--output is required"));
+  EXPECT_THAT(error({"replay", "in", "-o", "out", "--every", "often"}), Not(HasSubstr("did you mean")));
+  EXPECT_EQ(error({"replay", "in", "-oout", "--every", "-2"}), "");
+  EXPECT_EQ(error({"up", "--speed", "2"}), "");
+}
+
+}  // namespace
+}  // namespace rumi
