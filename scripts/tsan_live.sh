@@ -16,7 +16,7 @@ export TSAN_OPTIONS
 "$build/bin/rumi" synth -q -o "$work/walk" --seconds 6 --hard blur --at 3 --for 1
 code=0
 "$build/bin/rumi" up "$here/config/rumi.yaml" "$work/walk" --lcm-url "$url" --speed "$speed" --snapshot "$work/out" \
-  --set map_server.database="$work/map.db" --set map_server.snapshot_s=5 --set map_server.snapshot_file="$work/copy.db" \
+  --set image.max_image_side=320 --set map_server.database="$work/map.db" --set map_server.snapshot_s=5 --set map_server.snapshot_file="$work/copy.db" \
   --set ruminator.spool="$work/spool" --set viewer_offscreen.output="$work" 2>"$work/log" || code=$?
 if [ "$code" -ne 0 ]; then tail -n 30 "$work/log"; fi
 if grep -q 'WARNING: ThreadSanitizer' "$work/log"; then
