@@ -87,8 +87,10 @@ std::string check(const CameraOptions& o) {
 
 void describe(OptionTable& table, CameraOptions& o) {
   table.group("camera_driver");
-  table.add("camera_driver.camera_file", &o.camera_file,
-            "calibration file; empty: beside the data, or in the log; a camera without one cannot be tracked");
+  table.add(
+      "camera_driver.camera_file", &o.camera_file,
+      "calibration file (FILE:cam1: one of its cameras); empty: beside the data, or in the log; a camera without one "
+      "cannot be tracked");
   table.add("camera_driver.every", &o.every, "frames", "publish every Nth frame", 1, kMaxEvery);
   table.add("camera_driver.start", &o.start_s, "s", "leave out so much at the beginning", 0, kMaxSeconds);
   table.add("camera_driver.duration", &o.duration_s, "s", "end after so much of the recording; 0: all of it", 0,

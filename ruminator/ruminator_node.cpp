@@ -131,7 +131,7 @@ void RuminatorNode::settle(int64_t utime_us) {
 void RuminatorNode::make_room(const image_t& image) {
   while (!ring_.fits(image) && sampler_.thin_gap()) {
     retained_ = sampler_.retained();
-    ring_.sweep([this](const ImageId& image) { return is_needed(image); });
+    ring_.sweep([this](const ImageId& id) { return is_needed(id); });
   }
 }
 

@@ -69,7 +69,9 @@ void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
       ->required();
   command->add_option("--approach", arguments->approach, "frames before the gap")->type_name(form);
   command->add_option("--departure", arguments->departure, "frames after the gap")->type_name(form);
-  command->add_option("--camera", arguments->camera.camera_file, "calibration file, instead of the one beside the data")
+  command
+      ->add_option("--camera", arguments->camera.camera_file,
+                   "calibration file (FILE:cam1: one of its cameras), instead of the one beside the data")
       ->type_name("FILE");
   command->add_option("--start", arguments->camera.start_s, "leave out so many seconds; the next frame is frame 0")
       ->show_default();

@@ -3,12 +3,19 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/log.h"
 #include "rumi/commands/commands.h"
 #include "rumi/recordings/export_log.h"
 #include "rumi/recordings/import_log.h"
 
 namespace rumi::tool {
 namespace {
+
+template <class Options>
+int run(int (*work)(const Options&), const Options& options) {
+  start_logging("rumi", false, false);
+  return work(options);
+}
 
 void add_camera_flags(CommandLine& command, camera_driver::CameraOptions& camera) {
   command
@@ -36,7 +43,7 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
       ->add_option("--encoding", options->camera.encoding,
                    "auto (JPEG files as they are, all else grey), grey, rgb, jpeg")
       ->show_default();
-  command->on_chosen([options, chosen] { *chosen = [options] { return run_export(*options); }; });
+  command->on_chosen([options, chosen] { *chosen = [options] { return run(run_export, *options); }; });
 }
 
 void add_import_command(CommandLine& app, std::function<int()>* chosen) {
@@ -45,7 +52,7 @@ void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("LOG", options->log, "lcm log")->required();
   command->add_option("-o,--output", options->folder, "folder; created, or empty")->required();
   add_camera_flags(*command, options->camera);
-  command->on_chosen([options, chosen] { *chosen = [options] { return run_import(*options); }; });
+  command->on_chosen([options, chosen] { *chosen = [options] { return run(run_import, *options); }; });
 }
 
 }  // namespace rumi::tool
