@@ -46,9 +46,6 @@ class Node {
 struct ProcessDescription {
   std::string name;     // "front_tracker"
   std::string summary;  // one or two lines for --help
-  // There may be one on a bus (only_one.h): of its name, or ...
-  bool only_one = false;
-  bool only_one_on_channel = false;  // ... of those that publish on the camera's channel
   // Adds the process's own flags to the command line (may be empty).
   std::function<void(CommandLine&)> add_flags;
   // Registers its options (may be empty).
@@ -58,6 +55,9 @@ struct ProcessDescription {
   // SIGUSR2: --config and --set were read again, into the fields of the options. Returns what is wrong with them, or an
   // empty string. (Not SIGHUP: a closed terminal must end the process.)
   std::function<std::string(Node&)> on_reload;
+  // There may be one on a bus (only_one.h): of its name, or ...
+  bool only_one = false;
+  bool only_one_on_channel = false;  // ... of those that publish on the camera's channel
 };
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
