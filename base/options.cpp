@@ -202,7 +202,7 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
     const std::string problem = flatten(root, "", &values);
     if (!problem.empty()) return name_for_errors + ": " + problem;
   } catch (const YAML::Exception& e) {
-    return fmt::format("{}: not valid YAML, {}", name_for_errors, e.what());
+    return fmt::format("{}:{}: not valid YAML: {}", name_for_errors, e.mark.line + 1, e.msg);
   }
 
   std::set<std::string> sections, seen;

@@ -177,10 +177,10 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   if (error.empty()) error = begin_log(run, &replay);
   if (error.empty()) error = windows.prepare();
   ReservedSpace reserved;
+  const std::string doubt = error.empty() ? doubt_about_space(run.out, replay.progress().total) : "";
   if (error.empty()) error = reserved.take(run.out, replay.progress().total);
   if (error.empty()) {
-    if (const std::string doubt = doubt_about_space(run.out, replay.progress().total); !doubt.empty())
-      log_warning("{}", doubt);
+    if (!doubt.empty()) log_warning("{}", doubt);
     play(run, &replay, &outcome);
     reserved.release();
     const std::vector<std::string> missing = write_everything(replay, windows, run.out);

@@ -28,6 +28,7 @@ int report(const Arguments& arguments) {
     WholeFile output(file);
     output.write(page);
     error = output.commit();
+    if (!error.empty()) error += "; -o FILE puts the page elsewhere";
   } catch (const std::exception& e) {
     error = reason_of(e);
   }

@@ -19,6 +19,7 @@
 #include "bus/transport/lcm_bus.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/commands.h"
+#include "rumi/outputs/reserved_space.h"
 #include "rumi/run/all_options.h"
 #include "rumi/run/other_system.h"
 #include "rumi/run/supervisor.h"
@@ -142,6 +143,13 @@ std::string why_not_here(const AllOptions& options) {
   return find_other_system(*bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
 }
 
+// A live system goes on for who knows how long.
+void warn_of_little_space(const std::string& database) {
+  constexpr int64_t kImages = 1000;
+  const fs::path folder = fs::absolute(database).parent_path();
+  if (const std::string doubt = doubt_about_space(folder.string(), kImages); !doubt.empty()) log_warning("{}", doubt);
+}
+
 // On SIGUSR2. True if the shared options are new.
 bool read_again(const Arguments& arguments, const SharedConfig& config) {
   AllOptions options;
@@ -174,6 +182,7 @@ int up(const Arguments& arguments) {
   start_logging("rumi", false, /*quiet=*/true);
   try {
     if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
+    warn_of_little_space(options.map_server.database);
     const SharedConfig config(table.to_yaml(OptionTable::Which::kAll));
     SupervisorOptions supervision;
     supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));

@@ -239,6 +239,7 @@ TEST(LcmBusTest, ALargePayloadArrivesInChunks) {
 TEST(LcmBusTest, WithoutARouteItSaysWhatToDo) {
   std::string error;
   EXPECT_EQ(LcmBus::open("udpm://239.255.76.99:7667?ttl=0", {}, &error), nullptr);
+  EXPECT_THAT(error, HasSubstr("cannot be used: Network is unreachable"));
   EXPECT_THAT(error, HasSubstr("sudo ip link set lo multicast on"));
   EXPECT_THAT(error, HasSubstr("sudo ip route add 239.255.76.99/32 dev lo"));
   EXPECT_EQ(LcmBus::open("nonsense://x", {}, &error), nullptr);

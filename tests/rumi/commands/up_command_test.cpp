@@ -68,6 +68,22 @@ TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
   EXPECT_GE(figures["tracked_frames"], 216) << "poses travel with the submaps, which are sent until they are stored";
 }
 
+TEST_F(LiveTest, ASecondSystemOnTheBusIsRefusedAndTheFirstGoesOn) {
+  const fs::path first = work_->path / "first", second = work_->path / "second";
+  const std::string log = (work_->path / "first.log").string();
+  const Outcome outcome = shell(up(first, "") + " > '" + log + "' 2>&1 & up=$!; sleep 3; " + up(second, "") +
+                                "; echo \"second: $?\"; $RUMI/map_server --set map_server.database='" +
+                                (work_->path / "third.db").string() + "'; echo \"third: $?\"; wait $up");
+  ASSERT_EQ(outcome.exit_code, 0) << read_file(log);
+  EXPECT_THAT(outcome.output, HasSubstr("another system is on this bus"));
+  EXPECT_THAT(outcome.output, HasSubstr("--set up.channel_prefix=NAME"));
+  EXPECT_THAT(outcome.output, HasSubstr("second: 1"));
+  EXPECT_THAT(outcome.output, HasSubstr("another map_server is on this bus"));
+  EXPECT_THAT(outcome.output, HasSubstr("third: 2"));
+  EXPECT_FALSE(fs::exists(second));
+  expect_tracked(first);
+}
+
 TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
   const WorkFolder work;
   const fs::path sequence = render(work, "--seconds 6 --hard blur --at 3 --for 1.5");
