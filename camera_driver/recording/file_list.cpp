@@ -51,6 +51,13 @@ struct Line {
   int number = 0;
 };
 
+std::vector<std::string> all(const std::vector<Line>& lines, std::string Line::*member) {
+  std::vector<std::string> values;
+  values.reserve(lines.size());
+  for (const Line& line : lines) values.push_back(line.*member);
+  return values;
+}
+
 // Takes a line without comment apart; returns what is wrong with it, or an empty string.
 using LineParser = std::function<std::string(const std::string& text, Line* line)>;
 
@@ -85,9 +92,7 @@ std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
 
 // Those of one camera, all if that is not to be told.
 std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const std::string& pattern) {
-  std::vector<std::string> names;
-  for (const Line& line : lines) names.push_back(line.name);
-  const ImageChoice choice = choose_images(names, pattern);
+  const ImageChoice choice = choose_images(all(lines, &Line::name), pattern);
   if (!choice.error.empty()) list->error = fmt::format("{}: {}", list->source.string(), choice.error);
   if (!choice.note.empty()) list->notes.push_back(choice.note);
   std::vector<Line> chosen;
@@ -97,9 +102,7 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
 
 // Fills in the entries.
 void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual) {
-  std::vector<std::string> times;
-  for (const Line& line : lines) times.push_back(line.time);
-  const ChosenUnit chosen = choose_time_unit(times, usual);
+  const ChosenUnit chosen = choose_time_unit(all(lines, &Line::time), usual);
   if (!chosen.note.empty()) list->notes.push_back(chosen.note);
   for (const Line& line : lines) {
     if (const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit))
@@ -218,8 +221,7 @@ FileList list_image_folder(const fs::path& folder, const std::string& pattern) {
   if (!list.error.empty() || lines.empty()) return list;
 
   constexpr double kMostHaveTimes = 0.9;
-  std::vector<std::string> names;
-  for (const Line& line : lines) names.push_back(line.name);
+  const std::vector<std::string> names = all(lines, &Line::name);
   const FileNameTimes found = times_in_names(names);
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {

@@ -12,8 +12,8 @@ namespace {
 void run(View input) {
   if (input.empty()) return;
   std::string error;
-  camera_driver::load_image_file(scratch().write("image", input.subspan(1)), input[0] % 2 != 0,
-                                 [] { return camera_driver::GreyRange(); }, &error);
+  camera_driver::load_image_file(
+      scratch().write("image", input.subspan(1)), input[0] % 2 != 0, [] { return camera_driver::GreyRange(); }, &error);
 }
 
 std::vector<Bytes> seeds() {

@@ -196,6 +196,61 @@ TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
   EXPECT_THAT(refused(sequence_, "--config /no/such.yaml"), HasSubstr("/no/such.yaml"));
 }
 
+TEST_F(ReplayTest, WhatIsLeftOutIsToldByTheExitCodeToo) {
+  const fs::path damaged = work_->path / "damaged", out = work_->path / "of_damaged";
+  fs::copy(sequence_, damaged, fs::copy_options::recursive);
+  int number = 0;
+  for (const auto& entry : fs::directory_iterator(damaged / "rgb"))
+    if (number++ % 10 == 5) fs::resize_file(entry.path(), 100);
+  const Outcome outcome = replay(damaged, out);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("24 of 240 images (10 %) were left out"));
+  EXPECT_TRUE(fs::exists(out / "map.db"));
+  EXPECT_GE(read_json_file(out / "run.json")["images"], 216);
+  const Outcome exported =
+      shell("$RUMI/rumi export '" + damaged.string() + "' -o '" + (work_->path / "damaged.lcm").string() + "'");
+  EXPECT_EQ(exported.exit_code, 3);
+  EXPECT_THAT(exported.output, HasSubstr("24 of 240 images"));
+}
+
+TEST_F(ReplayTest, IfNothingIsTrackedItSaysWhatTheImagesLookLike) {
+  const fs::path dark = work_->path / "dark";
+  fs::create_directories(dark / "rgb");
+  fs::copy(sequence_ / "calibration.yaml", dark / "calibration.yaml");
+  std::ofstream list(dark / "rgb.txt");
+  for (int i = 0; i < 20; ++i) {
+    const std::string name = "rgb/" + std::to_string(i) + ".pgm";
+    list << 0.1 * i << ' ' << name << '\n';
+    std::ofstream(dark / name) << "P5 640 480 255\n" << std::string(640 * 480, '\2');
+  }
+  list.close();
+  const Outcome outcome = replay(dark, work_->path / "of_dark");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.output, HasSubstr("no image has a pose: the images are black"));
+}
+
+// Each image has its pose, with the time that the recording gives it, and the two sessions are one map.
+TEST_F(ReplayTest, AClockThatIsSetBackIsTwoSessionsInOneMap) {
+  const fs::path recording = work_->path / "set_back", out = work_->path / "of_set_back";
+  fs::copy(sequence_, recording, fs::copy_options::recursive);
+  std::istringstream before(read_file(sequence_ / "rgb.txt"));
+  std::ofstream list(recording / "rgb.txt");
+  int number = 0;
+  for (std::string line; std::getline(before, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    const size_t space = line.find(' ');
+    list << std::to_string(std::stod(line.substr(0, space)) + (number++ < 120 ? 5000 : 1000)) << line.substr(space)
+         << '\n';
+  }
+  list.close();
+  const Outcome outcome = replay(recording, out);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("the clock was set back by"));
+  const auto counts = read_json_file(out / "run.json")["counts"];
+  EXPECT_GE(counts["frames_in_map"], 235) << counts;
+  EXPECT_EQ(counts["frames"], 240);
+}
+
 TEST_F(ReplayTest, OverwritesNothingButItsOwn) {
   const fs::path foreign = work_->path / "foreign";
   fs::create_directories(foreign);
