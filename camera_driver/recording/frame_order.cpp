@@ -17,6 +17,8 @@ constexpr size_t kFew = 4;              // frames: of wrong times, or stored a l
 constexpr size_t kNearPlaces = 16;      // frames
 constexpr int64_t kNearPeriods = 10;    // of the median period
 constexpr size_t kMostSessions = 3;
+constexpr int64_t kLongPauseUs = 60'000'000;
+constexpr int64_t kManyTimes = 10;
 constexpr int64_t kUsualPeriodUs = 33'333;
 
 using Frames = std::vector<size_t>;  // by number
@@ -33,6 +35,7 @@ class Ordering {
     else
       follow();
     merge_parts();
+    cut_ends();
     hand_out();
     return std::move(order_);
   }
@@ -161,6 +164,29 @@ class Ordering {
     order_.is_sorted = true;
     parts_.assign(1, {});
     for (const Frames& part : sorted) parts_[0].insert(parts_[0].end(), part.begin(), part.end());
+  }
+
+  // A few frames at an end that are many times farther from all others than these last.
+  void cut_ends() {
+    Frames& first = parts_.front();
+    Frames& last = parts_.back();
+    for (size_t few = std::min(kFew, first.size() - 1); few > 0; --few) {
+      if (!is_far_away(time(first[few]) - time(first[few - 1]), time(first.back()) - time(first[few]))) continue;
+      order_.wrong_times.insert(order_.wrong_times.end(), first.begin(), first.begin() + static_cast<std::ptrdiff_t>(few));
+      first.erase(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(few));
+      break;
+    }
+    for (size_t few = std::min(kFew, last.size() - 1); few > 0; --few) {
+      const size_t kept = last.size() - few;
+      if (!is_far_away(time(last[kept]) - time(last[kept - 1]), time(last[kept - 1]) - time(last[0]))) continue;
+      order_.wrong_times.insert(order_.wrong_times.end(), last.begin() + static_cast<std::ptrdiff_t>(kept), last.end());
+      last.resize(kept);
+      break;
+    }
+  }
+
+  static bool is_far_away(int64_t gap_us, int64_t others_us) {
+    return gap_us > kLongPauseUs && gap_us / kManyTimes > others_us && others_us > 0;
   }
 
   void hand_out() {

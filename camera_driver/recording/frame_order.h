@@ -26,6 +26,7 @@ struct FrameOrder {
 };
 
 // - Times that rise, but for a few: those are put where their time is, or left out if it is far from there.
+// - A few at an end that are more than a minute, and ten times the length of all else, away from it are left out, too.
 // - Times that go back and rise again from there, for more than a few frames: a new part. More than three
 //   parts whose times do not overlap are put into the order of their times, as one.
 // - Times in disorder: sorted.

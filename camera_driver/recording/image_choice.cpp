@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 
 namespace rumi::camera_driver {
 namespace {
@@ -24,6 +26,7 @@ struct Kind {
   std::vector<size_t> images;
   std::set<std::string> numbers;  // "001"
   int rank = 0;
+  std::string camera;             // its number, where the names have one
 };
 
 // Words of letters in a name, without its ending.
@@ -57,14 +60,15 @@ int rank_of(const std::string& form) {
   return rank;
 }
 
-// "cam0_001.png" is of camera 0: the number after such a word is part of the form, unless it is the last one.
+// "cam0_001.png" and "001_cam0.png" are of camera 0: a short number after such a word is part of the form, unless it is
+// the only one.
 bool names_a_camera(const std::string& form) {
-  for (const char* word : {"cam", "camera", "image", "sensor", "image_", "cam_", "camera_"})
-    if (form.size() >= std::string(word).size() && form.ends_with(word)) {
-      const size_t before = form.size() - std::string(word).size();
-      if (before == 0 || !is_letter(form[before - 1])) return true;
-    }
-  return false;
+  const size_t end = form.ends_with('_') || form.ends_with('-') ? form.size() - 1 : form.size();
+  size_t begin = end;
+  while (begin > 0 && is_letter(form[begin - 1])) --begin;
+  std::string word = form.substr(begin, end - begin);
+  std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+  return word == "cam" || word == "camera" || word == "image" || word == "sensor";
 }
 
 Kind kind_of(const std::string& name) {
@@ -73,13 +77,15 @@ Kind kind_of(const std::string& name) {
   for (size_t i = 0; i < name.size();) {
     size_t end = i;
     while (end < name.size() && is_digit(name[end])) ++end;
-    const bool is_last = std::none_of(name.begin() + static_cast<std::ptrdiff_t>(end), name.end(), is_digit);
+    const bool is_only = kind.form.find(kNumber) == std::string::npos &&
+                         std::none_of(name.begin() + static_cast<std::ptrdiff_t>(end), name.end(), is_digit);
     if (end == i) {
       kind.form += name[i++];
       continue;
     }
-    if (!is_last && end - i <= 2 && names_a_camera(kind.form)) {
-      kind.form += name.substr(i, end - i);
+    if (!is_only && end - i <= 2 && names_a_camera(kind.form)) {
+      kind.camera = name.substr(i, end - i);
+      kind.form += kind.camera;
     } else {
       kind.form += kNumber;
       number += name.substr(i, end - i) + ' ';
@@ -104,6 +110,55 @@ std::vector<Kind> kinds_of(const std::vector<std::string>& names) {
   return kinds;
 }
 
+// As kind_of() keeps them.
+std::vector<std::string> numbers_of(const std::string& numbers) {
+  std::istringstream words(numbers);
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+// "1_001.png" and "2_001.png", without a word: a number of one digit, of few values, with the same numbers beside each
+// of them. Returns its values with the images of each; nothing if it is not so.
+std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<std::string>& names,
+                                                            size_t place) {
+  constexpr size_t kMostCameras = 4, kLeastImages = 10;
+  std::map<std::string, std::vector<size_t>> images;
+  std::map<std::string, std::set<std::vector<std::string>>> others;
+  for (const size_t i : kind.images) {
+    std::vector<std::string> numbers = numbers_of(*kind_of(names[i]).numbers.begin());
+    const std::string value = numbers.at(place);
+    if (value.size() != 1) return {};
+    numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(place));
+    images[value].push_back(i);
+    others[value].insert(numbers);
+    if (images.size() > kMostCameras) return {};
+  }
+  const auto& first = others.begin()->second;
+  const bool alike = std::all_of(others.begin(), others.end(), [&](const auto& other) { return other.second == first; });
+  if (images.size() < 2 || first.size() < kLeastImages || !alike) return {};
+  return images;
+}
+
+// With the digit in the form of the names.
+std::string form_with(const std::string& form, size_t place, const std::string& value) {
+  size_t at = form.find(kNumber);
+  for (size_t i = 0; i < place; ++i) at = form.find(kNumber, at + 1);
+  return form.substr(0, at) + value + form.substr(at + 1);
+}
+
+std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vector<std::string>& names) {
+  std::vector<Kind> split;
+  for (const Kind& kind : kinds) {
+    const auto places = static_cast<size_t>(std::count(kind.form.begin(), kind.form.end(), kNumber));
+    std::map<std::string, std::vector<size_t>> cameras;
+    size_t place = 0;
+    for (; places > 1 && place < places && cameras.empty(); ++place) cameras = split_by_a_digit(kind, names, place);
+    if (cameras.empty()) split.push_back(kind);
+    for (const auto& [camera, images] : cameras)
+      split.push_back({form_with(kind.form, place - 1, camera), images, kind.numbers, kind.rank, camera});
+  }
+  return split;
+}
+
 bool has_number(const Kind& kind) { return kind.form.find(kNumber) != std::string::npos; }
 
 // A single image of a form says nothing.
@@ -126,6 +181,8 @@ bool is_preferred(const Kind& a, const Kind& b) {
 bool goes_with(const Kind& kind, const Kind& main) {
   if (kind.form == main.form) return true;
   if (has_number(main) && !has_number(kind)) return false;
+  const bool are_sides = kind.rank == -1 && main.rank == 1;
+  if (are_sides || kind.camera != main.camera) return false;
   return (kind.rank < -1) == (main.rank < -1) && !count_alike(kind, main);
 }
 
@@ -146,7 +203,7 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
   if (names.empty()) return {};
   if (!pattern.empty()) return choose_by_pattern(names, pattern);
-  const std::vector<Kind> kinds = kinds_of(names);
+  const std::vector<Kind> kinds = split_by_digits(kinds_of(names), names);
   const Kind& main = *std::min_element(kinds.begin(), kinds.end(), is_preferred);
   ImageChoice choice;
   std::vector<std::string> others;

@@ -7,6 +7,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/time_unit.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -26,6 +27,7 @@ class LogFrameReader : public FrameReader {
       : file_(std::move(file)), channel_(std::move(channel)), log_(file_) {
     while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
     damage_ = log_.error();
+    choose_unit();
   }
 
   const std::vector<int64_t>& utimes() const override { return utimes_; }
@@ -45,7 +47,9 @@ class LogFrameReader : public FrameReader {
   }
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override {
-    return damage_.empty() ? std::vector<std::string>() : std::vector<std::string>{damage_};
+    std::vector<std::string> notes = {unit_note_, damage_};
+    std::erase(notes, "");
+    return notes;
   }
   const std::string& damage() const { return damage_; }
 
@@ -54,18 +58,44 @@ class LogFrameReader : public FrameReader {
     const int64_t number = event_++;
     if (head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash()) {
       const int64_t utime_us = big_endian(head.subspan(kHashBytes));
-      if (plausible_utime(utime_us)) {
+      if (utime_us >= 0) {
         utimes_.push_back(utime_us);
         numbers_.push_back(number);
         positions_.push_back(log_.position_of_last());
         return;
       }
     }
+    add_malformed(number);
+  }
+
+  // They should be microseconds.
+  void choose_unit() {
+    std::vector<std::string> texts;
+    texts.reserve(utimes_.size());
+    for (const int64_t utime : utimes_) texts.push_back(std::to_string(utime));
+    const ChosenUnit chosen = choose_time_unit(texts, TimeUnit::kMicroseconds);
+    unit_note_ = chosen.note;
+    size_t kept = 0;
+    for (size_t i = 0; i < texts.size(); ++i) {
+      const int64_t utime_us = parse_time_us(texts[i], chosen.unit).value_or(-1);
+      if (!plausible_utime(utime_us)) {
+        add_malformed(numbers_[i]);
+        continue;
+      }
+      utimes_[kept] = utime_us;
+      numbers_[kept] = numbers_[i];
+      positions_[kept++] = positions_[i];
+    }
+    utimes_.resize(kept);
+    numbers_.resize(kept);
+    positions_.resize(kept);
+  }
+  void add_malformed(int64_t number) {
     if (malformed_.count++ == 0)
       malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
   }
 
-  std::string file_, channel_, damage_;
+  std::string file_, channel_, damage_, unit_note_;
   LogReader log_;
   int64_t event_ = 0;                                  // on the channel
   std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <string_view>
 
 extern "C" {
 #include <libavformat/avformat.h>
@@ -24,7 +25,26 @@ Format open(const std::filesystem::path& file) {
   AVFormatContext* opened = nullptr;
   // "file:" so that a name with a colon is no protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;
-  return Format(opened);
+  Format format(opened);
+  if (std::string_view(format->iformat->name) == "tty") return nullptr;  // any text
+  format->flags |= AVFMT_FLAG_GENPTS;  // MPEG's program streams have a time now and then
+  return format;
+}
+
+// The order of showing differs from that of decoding by a few frames. Farther back the clock began anew: that stays.
+void sort_as_shown(std::vector<int64_t>* utimes) {
+  constexpr int64_t kBeganAnewUs = 1'000'000;
+  auto begin = utimes->begin();
+  int64_t latest_us = INT64_MIN;
+  for (auto it = utimes->begin(); it != utimes->end(); ++it) {
+    if (it != begin && *it < latest_us - kBeganAnewUs) {
+      std::sort(begin, it);
+      begin = it;
+      latest_us = *it;
+    }
+    latest_us = std::max(latest_us, *it);
+  }
+  std::sort(begin, utimes->end());
 }
 
 }  // namespace
@@ -48,10 +68,13 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
     }
     av_packet_unref(packet.get());
   }
-  times.has_times = 2 * without < times.utimes.size();
+  // Of a bare stream FFmpeg counts the frames at 25 Hz, whatever they are.
+  const bool is_bare = (format->iformat->flags & AVFMT_NOTIMESTAMPS) != 0;
+  times.has_times = !is_bare && 2 * without < times.utimes.size();
   if (!times.has_times) std::fill(times.utimes.begin(), times.utimes.end(), 0);
-  std::sort(times.utimes.begin(), times.utimes.end());
-  const int64_t first_us = times.utimes.empty() ? 0 : times.utimes.front();
+  sort_as_shown(&times.utimes);
+  if (times.utimes.empty()) return times;
+  const int64_t first_us = *std::min_element(times.utimes.begin(), times.utimes.end());
   for (int64_t& utime_us : times.utimes) utime_us -= first_us;
   return times;
 }

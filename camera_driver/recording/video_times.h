@@ -10,7 +10,7 @@
 namespace rumi::camera_driver {
 
 struct VideoTimes {
-  std::vector<int64_t> utimes;  // of each frame that is shown, in that order, from 0 on
+  std::vector<int64_t> utimes;  // of each frame that is shown, in that order; the least is 0
   bool has_times = false;       // else all are 0
 };
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <span>
 
 #include "base/exit_codes.h"
@@ -61,12 +62,15 @@ std::string write_folder(camera_driver::ImageSource& source, const fs::path& fol
   if (code) return fmt::format("{}: cannot be created: {}", (folder / "rgb").string(), code.message());
   std::string list = "# seconds file\n", problem;
   std::vector<uint8_t> bytes;
+  std::set<std::string> names;
   while (const std::optional<image_t> image = source.next()) {
     const std::string extension = to_file(*image, &bytes, &problem);
     if (extension.empty())
       return fmt::format("the image at {} s: {}", camera_driver::format_seconds(image->utime), problem);
     const std::string time = camera_driver::format_seconds(image->utime);
-    const std::string name = "rgb/" + time + extension;
+    // Where a clock was set back two images may have the same time.
+    const std::string more = names.insert(time).second ? "" : fmt::format("_{}", *count);
+    const std::string name = "rgb/" + time + more + extension;
     if (problem = write_file(folder / name, bytes); !problem.empty()) return problem;
     list += time + " " + name + "\n";
     ++*count;

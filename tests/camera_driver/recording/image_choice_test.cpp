@@ -54,7 +54,9 @@ TEST(ImageChoice, TwoKindsThatCountAlikeAreToldApart) {
                                                        {"image_2_{:06}.png", "image_3_{:06}.png"},
                                                        {"scan_{:03}.png", "scan_{:03}_mask.png"},
                                                        {"rgb/{:05}.png", "depth/{:05}.png"},
-                                                       {"left/{:05}.png", "right/{:05}.png"}};
+                                                       {"left/{:05}.png", "right/{:05}.png"},              {"1_{:05}.png", "2_{:05}.png"},
+      {"{:05}_0.png", "{:05}_1.png"},                     {"Kamera1-{:05}.png", "Kamera2-{:05}.png"},
+      {"{:05}_cam0.png", "{:05}_cam1.png"},               {"{:05}.0.png", "{:05}.1.png"}};
   for (const auto& [camera, other] : pairs) {
     const Names wanted = numbered(camera, 60), others = numbered(other, 60);
     for (const Names& names : {together(wanted, others), together(others, wanted)}) {
@@ -68,6 +70,22 @@ TEST(ImageChoice, DepthWithItsOwnTimesIsToldByItsName) {
   const Names colour = numbered("rgb/1305031102.{:06}.png", 60),
               depth = numbered("depth/1305031102.{:06}.png", 60, 400);
   EXPECT_EQ(kept(together(depth, colour)), colour);
+}
+
+TEST(ImageChoice, TwoCamerasWithTheirOwnTimesAreToldByTheirNames) {
+  for (const auto& [camera, other] : {std::pair{"left-14000000{:05}.png", "right-14000000{:05}.png"},
+                                      std::pair{"cam0-14000000{:05}.png", "cam1-14000000{:05}.png"},
+                                      std::pair{"14000000{:05}_cam0.png", "14000000{:05}_cam1.png"}}) {
+    const Names wanted = numbered(camera, 60), others = numbered(other, 60, 100);
+    EXPECT_EQ(kept(together(wanted, others)), wanted) << camera;
+  }
+}
+
+TEST(ImageChoice, SecondsAndCountersAreOfOneCamera) {
+  Names names;
+  for (int s = 10; s < 13; ++s)
+    for (int i = 0; i < 30; ++i) names.push_back(fmt::format("16530{}_{:03}.png", s, i));
+  EXPECT_EQ(kept(names), names);
 }
 
 TEST(ImageChoice, APictureWithoutANumberIsNoFrame) {
