@@ -28,6 +28,8 @@ constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // recording started again. With ours between them they are a second camera's, or a hiccup.
 constexpr size_t kImagesOfNewSession = 10;
 
+constexpr const char* kUndecodable = "image";  // a kind of refusal
+
 // From publication to pose where the driver says when it published, else from capture.
 float latency_ms(const image_t& image, int64_t now_us) {
   const std::string published = metadata(image, "published_utime");
@@ -59,9 +61,14 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
   bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
 }
 
+void FrontTrackerNode::tell_unused(const std::string& problem) {
+  log_warning("image not used: {} (further images like it are only counted)", problem);
+}
+
 void FrontTrackerNode::refuse(const std::string& kind, const std::string& problem) {
   problem_ = problem;
-  if (refused_[kind]++ == 0) log_warning("image not used: {} (further images like it are only counted)", problem);
+  ++refused_[kind];
+  if (told_.insert(kind).second) tell_unused(problem);
 }
 
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
@@ -98,7 +105,11 @@ void FrontTrackerNode::wait(const std::string& kind, const image_t& image, const
   if (waiting_kind_ != kind) waiting_.clear();
   waiting_kind_ = kind;
   waiting_.push_back(image);
-  if (waiting_.size() < kImagesOfNewSession) return refuse(kind, problem);
+  if (waiting_.size() < kImagesOfNewSession) {
+    problem_ = waiting_problem_ = problem;
+    ++refused_[kind];
+    return;
+  }
   refused_[kind] -= static_cast<int64_t>(waiting_.size()) - 1;
   log_warning("{}: a new session begins with the first of them", reason);
   retire_session();
@@ -154,11 +165,12 @@ cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   }
   const std::optional<Camera> camera = camera_of(image);
   if (!camera) return {};
+  if (!waiting_.empty() && told_.insert(waiting_kind_).second) tell_unused(waiting_problem_);
   waiting_.clear();
   std::string error;
   cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
   if (grey.empty())
-    refuse("image", error);
+    refuse(kUndecodable, error);
   else if (!tracker_)
     begin_session(*camera, image);
   return grey;
@@ -279,6 +291,11 @@ void FrontTrackerNode::finish() {
 }
 
 bool FrontTrackerNode::finished() const { return retired_.empty(); }
+
+int64_t FrontTrackerNode::undecodable() const {
+  const auto refused = refused_.find(kUndecodable);
+  return refused == refused_.end() ? 0 : refused->second;
+}
 
 NodeStatus FrontTrackerNode::status() {
   NodeStatus s;

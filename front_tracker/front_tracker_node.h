@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ class FrontTrackerNode : public Node {
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
+  // Images that could not be decoded.
+  int64_t undecodable() const;
   void finish() override;
   bool finished() const override;
   int64_t handed_on() const override { return publisher_.handed_on(); }
@@ -58,6 +61,7 @@ class FrontTrackerNode : public Node {
   void publish_withdrawn();
   static void remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told);
   // Notes what is wrong for the status; says it in the log once per kind of problem.
+  static void tell_unused(const std::string& problem);
   void refuse(const std::string& kind, const std::string& problem);
 
   Bus& bus_;
@@ -79,8 +83,9 @@ class FrontTrackerNode : public Node {
   int64_t last_utime_us_ = INT64_MIN;
   bool finishing_ = false;
 
-  std::vector<image_t> waiting_;            // in a row, that may be the first of a new session
-  std::string waiting_kind_;                // of their problem
+  std::vector<image_t> waiting_;  // in a row, that may be the first of a new session
+  std::string waiting_kind_, waiting_problem_;
+  std::set<std::string> told_;              // kinds of problem
   std::string problem_;                     // of the last image, empty if it was good
   std::map<std::string, int64_t> refused_;  // images, by kind of problem
   Failures broken_mapping_{"mapping of a keyframe"};

@@ -90,6 +90,26 @@ std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
   return lines;
 }
 
+// A recorder that writes a line twice means one image.
+std::vector<Line> without_repeats(FileList* list, std::vector<Line> lines) {
+  std::set<std::pair<std::string, std::string>> known;
+  const size_t before = lines.size();
+  std::erase_if(lines, [&known](const Line& line) { return !known.emplace(line.time, line.name).second; });
+  if (lines.size() < before)
+    list->notes.push_back(fmt::format("{} lines say what another one says", before - lines.size()));
+  return lines;
+}
+
+// 0, 1, 2 ... or 1, 2, 3 ...
+bool count_images(const std::vector<std::string>& times) {
+  constexpr size_t kLeast = 10;
+  if (times.size() < kLeast || (times[0] != "0" && times[0] != "1")) return false;
+  const size_t first = times[0] == "0" ? 0 : 1;
+  for (size_t i = 0; i < times.size(); ++i)
+    if (times[i] != std::to_string(first + i)) return false;
+  return true;
+}
+
 // Those of one camera, all if that is not to be told.
 std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const std::string& pattern) {
   const ImageChoice choice = choose_images(all(lines, &Line::name), pattern);
@@ -102,7 +122,9 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
 
 // Fills in the entries.
 void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual) {
-  const ChosenUnit chosen = choose_time_unit(all(lines, &Line::time), usual);
+  const std::vector<std::string> times = all(lines, &Line::time);
+  if (count_images(times)) list->why_no_times = "its times only count the images";
+  const ChosenUnit chosen = choose_time_unit(times, list->why_no_times.empty() ? usual : TimeUnit::kSeconds);
   if (!chosen.note.empty()) list->notes.push_back(chosen.note);
   for (const Line& line : lines) {
     if (const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit))
@@ -119,7 +141,7 @@ FileList read_list(const fs::path& file, const fs::path& folder, const std::stri
                    const std::string& expected, const LineParser& parse) {
   FileList list;
   list.source = file;
-  const std::vector<Line> lines = choose(&list, read_lines(&list, parse), pattern);
+  const std::vector<Line> lines = choose(&list, without_repeats(&list, read_lines(&list, parse)), pattern);
   understand(&list, lines, folder, usual);
   if (list.entries.empty() && list.error.empty()) {
     list.error = list.malformed.count > 0

@@ -40,6 +40,16 @@ std::string date_in(const std::string& name) {
   return fmt::format("{}.{}", seconds, (*match)[9].matched ? (*match)[9].str() : "0");
 }
 
+// Of a day, without the date.
+std::string clock_in(const std::string& name) {
+  static const std::regex form(
+      "(?:^|[^0-9])([01]?[0-9]|2[0-3])([-_:h])([0-5][0-9])[-_:m]([0-5][0-9])[.,]([0-9]{1,9})(?:[^0-9]|$)");
+  const auto match = find(name, form);
+  if (!match) return {};
+  const auto number = [&match](size_t group) { return std::stoi((*match)[group].str()); };
+  return fmt::format("{}.{}", 3600 * number(1) + 60 * number(3) + number(4), (*match)[5].str());
+}
+
 std::string seconds_in(const std::string& name) {
   static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,})(?:[^0-9.]|$)");
   const auto match = find(name, form);
@@ -67,7 +77,8 @@ std::string stem_of(const std::string& name) { return name.substr(0, name.rfind(
 FileNameTimes times_in_names(const std::vector<std::string>& names) {
   FileNameTimes best;
   size_t most = 0;
-  for (const std::function<std::string(const std::string&)> find_time : {date_in, seconds_in, whole_number_in}) {
+  for (const std::function<std::string(const std::string&)> find_time :
+       {date_in, clock_in, seconds_in, whole_number_in}) {
     FileNameTimes found;
     for (const std::string& name : names) found.times.push_back(find_time(stem_of(name)));
     const auto count = names.size() - static_cast<size_t>(std::count(found.times.begin(), found.times.end(), ""));

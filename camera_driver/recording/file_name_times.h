@@ -15,8 +15,8 @@ struct FileNameTimes {
 };
 
 // Of "1305031102.175304" (seconds, at least three decimals), "1403636579763555584" (seconds to nanoseconds, at least
-// ten digits and no 0 before them: else it is a number) and "2026-03-02_10-15-00.250" (UTC), with anything before and
-// after.
+// ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
+// "10-15-00.250" (of a day), with anything before and after.
 // What most of the names have.
 FileNameTimes times_in_names(const std::vector<std::string>& names);
 

@@ -98,7 +98,7 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
                    {"input", what.input},
                    {"options", options_to_json(what.options_yaml)},
                    {"images", frames}};
-  const camera_driver::SkippedFrames& skipped = replay.skipped();
+  const camera_driver::SkippedFrames skipped = replay.skipped();
   run["skipped_images"] = {{"malformed", skipped.malformed},
                            {"duplicate", skipped.duplicate},
                            {"out_of_order", skipped.out_of_order},
@@ -156,7 +156,7 @@ std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& wi
   std::vector<std::string> lines = left_out(replay.atlas());
   for (const std::string& line : windows.failures()) lines.push_back(line);
   for (const std::string& line : replay.broken()) lines.push_back(line);
-  if (const camera_driver::SkippedFrames& skipped = replay.skipped(); skipped.total() > 0)
+  if (const camera_driver::SkippedFrames skipped = replay.skipped(); skipped.total() > 0)
     lines.push_back("of the recording: " + skipped.to_string());
   return lines;
 }
@@ -194,7 +194,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
-  outcome.complaints = replay.skipped().complaints(outcome.images);
+  outcome.complaints = replay.skipped().complaints(replay.decoded());
   if (outcome.counts.frames_in_map == 0) outcome.complaints.push_back(why_no_map(run.input, run.options.camera_driver));
   return outcome;
 }

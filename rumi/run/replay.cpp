@@ -149,7 +149,13 @@ std::vector<std::string> Replay::broken() const {
   return lines;
 }
 
-const camera_driver::SkippedFrames& Replay::skipped() const { return camera_->source().skipped(); }
+int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable(); }
+
+camera_driver::SkippedFrames Replay::skipped() const {
+  camera_driver::SkippedFrames skipped = camera_->source().skipped();
+  skipped.unreadable += front_tracker_->undecodable();
+  return skipped;
+}
 
 std::map<std::string, std::map<std::string, double>> Replay::cpu_s_by_stage() const {
   std::map<std::string, std::map<std::string, double>> cpu_s;

@@ -22,6 +22,10 @@ class CameraNode;
 struct SkippedFrames;
 }  // namespace rumi::camera_driver
 
+namespace rumi::front_tracker {
+class FrontTrackerNode;
+}
+
 namespace rumi::tool {
 
 class MeteredBus;
@@ -65,7 +69,10 @@ class Replay {
   std::map<std::string, double> cpu_s() const;
   // The same by stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
-  const camera_driver::SkippedFrames& skipped() const;
+  // Of the recording, and what turned out to be undecodable later.
+  camera_driver::SkippedFrames skipped() const;
+  // Images of which front_tracker had a pose to find.
+  int64_t decoded() const;
   // A line for each component that threw on the way.
   std::vector<std::string> broken() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }
@@ -86,7 +93,7 @@ class Replay {
   viewer_offscreen::ViewerOptions viewer_;
   std::vector<std::unique_ptr<Component>> components_;  // in the order in which they are ended
   camera_driver::CameraNode* camera_ = nullptr;
-  Node* front_tracker_ = nullptr;
+  front_tracker::FrontTrackerNode* front_tracker_ = nullptr;
   map_server::MapServerNode* map_server_ = nullptr;
   int64_t frames_ = 0;
   int64_t clock_ahead_us_ = 0;  // of the images' times

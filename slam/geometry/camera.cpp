@@ -113,11 +113,13 @@ std::string Camera::check() const {
     if (!std::isfinite(value)) return fail(name, value, "must be a finite number");
   if (width < 16 || width > 16384) return fail("width", width, "must be 16 to 16384 pixels");
   if (height < 16 || height > 16384) return fail("height", height, "must be 16 to 16384 pixels");
-  const auto is_focal_length = [this](double f) { return f >= 1e-3 * width && f <= 100.0 * width; };
-  if (!is_focal_length(fx)) return fail("fx", fx, "must be positive and of the order of the image width");
-  if (!is_focal_length(fy)) return fail("fy", fy, "must be positive and of the order of the image width");
+  const auto is_focal_length = [this](double f) { return f >= 0.05 * width && f <= 100.0 * width; };
+  if (!is_focal_length(fx)) return fail("fx", fx, "must be in pixels, and of the order of the image width");
+  if (!is_focal_length(fy)) return fail("fy", fy, "must be in pixels, and of the order of the image width");
+  if (fy < fx / 3 || fy > 3 * fx) return fail("fy", fy, "must be of the order of fx: pixels are about square");
   if (cx < 0 || cx > width) return fail("cx", cx, "must lie in the image");
   if (cy < 0 || cy > height) return fail("cy", cy, "must lie in the image");
+  if (cx <= 1 && cy <= 1) return fail("cx", cx, "must be in pixels, as cy: these are parts of the width and height");
   return {};
 }
 

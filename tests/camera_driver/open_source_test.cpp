@@ -260,6 +260,37 @@ TEST(ImageSource, TimesInAnotherUnitAreReadAsSuch) {
   EXPECT_THAT(times(folder / "tum"), ElementsAre(5000000, 5100000));
 }
 
+TEST(ImageSource, NumbersOfImagesAreNoTimesAndARepeatedLineIsNoImage) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 12);
+  std::string list;
+  for (int i = 0; i < 12; ++i) list += fmt::format("{} rgb/{}.png\n", i, i);
+  write(folder / "rgb.txt", list);
+  EXPECT_EQ(times(folder.path()).at(11), 1'100'000) << "at the calibration's fps";
+  const std::string good = "5.0 rgb/0.png\n5.0 rgb/0.png\n5.1 rgb/1.png\n5.1 rgb/1.png\n";
+  write(folder / "rgb.txt", good);
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  EXPECT_THAT(times(*opened.source), ElementsAre(5000000, 5100000));
+  EXPECT_EQ(opened.source->skipped().total(), 0);
+}
+
+TEST(ImageSource, ALogInAnotherUnitIsReadAsSuch) {
+  const TemporaryFolder folder;
+  for (const int64_t per_second : {1'000, 1'000'000'000}) {
+    const std::string file = folder / fmt::format("{}.lcm", per_second);
+    LogWriter log(file);
+    for (int i = 0; i < 30; ++i) {
+      image_t image = make_grey_image((1'400'000'000 * per_second) + i * per_second / 25, picture(i));
+      set_metadata(&image, kCalibrationKey, kCalibration);
+      log.write(i, "CAMERA", encode_message(image));
+    }
+    ASSERT_TRUE(log.close());
+    const std::vector<int64_t> all = times(file);
+    ASSERT_EQ(all.size(), 30u) << per_second;
+    EXPECT_EQ(all.back(), 1'400'000'001'160'000) << per_second;
+  }
+}
+
 TEST(ImageSource, AClockThatIsSetBackBeginsAnotherStream) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 20);

@@ -25,6 +25,8 @@ TEST(FileNameTimes, AreFoundInEveryForm) {
            Example{"IMG_20260302_101500_250.jpg", "1772446500.250", TimeUnit::kSeconds},
            Example{"2026-03-02T10:15:00.png", "1772446500.0", TimeUnit::kSeconds},
            Example{"20260302101500250.png", "1772446500.250", TimeUnit::kSeconds},
+           Example{"16:54:00.033333.png", "60840.033333", TimeUnit::kSeconds},
+           Example{"13-05-2014_16-54-00.033.png", "60840.033", TimeUnit::kSeconds},
        }) {
     const FileNameTimes found = times_in_names({e.name});
     EXPECT_EQ(found.times.at(0), e.time) << e.name;

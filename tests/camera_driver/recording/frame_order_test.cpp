@@ -78,6 +78,21 @@ TEST(FrameOrder, TheFirstTimeMayBeWrong) {
   EXPECT_EQ(order_frames(times).wrong_times, std::vector<size_t>{0});
 }
 
+TEST(FrameOrder, AFewTimesFarAwayAtAnEndAreWrong) {
+  for (const size_t few : {size_t{1}, size_t{3}}) {
+    std::vector<int64_t> first = even_times(100), last = even_times(100);
+    for (size_t i = 0; i < few; ++i) first[i] = static_cast<int64_t>(i);
+    for (size_t i = 0; i < few; ++i) last[99 - i] += 1'000'000'000'000;
+    EXPECT_EQ(order_frames(first).wrong_times.size(), few);
+    EXPECT_EQ(order_frames(first).frames.front().frame, few);
+    EXPECT_EQ(order_frames(last).wrong_times.size(), few);
+    EXPECT_EQ(order_frames(last).frames.size(), 100 - few);
+  }
+  std::vector<int64_t> pause = even_times(100);
+  for (size_t i = 2; i < 100; ++i) pause[i] += 20'000'000;
+  EXPECT_TRUE(order_frames(pause).wrong_times.empty()) << "the camera was held up for 20 s";
+}
+
 TEST(FrameOrder, FramesStoredALittleTooEarlyOrTooLateArePutInTheirPlace) {
   std::vector<int64_t> times = even_times(60);
   std::swap(times[20], times[21]);

@@ -213,6 +213,23 @@ TEST_F(ReplayTest, WhatIsLeftOutIsToldByTheExitCodeToo) {
   EXPECT_THAT(exported.output, HasSubstr("24 of 240 images"));
 }
 
+// Their end is there: only who decodes them finds out.
+TEST_F(ReplayTest, ImagesDamagedInTheMiddleCountAsLeftOut) {
+  const fs::path damaged = work_->path / "damaged_inside", out = work_->path / "of_damaged_inside";
+  fs::copy(sequence_, damaged, fs::copy_options::recursive);
+  int number = 0;
+  for (const auto& entry : fs::directory_iterator(damaged / "rgb")) {
+    if (number++ % 10 != 5) continue;
+    std::fstream file(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(fs::file_size(entry.path()) / 2));
+    file << std::string(500, '\0');
+  }
+  const Outcome outcome = replay(damaged, out, "--duration 4");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("%) were left out"));
+  EXPECT_GT(read_json_file(out / "run.json")["skipped_images"]["unreadable"], 0);
+}
+
 TEST_F(ReplayTest, IfNothingIsTrackedItSaysWhatTheImagesLookLike) {
   const fs::path dark = work_->path / "dark";
   fs::create_directories(dark / "rgb");

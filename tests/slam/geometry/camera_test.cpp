@@ -96,7 +96,14 @@ TEST(Camera, CheckNamesFieldAndValue) {
   c = test_camera();
   c.width = 0;
   EXPECT_NE(c.check().find("width is 0"), std::string::npos) << c.check();
-  c = test_camera();
+  c = {};
+  c.width = 640, c.height = 480, c.cx = 320, c.cy = 240;
+  c.fx = c.fy = 3.6;
+  EXPECT_NE(c.check().find("fx is 3.6: must be in pixels"), std::string::npos) << c.check();
+  c.fx = 525, c.fy = 52.5;
+  EXPECT_NE(c.check().find("fy is 52.5"), std::string::npos) << c.check();
+  c.fy = 525, c.cx = 0.5, c.cy = 0.5;
+  EXPECT_NE(c.check().find("cx is 0.5: must be in pixels"), std::string::npos) << c.check();
   c.fx = 1e-300;
   EXPECT_NE(c.check().find("fx is 1e-300"), std::string::npos) << c.check();
   c = test_camera();
