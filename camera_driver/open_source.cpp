@@ -90,7 +90,7 @@ std::string folders_with_images(const fs::path& folder) {
   std::error_code code;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
     std::error_code unreadable;
-    if (it->is_directory(unreadable) && !list_image_folder(it->path(), "").entries.empty())
+    if (it->is_directory(unreadable) && !list_image_folder(it->path(), {}).entries.empty())
       names.push_back(it->path().filename().string());
   }
   if (names.empty()) return {};
@@ -103,15 +103,15 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
   if (is_there(folder / "rgb.txt"))
-    return from_list(read_tum_list(folder / "rgb.txt", options.files), find_camera(options, {calibration}, name),
+    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name),
                      options);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
-    return from_list(read_euroc_list(list, options.files),
+    return from_list(read_euroc_list(list, options),
                      find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name),
                      options);
   }
-  FileList list = list_image_folder(folder, options.files);
+  FileList list = list_image_folder(folder, options);
   if (list.error.empty() && list.entries.empty())
     list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
                              folders_with_images(folder), kWhatToGive);

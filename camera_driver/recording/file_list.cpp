@@ -38,6 +38,11 @@ std::string printable(const std::string& text) {
 // In whatever unit.
 bool is_number(const std::string& text) { return parse_time_us(text, TimeUnit::kNanoseconds).has_value(); }
 
+std::string no_name_after(const std::string& time) {
+  if (is_number(time)) return "no file name after the time";
+  return fmt::format("time is '{}': must be a number", printable(time));
+}
+
 // The names of the columns, without the mark of a comment.
 bool is_heading(const std::string& time) {
   return !time.empty() && std::all_of(time.begin(), time.end(), [](unsigned char c) {
@@ -121,14 +126,17 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
 }
 
 // Fills in the entries.
-void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual) {
+void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual,
+                bool needs_times) {
   const std::vector<std::string> times = all(lines, &Line::time);
   if (count_images(times)) list->why_no_times = "its times only count the images";
   const ChosenUnit chosen = choose_time_unit(times, list->why_no_times.empty() ? usual : TimeUnit::kSeconds);
   if (!chosen.note.empty()) list->notes.push_back(chosen.note);
   for (const Line& line : lines) {
-    if (const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit))
-      list->entries.push_back({*utime_us, folder / line.name, line.number});
+    const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit);
+    if (!utime_us && !needs_times) list->why_no_times = "its times are not all numbers";
+    if (utime_us || !needs_times)
+      list->entries.push_back({utime_us.value_or(0), folder / line.name, line.number});
     else
       add_malformed(list, line.number,
                     line.time.empty() ? line.name + ": its name gives no time"
@@ -137,12 +145,14 @@ void understand(FileList* list, const std::vector<Line>& lines, const fs::path& 
   }
 }
 
-FileList read_list(const fs::path& file, const fs::path& folder, const std::string& pattern, TimeUnit usual,
+bool needs_times(const CameraOptions& options) { return options.rate_hz <= 0; }
+
+FileList read_list(const fs::path& file, const fs::path& folder, const CameraOptions& options, TimeUnit usual,
                    const std::string& expected, const LineParser& parse) {
   FileList list;
   list.source = file;
-  const std::vector<Line> lines = choose(&list, without_repeats(&list, read_lines(&list, parse)), pattern);
-  understand(&list, lines, folder, usual);
+  const std::vector<Line> lines = choose(&list, without_repeats(&list, read_lines(&list, parse)), options.files);
+  understand(&list, lines, folder, usual, needs_times(options));
   if (list.entries.empty() && list.error.empty()) {
     list.error = list.malformed.count > 0
                      ? fmt::format("{}; expected lines '{}'", list.malformed.first, expected)
@@ -202,35 +212,34 @@ class FileListReader : public FrameReader {
 
 }  // namespace
 
-FileList read_tum_list(const fs::path& rgb_txt, const std::string& pattern) {
-  const auto parse = [](const std::string& text, Line* line) -> std::string {
+FileList read_tum_list(const fs::path& rgb_txt, const CameraOptions& options) {
+  const auto parse = [&options](const std::string& text, Line* line) -> std::string {
     const size_t space = text.find_first_of(" \t,;");
-    line->time = text.substr(0, space);
-    if (!is_number(line->time)) return fmt::format("time is '{}': must be decimal seconds", printable(line->time));
-    if (space == std::string::npos) return "no file name after the time";
-    line->name = trimmed(text.substr(space + 1));
+    const bool is_path = space == std::string::npos && !needs_times(options);
+    line->time = is_path ? "" : text.substr(0, space);
+    line->name = is_path ? text : space == std::string::npos ? "" : trimmed(text.substr(space + 1));
+    if (line->name.empty()) return no_name_after(line->time);
     std::istringstream words(line->name);
     std::string name, second_time, second_name, more;
     const bool is_pair = words >> name >> second_time >> second_name && !(words >> more);
     if (is_pair && is_number(second_time)) line->name = name;
     return {};
   };
-  return read_list(rgb_txt, rgb_txt.parent_path(), pattern, TimeUnit::kSeconds, "seconds path/of/image.png", parse);
+  return read_list(rgb_txt, rgb_txt.parent_path(), options, TimeUnit::kSeconds, "seconds path/of/image.png", parse);
 }
 
-FileList read_euroc_list(const fs::path& data_csv, const std::string& pattern) {
+FileList read_euroc_list(const fs::path& data_csv, const CameraOptions& options) {
   const auto parse = [](const std::string& text, Line* line) -> std::string {
     const size_t comma = text.find_first_of(" \t,;");
     line->time = trimmed(text.substr(0, comma));
-    if (!is_number(line->time)) return fmt::format("time is '{}': must be whole nanoseconds", printable(line->time));
     line->name = comma == std::string::npos ? "" : trimmed(text.substr(comma + 1));
-    return line->name.empty() ? "no file name after the time" : "";
+    return line->name.empty() ? no_name_after(line->time) : "";
   };
   const fs::path folder = data_csv.parent_path() / "data";
-  return read_list(data_csv, folder, pattern, TimeUnit::kNanoseconds, "nanoseconds,name.png", parse);
+  return read_list(data_csv, folder, options, TimeUnit::kNanoseconds, "nanoseconds,name.png", parse);
 }
 
-FileList list_image_folder(const fs::path& folder, const std::string& pattern) {
+FileList list_image_folder(const fs::path& folder, const CameraOptions& options) {
   FileList list;
   list.source = folder;
   std::vector<Line> lines;
@@ -239,7 +248,7 @@ FileList list_image_folder(const fs::path& folder, const std::string& pattern) {
     if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return natural_less(a.name, b.name); });
-  lines = choose(&list, lines, pattern);
+  lines = choose(&list, lines, options.files);
   if (!list.error.empty() || lines.empty()) return list;
 
   constexpr double kMostHaveTimes = 0.9;
@@ -248,7 +257,7 @@ FileList list_image_folder(const fs::path& folder, const std::string& pattern) {
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
-    understand(&list, lines, folder, found.usual);
+    understand(&list, lines, folder, found.usual, needs_times(options));
     return list;
   }
   for (const Line& line : lines) list.entries.push_back({0, folder / line.name, 0});

@@ -10,6 +10,7 @@
 
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/image_file.h"
+#include "camera_driver/source/camera_options.h"
 
 namespace rumi::camera_driver {
 
@@ -27,14 +28,15 @@ struct FileList {
   std::string error;               // empty, or file, what is wrong, and what to do
 };
 
-// `pattern`: of the images that are wanted, see choose_images().
-// rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
+// options.files: of the images that are wanted, see choose_images(). With options.rate_hz times need not be readable,
+// and a line may be a path alone. rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder
+// of the list. Lines of two images
 // ("seconds path seconds path", as of colour and depth) give the first one.
-FileList read_tum_list(const std::filesystem::path& rgb_txt, const std::string& pattern);
+FileList read_tum_list(const std::filesystem::path& rgb_txt, const CameraOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
-FileList read_euroc_list(const std::filesystem::path& data_csv, const std::string& pattern);
+FileList read_euroc_list(const std::filesystem::path& data_csv, const CameraOptions& options);
 // All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
-FileList list_image_folder(const std::filesystem::path& folder, const std::string& pattern);
+FileList list_image_folder(const std::filesystem::path& folder, const CameraOptions& options);
 
 // `grey_range`: of images with 16 bits; without it that of the recording is measured when the first one is met.
 std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range);

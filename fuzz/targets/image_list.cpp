@@ -32,7 +32,7 @@ void list_folder(const std::string& name) {
   const bool is_name = !name.empty() && name.size() < kLongestName && name.find('/') == std::string::npos &&
                        name.find('\0') == std::string::npos && name != "." && name != "..";
   if (is_name) scratch().write("images/" + name, good_jpeg(1).data);
-  list_image_folder(folder, "");
+  list_image_folder(folder, {});
   open(folder, {});
   if (is_name) fs::remove(folder + "/" + name);
 }

@@ -59,6 +59,7 @@ std::string why_no_map(const std::string& recording, const camera_driver::Camera
   if (looks.empty()) return nothing + "none can be decoded";
   const auto of_all = [&looks](double Look::*member) {
     std::vector<double> values;
+    values.reserve(looks.size());
     for (const Look& look : looks) values.push_back(look.*member);
     return median(values);
   };

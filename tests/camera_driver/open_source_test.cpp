@@ -274,6 +274,22 @@ TEST(ImageSource, NumbersOfImagesAreNoTimesAndARepeatedLineIsNoImage) {
   EXPECT_EQ(opened.source->skipped().total(), 0);
 }
 
+TEST(ImageSource, WithARateTimesNeedNotBeThere) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  CameraOptions options;
+  options.rate_hz = 10;
+  for (const char* list :
+       {"rgb/0.png\nrgb/1.png\nrgb/2.png\n", "-5.0 rgb/0.png\n-4.9 rgb/1.png\n-4.8 rgb/2.png\n",
+        "monday rgb/0.png\ntuesday rgb/1.png\nwednesday rgb/2.png\n", "nan rgb/0.png\n1 rgb/1.png\n2 rgb/2.png\n"}) {
+    write(folder / "rgb.txt", std::string("# list\n0.0 rgb/0.png\n") + list);
+    const std::vector<int64_t> all = times(folder.path(), options);
+    EXPECT_EQ(all.size(), 4u) << list;
+    EXPECT_EQ(all.back() - all.front(), 300'000) << list;
+    EXPECT_LT(times(folder.path()).size(), 4u) << list;
+  }
+}
+
 TEST(ImageSource, ALogInAnotherUnitIsReadAsSuch) {
   const TemporaryFolder folder;
   for (const int64_t per_second : {1'000, 1'000'000'000}) {
