@@ -143,6 +143,11 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
   const RunMetrics& metrics = evaluation->run;
   evaluation->notes = truth.notes;
+  if (map.skipped_lines > 0)
+    evaluation->notes.push_back(fmt::format(
+        "{}: {} lines are not counted: they are no poses, or have the time of another one (as two sessions may whose "
+        "clock was set back)",
+        (out / "trajectory.txt").string(), map.skipped_lines));
   evaluation->truth_has_rotations = truth.has_rotations;
   if (run_times && metrics.frames >= 3) {
     const std::string meeting = how_they_meet(groundtruth, truth, *run_times, metrics);

@@ -64,6 +64,13 @@ class EvaluateCommandTest : public ::testing::Test {
   testing::TemporaryFolder folder_;
 };
 
+TEST_F(EvaluateCommandTest, TellsOfPosesWithTheTimeOfOthers) {
+  write("trajectory.txt", walk(0, 40, 1.4e9) + walk(10, 20, 1.4e9));
+  const Said said = evaluate(walk(0, 40, 1.4e9));
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, HasSubstr("trajectory.txt: 10 lines are not counted"));
+}
+
 TEST_F(EvaluateCommandTest, MeasuresARun) {
   const Said said = evaluate(walk(0, 40, 1.4e9));
   EXPECT_EQ(said.code, 0) << said.err;
