@@ -103,8 +103,7 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
   if (is_there(folder / "rgb.txt"))
-    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name),
-                     options);
+    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name), options);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
     return from_list(read_euroc_list(list, options),

@@ -172,7 +172,8 @@ class Ordering {
     Frames& last = parts_.back();
     for (size_t few = std::min(kFew, first.size() - 1); few > 0; --few) {
       if (!is_far_away(time(first[few]) - time(first[few - 1]), time(first.back()) - time(first[few]))) continue;
-      order_.wrong_times.insert(order_.wrong_times.end(), first.begin(), first.begin() + static_cast<std::ptrdiff_t>(few));
+      order_.wrong_times.insert(order_.wrong_times.end(), first.begin(),
+                                first.begin() + static_cast<std::ptrdiff_t>(few));
       first.erase(first.begin(), first.begin() + static_cast<std::ptrdiff_t>(few));
       break;
     }

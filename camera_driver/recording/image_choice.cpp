@@ -26,7 +26,7 @@ struct Kind {
   std::vector<size_t> images;
   std::set<std::string> numbers;  // "001"
   int rank = 0;
-  std::string camera;             // its number, where the names have one
+  std::string camera;  // its number, where the names have one
 };
 
 // Words of letters in a name, without its ending.
@@ -133,7 +133,8 @@ std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, co
     if (images.size() > kMostCameras) return {};
   }
   const auto& first = others.begin()->second;
-  const bool alike = std::all_of(others.begin(), others.end(), [&](const auto& other) { return other.second == first; });
+  const bool alike =
+      std::all_of(others.begin(), others.end(), [&](const auto& other) { return other.second == first; });
   if (images.size() < 2 || first.size() < kLeastImages || !alike) return {};
   return images;
 }

@@ -56,7 +56,9 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
       ->add_option("--encoding", options->camera.encoding,
                    "auto (JPEG files as they are, all else grey), grey, rgb, jpeg")
       ->show_default();
-  command->on_chosen([options, settings, chosen] { *chosen = [options, settings] { return run("export", run_export, *options, *settings); }; });
+  command->on_chosen([options, settings, chosen] {
+    *chosen = [options, settings] { return run("export", run_export, *options, *settings); };
+  });
 }
 
 void add_import_command(CommandLine& app, std::function<int()>* chosen) {
@@ -66,7 +68,9 @@ void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("LOG", options->log, "lcm log")->required();
   command->add_option("-o,--output", options->folder, "folder; created, or empty")->required();
   add_camera_flags(*command, options->camera, *settings);
-  command->on_chosen([options, settings, chosen] { *chosen = [options, settings] { return run("import", run_import, *options, *settings); }; });
+  command->on_chosen([options, settings, chosen] {
+    *chosen = [options, settings] { return run("import", run_import, *options, *settings); };
+  });
 }
 
 }  // namespace rumi::tool

@@ -54,9 +54,12 @@ TEST(ImageChoice, TwoKindsThatCountAlikeAreToldApart) {
                                                        {"image_2_{:06}.png", "image_3_{:06}.png"},
                                                        {"scan_{:03}.png", "scan_{:03}_mask.png"},
                                                        {"rgb/{:05}.png", "depth/{:05}.png"},
-                                                       {"left/{:05}.png", "right/{:05}.png"},              {"1_{:05}.png", "2_{:05}.png"},
-      {"{:05}_0.png", "{:05}_1.png"},                     {"Kamera1-{:05}.png", "Kamera2-{:05}.png"},
-      {"{:05}_cam0.png", "{:05}_cam1.png"},               {"{:05}.0.png", "{:05}.1.png"}};
+                                                       {"left/{:05}.png", "right/{:05}.png"},
+                                                       {"1_{:05}.png", "2_{:05}.png"},
+                                                       {"{:05}_0.png", "{:05}_1.png"},
+                                                       {"Kamera1-{:05}.png", "Kamera2-{:05}.png"},
+                                                       {"{:05}_cam0.png", "{:05}_cam1.png"},
+                                                       {"{:05}.0.png", "{:05}.1.png"}};
   for (const auto& [camera, other] : pairs) {
     const Names wanted = numbered(camera, 60), others = numbered(other, 60);
     for (const Names& names : {together(wanted, others), together(others, wanted)}) {

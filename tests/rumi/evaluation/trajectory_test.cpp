@@ -61,9 +61,7 @@ TEST_F(TrajectoryTest, SkipsAndCountsBrokenLines) {
   EXPECT_EQ(result.skipped_lines, 7);
 }
 
-TEST_F(TrajectoryTest, MayBeEmpty) {
-  EXPECT_TRUE(read_trajectory(write("t.txt", "# nothing was tracked\n")).ok());
-}
+TEST_F(TrajectoryTest, MayBeEmpty) { EXPECT_TRUE(read_trajectory(write("t.txt", "# nothing was tracked\n")).ok()); }
 
 TEST_F(TrajectoryTest, NamesTheFileThatCannotBeUsed) {
   EXPECT_THAT(read_trajectory((folder_ / "absent.txt").string()).error, HasSubstr("absent.txt"));
