@@ -122,6 +122,8 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
   std::error_code code;
   if (fs::file_size(file, code) == 0)
     return {{nullptr, fmt::format("{}: is empty; {}", file.string(), kWhatToGive)}, {}};
+  if (file.extension() == ".txt" || file.extension() == ".csv")
+    return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   const bool log = is_lcm_log(file.string());
   OpenedReader opened = log ? open_log(file, options.log_channel) : open_video(file);
   if (!opened.error.empty()) return {std::move(opened), {}};

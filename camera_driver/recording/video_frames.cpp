@@ -42,11 +42,10 @@ class VideoReader : public FrameReader {
     return make_grey_image(0, grey);
   }
   std::vector<std::string> notes() const override {
-    constexpr double kPartOfEstimate = 0.95;  // some containers only estimate the number
-    const double promised = video_.get(cv::CAP_PROP_FRAME_COUNT);
-    const size_t count = times_.utimes.size();
-    if (static_cast<double>(count) >= kPartOfEstimate * promised - 1) return {};
-    return {fmt::format("ends after {} images, its header promises {:.0f}: the file may be cut off", count, promised)};
+    constexpr double kTolerable = 0.95;
+    if (static_cast<double>(times_.stored) >= kTolerable * static_cast<double>(times_.promised) - 1) return {};
+    return {fmt::format("ends after {} images, its header promises {}: the file may be cut off", times_.stored,
+                        times_.promised)};
   }
 
  private:

@@ -2,6 +2,7 @@
 #include "camera_driver/recording/video_times.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <string_view>
 
@@ -29,6 +30,13 @@ Format open(const std::filesystem::path& file) {
   if (std::string_view(format->iformat->name) == "tty") return nullptr;  // any text
   format->flags |= AVFMT_FLAG_GENPTS;  // MPEG's program streams have a time now and then
   return format;
+}
+
+// What has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
+bool is_bare_stream(std::string_view format) {
+  static constexpr std::array<std::string_view, 11> kBare = {"h264", "hevc", "mjpeg", "mpegvideo", "m4v",      "h261",
+                                                             "h263", "vc1",  "obu",   "dirac",     "cavsvideo"};
+  return format.ends_with("_pipe") || std::find(kBare.begin(), kBare.end(), format) != kBare.end();
 }
 
 // The order of showing differs from that of decoding by a few frames. Farther back the clock began anew: that stays.
@@ -59,6 +67,7 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
   const std::unique_ptr<AVPacket, FreePacket> packet(av_packet_alloc());
   size_t without = 0;
   while (packet && av_read_frame(format.get(), packet.get()) >= 0) {
+    if (packet->stream_index == stream) ++times.stored;
     const bool is_shown = packet->stream_index == stream && (packet->flags & AV_PKT_FLAG_DISCARD) == 0;
     // Some containers have no time of showing: there the order of decoding is that of showing.
     const int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
@@ -68,9 +77,8 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
     }
     av_packet_unref(packet.get());
   }
-  // Of a bare stream FFmpeg counts the frames at 25 Hz, whatever they are.
-  const bool is_bare = (format->iformat->flags & AVFMT_NOTIMESTAMPS) != 0;
-  times.has_times = !is_bare && 2 * without < times.utimes.size();
+  times.promised = std::max<int64_t>(0, format->streams[stream]->nb_frames);
+  times.has_times = !is_bare_stream(format->iformat->name) && 2 * without < times.utimes.size();
   if (!times.has_times) std::fill(times.utimes.begin(), times.utimes.end(), 0);
   sort_as_shown(&times.utimes);
   if (times.utimes.empty()) return times;

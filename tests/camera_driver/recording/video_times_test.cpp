@@ -62,6 +62,19 @@ TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
   EXPECT_EQ(times.back(), 2'900'000);
 }
 
+TEST_F(VideoTimesTest, OfBareImagesOneAfterTheOtherAreNone) {
+  std::string jpegs;
+  for (int i = 0; i < 30; ++i) {
+    std::vector<uint8_t> jpeg;
+    cv::imencode(".jpg", picture(i), jpeg);
+    jpegs.append(jpeg.begin(), jpeg.end());
+  }
+  testing::write(folder_ / "v.mjpeg", jpegs);
+  const VideoTimes times = read_video_times(folder_ / "v.mjpeg");
+  EXPECT_EQ(times.utimes.size(), 30u);
+  EXPECT_FALSE(times.has_times);
+}
+
 TEST_F(VideoTimesTest, OfNoVideoAreNone) {
   testing::write(folder_ / "garbage.mp4", std::string(5000, 'g'));
   EXPECT_TRUE(read_video_times(folder_ / "garbage.mp4").utimes.empty());
