@@ -205,7 +205,7 @@ void add_ruminate_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--truth", arguments->truth,
                       "true path of the camera in TUM format, or EuRoC's data.csv: adds the error of each back submap");
   command
-      ->add_option("--truth-rate", arguments->truth_options.frames_per_second,
+      ->add_option("--truth-rate,--groundtruth-rate", arguments->truth_options.frames_per_second,
                    "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
       ->not_negative()
       ->show_default();
