@@ -11,6 +11,7 @@
 #include "base/stage_clock.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
+#include "camera_driver/source/timestamps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -97,9 +98,8 @@ void CameraNode::put_on_bus() {
 
 // Where the times of a recording go back, its images follow those before at the usual step.
 void CameraNode::pace_anew() {
-  constexpr double kUsualStepUs = 33'333;
   const auto since_first_us = static_cast<double>(recorded_us_ - first_utime_us_);
-  *started_us_ += static_cast<int64_t>((since_first_us + kUsualStepUs) / options_.speed);
+  *started_us_ += static_cast<int64_t>((since_first_us + kUsualPeriodUs) / options_.speed);
   first_utime_us_ = ahead_->utime;
 }
 

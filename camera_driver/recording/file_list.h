@@ -28,9 +28,10 @@ struct FileList {
   std::string error;               // empty, or file, what is wrong, and what to do
 };
 
-// options.files: of the images that are wanted, see choose_images(). With options.rate_hz times need not be readable,
-// and a line may be a path alone. rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder
-// of the list. Lines of two images
+// Of all three: options.files are the images that are wanted, see choose_images(). With options.rate_hz times need not
+// be readable, and a line may be a path alone.
+
+// rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
 // ("seconds path seconds path", as of colour and depth) give the first one.
 FileList read_tum_list(const std::filesystem::path& rgb_txt, const CameraOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.

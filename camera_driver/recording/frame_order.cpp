@@ -8,6 +8,9 @@
 #include <cstdlib>
 #include <numeric>
 
+#include "camera_driver/source/timestamps.h"
+#include "slam/numeric/median.h"
+
 namespace rumi::camera_driver {
 namespace {
 
@@ -19,7 +22,6 @@ constexpr int64_t kNearPeriods = 10;    // of the median period
 constexpr size_t kMostSessions = 3;
 constexpr int64_t kLongPauseUs = 60'000'000;
 constexpr int64_t kManyTimes = 10;
-constexpr int64_t kUsualPeriodUs = 33'333;
 
 using Frames = std::vector<size_t>;  // by number
 
@@ -61,10 +63,7 @@ class Ordering {
     std::vector<int64_t> steps;
     for (size_t i = 1; i < times_.size(); ++i)
       if (time(i) > time(i - 1)) steps.push_back(time(i) - time(i - 1));
-    if (steps.empty()) return kUsualPeriodUs;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
+    return steps.empty() ? kUsualPeriodUs : median(&steps);
   }
 
   bool is_in_disorder() const {

@@ -7,10 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <iterator>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace rumi::camera_driver {
 namespace {
@@ -21,12 +19,21 @@ constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts al
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
+using Numbers = std::vector<std::string>;
+
+struct Name {
+  std::string form;    // "left_*.png"
+  Numbers numbers;     // "001"
+  std::string camera;  // its number, where the name has one
+};
+
+// Names of one form.
 struct Kind {
-  std::string form;  // "left_*.png"
+  std::string form;
   std::vector<size_t> images;
-  std::set<std::string> numbers;  // "001"
+  std::set<Numbers> numbers;
   int rank = 0;
-  std::string camera;  // its number, where the names have one
+  std::string camera;
 };
 
 // Words of letters in a name, without its ending.
@@ -71,60 +78,51 @@ bool names_a_camera(const std::string& form) {
   return word == "cam" || word == "camera" || word == "image" || word == "sensor";
 }
 
-Kind kind_of(const std::string& name) {
-  Kind kind;
-  std::string number;
+Name take_apart(const std::string& name) {
+  Name parts;
   for (size_t i = 0; i < name.size();) {
     size_t end = i;
     while (end < name.size() && is_digit(name[end])) ++end;
-    const bool is_only = kind.form.find(kNumber) == std::string::npos &&
+    const bool is_only = parts.form.find(kNumber) == std::string::npos &&
                          std::none_of(name.begin() + static_cast<std::ptrdiff_t>(end), name.end(), is_digit);
     if (end == i) {
-      kind.form += name[i++];
+      parts.form += name[i++];
       continue;
     }
-    if (!is_only && end - i <= 2 && names_a_camera(kind.form)) {
-      kind.camera = name.substr(i, end - i);
-      kind.form += kind.camera;
+    if (!is_only && end - i <= 2 && names_a_camera(parts.form)) {
+      parts.camera = name.substr(i, end - i);
+      parts.form += parts.camera;
     } else {
-      kind.form += kNumber;
-      number += name.substr(i, end - i) + ' ';
+      parts.form += kNumber;
+      parts.numbers.push_back(name.substr(i, end - i));
     }
     i = end;
   }
-  kind.numbers.insert(number);
-  kind.rank = rank_of(kind.form);
-  return kind;
+  return parts;
 }
 
-std::vector<Kind> kinds_of(const std::vector<std::string>& names) {
+std::vector<Kind> kinds_of(const std::vector<Name>& names) {
   std::vector<Kind> kinds;
   std::map<std::string, size_t> index;
   for (size_t i = 0; i < names.size(); ++i) {
-    Kind kind = kind_of(names[i]);
-    const auto [at, is_new] = index.emplace(kind.form, kinds.size());
-    if (is_new) kinds.push_back(kind);
+    const auto& [form, numbers, camera] = names[i];
+    const auto [at, is_new] = index.emplace(form, kinds.size());
+    if (is_new) kinds.push_back({form, {}, {}, rank_of(form), camera});
     kinds[at->second].images.push_back(i);
-    kinds[at->second].numbers.merge(kind.numbers);
+    kinds[at->second].numbers.insert(numbers);
   }
   return kinds;
 }
 
-// As kind_of() keeps them.
-std::vector<std::string> numbers_of(const std::string& numbers) {
-  std::istringstream words(numbers);
-  return {std::istream_iterator<std::string>(words), {}};
-}
-
 // "1_001.png" and "2_001.png", without a word: a number of one digit, of few values, with the same numbers beside each
 // of them. Returns its values with the images of each; nothing if it is not so.
-std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<std::string>& names,
+std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<Name>& names,
                                                             size_t place) {
   constexpr size_t kMostCameras = 4, kLeastImages = 10;
   std::map<std::string, std::vector<size_t>> images;
-  std::map<std::string, std::set<std::vector<std::string>>> others;
+  std::map<std::string, std::set<Numbers>> others;
   for (const size_t i : kind.images) {
-    std::vector<std::string> numbers = numbers_of(*kind_of(names[i]).numbers.begin());
+    Numbers numbers = names[i].numbers;
     const std::string value = numbers.at(place);
     if (value.size() != 1) return {};
     numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(place));
@@ -146,7 +144,7 @@ std::string form_with(const std::string& form, size_t place, const std::string& 
   return form.substr(0, at) + value + form.substr(at + 1);
 }
 
-std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vector<std::string>& names) {
+std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vector<Name>& names) {
   std::vector<Kind> split;
   for (const Kind& kind : kinds) {
     const auto places = static_cast<size_t>(std::count(kind.form.begin(), kind.form.end(), kNumber));
@@ -168,7 +166,7 @@ bool count_alike(const Kind& a, const Kind& b) {
   const Kind& small = a.numbers.size() < b.numbers.size() ? a : b;
   const Kind& large = a.numbers.size() < b.numbers.size() ? b : a;
   size_t common = 0;
-  for (const std::string& number : small.numbers) common += large.numbers.contains(number) ? 1 : 0;
+  for (const Numbers& numbers : small.numbers) common += large.numbers.contains(numbers) ? 1 : 0;
   return static_cast<double>(common) > kAlike * static_cast<double>(small.numbers.size());
 }
 
@@ -204,7 +202,10 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
   if (names.empty()) return {};
   if (!pattern.empty()) return choose_by_pattern(names, pattern);
-  const std::vector<Kind> kinds = split_by_digits(kinds_of(names), names);
+  std::vector<Name> parts;
+  parts.reserve(names.size());
+  for (const std::string& name : names) parts.push_back(take_apart(name));
+  const std::vector<Kind> kinds = split_by_digits(kinds_of(parts), parts);
   const Kind& main = *std::min_element(kinds.begin(), kinds.end(), is_preferred);
   ImageChoice choice;
   std::vector<std::string> others;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "slam/numeric/median.h"
+
 namespace rumi::camera_driver {
 namespace {
 
@@ -24,9 +26,7 @@ double rate_hz(const std::vector<std::string>& texts, TimeUnit unit) {
   if (times.size() < 3) return 0;
   std::vector<int64_t> steps;
   for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1e6 / static_cast<double>(*middle);
+  return 1e6 / static_cast<double>(median(&steps));
 }
 
 bool is_of_a_camera(double hz) { return hz >= kMinHz && hz <= kMaxHz; }

@@ -10,6 +10,9 @@
 
 namespace rumi::camera_driver {
 
+// From image to image where it is not known: 30 Hz.
+inline constexpr int64_t kUsualPeriodUs = 33'333;
+
 enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 const char* name_of(TimeUnit unit);  // "seconds"
 

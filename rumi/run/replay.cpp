@@ -7,6 +7,7 @@
 #include "base/stage_clock.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/open_source.h"
+#include "camera_driver/source/timestamps.h"
 #include "front_tracker/front_tracker_node.h"
 #include "rumi/run/metered_bus.h"
 #include "ruminator/colmap_builder.h"
@@ -18,7 +19,6 @@ namespace {
 
 constexpr int64_t kFinishStepUs = 100'000;
 constexpr int64_t kFinishTimeoutUs = 60'000'000;
-constexpr int64_t kUsualStepUs = 33'333;
 
 }  // namespace
 
@@ -108,7 +108,7 @@ bool Replay::step() {
     utime_us = camera_->next_utime_us();
     if (!utime_us) return false;
     // The clock goes on where a recording's times go back.
-    if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + kUsualStepUs;
+    if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + camera_driver::kUsualPeriodUs;
     bus_.set_now_us(*utime_us + clock_ahead_us_);
     camera_->publish_next();
   }

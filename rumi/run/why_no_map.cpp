@@ -10,6 +10,7 @@
 
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
+#include "slam/numeric/median.h"
 
 namespace rumi::tool {
 namespace {
@@ -40,12 +41,6 @@ std::vector<Look> look_at(camera_driver::ImageSource& source) {
   return looks;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::string why_no_map(const std::string& recording, const camera_driver::CameraOptions& options) {
@@ -61,7 +56,7 @@ std::string why_no_map(const std::string& recording, const camera_driver::Camera
     std::vector<double> values;
     values.reserve(looks.size());
     for (const Look& look : looks) values.push_back(look.*member);
-    return median(values);
+    return median(&values);
   };
   const double mean = of_all(&Look::mean), deviation = of_all(&Look::deviation), detail = of_all(&Look::detail);
   if (deviation < kFlat) {

@@ -38,7 +38,9 @@ TEST(FileNameTimes, NumbersAreNone) {
   for (const char* name : {"00000.png", "frame-000000.color.jpg", "0000000000.png", "0000001403636579.png", "1.5.png",
                            "a.png", "12345678.png", "", ".png", "99999999999999999999999.png", "2026.png"})
     EXPECT_EQ(times_in_names({name}).times.at(0), "") << name;
-  EXPECT_EQ(times_in_names({std::string(4000, '1') + ".png"}).times.at(0), "");
+  std::string long_name(4000, '1');
+  long_name += ".png";
+  EXPECT_EQ(times_in_names({long_name}).times.at(0), "");
 }
 
 TEST(FileNameTimes, WhatMostHave) {
