@@ -52,7 +52,7 @@ TEST_F(VideoTimesTest, AreThoseOfShowingWhateverTheOrderOfDecoding) {
 
 TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
   VideoOptions options;
-  options.has_times = false;
+  options.container = "h264";
   write("v.h264", options);
   EXPECT_THAT(open_image_source(folder_ / "v.h264", {}).error, HasSubstr("no times; give --rate HZ"));
   CameraOptions at_rate;
