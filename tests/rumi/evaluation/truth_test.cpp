@@ -82,11 +82,11 @@ TEST_F(TruthTest, MayHaveSecondsAndNanosecondsApart) {
   for (const char* heading : {"", "sec,nsec,x,y,z,qx,qy,qz,qw\n", "secs nsecs tx ty tz qx qy qz qw\n",
                               "# stamp.sec stamp.nanosec tx ty tz qx qy qz qw\n"}) {
     std::string text = heading;
-    for (const char* nanoseconds : {"0", "50000000", "100000000", "150000000", "2000000000"})
+    for (const char* nanoseconds : {"0", "50000000", "100000000", "150000000"})
       text += fmt::format("1400000000 {} 1 2 3 0 0.6 0 0.8\n", nanoseconds);
     const TruthFile result = read(text);
     expect_the_pose(result);
-    ASSERT_GE(result.poses.size(), 4u) << heading;
+    ASSERT_EQ(result.poses.size(), 4u) << heading;
     EXPECT_EQ(result.poses[1].utime_us, kStart_us + 50'000) << heading;
     EXPECT_EQ(result.poses[3].utime_us, kStart_us + 150'000) << heading;
   }
