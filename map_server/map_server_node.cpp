@@ -46,6 +46,12 @@ void report(const std::string& trouble, const std::string& before, const std::st
     log_error("{}", trouble);
 }
 
+std::string sessions_text(const Atlas& atlas) {
+  std::set<int64_t> sessions;
+  for (const auto& [key, owner] : atlas.submaps()) sessions.insert(key.session);
+  return sessions.size() == 1 ? "a session" : fmt::format("{} sessions", sessions.size());
+}
+
 }  // namespace
 
 MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
@@ -59,16 +65,26 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
                 [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
                 {.max_held_bytes = kMaxMessageBytes}) {
   if (!atlas_.submaps().empty())
-    log_info("{}: {} submaps, {} frames from before", options.database, atlas_.submaps().size(),
-             atlas_.frames().size());
+    log_info("{}: {} submaps, {} frames of {} before", options.database, atlas_.submaps().size(),
+             atlas_.frames().size(), sessions_text(atlas_));
   if (options.snapshot_s > 0 && is_same_file(options.snapshot_file, options.database))
     throw std::runtime_error(
         fmt::format("map_server.snapshot_file is {}, the database itself; give another file", options.snapshot_file));
-  if (options.localize_only) fix_map();
+  if (options.localize_only)
+    fix_map();
+  else if (options.merge.enabled)
+    go_on_from_map();
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
   bus.subscribe<map_request_t>(channels::kMapRequest, {.capacity = 64, .drop = DropPolicy::kDropNewest},
                                [this](const map_request_t& request) { on_request(request); });
+}
+
+// A single submap that nobody has placed is a map, too: what joins it is placed in it, not the other way round.
+void MapServerNode::go_on_from_map() {
+  const std::set<SubmapKey> in_map = atlas_.in_map();
+  if (in_map.size() == 1 && atlas_.find(*in_map.begin())->placement.revision == 0)
+    atlas_.place_map({{*in_map.begin(), {}}});
 }
 
 void MapServerNode::fix_map() {
@@ -97,6 +113,7 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     return {.ok = false, .reason = fmt::format("payload of kind {} is no submap update", payload.kind)};
   }
   const SubmapKey key{update.session, update.submap_id};
+  if (update.kind == submap_update_t::FRONT && !fixed_.contains(key)) atlas_.note_present(key.session);
   std::string reason =
       fixed_.contains(key)
           ? fmt::format("submap {} of session {} is of the map, which stays as it is (map_server.localize_only)",
@@ -111,6 +128,8 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     ++rejected_;
     log_warning("a submap update from {} is rejected: {}", payload.sender, reason);
   }
+  if (!options_.merge.enabled) serve_present();  // nothing will join it
+  note_localization();
   busy_ms_ += 1e3 * (thread_cpu_s() - start_s);
   ++handled_;
   return {.ok = reason.empty(), .reason = reason, .revision = store_.stored_revision(key)};
@@ -121,6 +140,7 @@ void MapServerNode::on_track(const track_t& track) {
     ++rejected_;
     return;
   }
+  atlas_.note_present(track.session);
   const FrameRecord record{
       .session = track.session, .state = static_cast<TrackingState>(track.state), .submap_id = track.submap_id};
   const ImageId image{track.utime, track.stream};
@@ -187,7 +207,31 @@ void MapServerNode::absorb(MergeResult result) {
               result.report.rmse, result.cpu_s);
     tell_all();
   }
+  serve_present();
+  note_localization();
   save();
+}
+
+// What came was looked at, and is not joined to the map of earlier sessions.
+void MapServerNode::serve_present() {
+  if (options_.localize_only || !atlas_.serve_present()) return;
+  log_info("nothing joins this session to the {} frames of before yet: until then it is a map of its own",
+           atlas_.count_frames().earlier);
+  tell_all();
+}
+
+// Whether the present sessions have their place in the map of earlier ones.
+void MapServerNode::note_localization() {
+  const Atlas::FrameCounts counts = atlas_.count_frames();
+  const auto is_present = [this](const auto& item) { return atlas_.present().contains(item.first.session); };
+  const bool has_submap = std::any_of(atlas_.submaps().begin(), atlas_.submaps().end(), is_present);
+  if (has_submap && !first_submap_us_) first_submap_us_ = last_utime_us_;
+  if (counts.earlier_in_map > 0 && counts.present_in_map > 0 && !localized_us_) localized_us_ = last_utime_us_;
+}
+
+std::optional<double> MapServerNode::localized_after_s() const {
+  if (!first_submap_us_ || !localized_us_) return std::nullopt;
+  return 1e-6 * static_cast<double>(*localized_us_ - *first_submap_us_);
 }
 
 // One line when it is made of other submaps than before; that it was adjusted again is no news.
@@ -295,6 +339,7 @@ void MapServerNode::tell_all() {
 void MapServerNode::publish_map_status() {
   last_status_us_ = bus_.now_us();
   map_status_t message = status_pages_.next(atlas_, bus_.now_us());
+  message.localized_after_s = localized_after_s().value_or(-1);
   message.database_bytes = store_.bytes();
   message.merging = merger_.running() || !waiting_.empty() || !merged_.empty() || copying_for_;
   bus_.publish(channels::kMapStatus, message);

@@ -37,13 +37,19 @@ class MapServerNode : public Node {
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
   MapStore& store() { return store_; }
+  // From the first submap of the present sessions to their place in the map of earlier ones, of the images' time.
+  // Nothing: they have none.
+  std::optional<double> localized_after_s() const;
 
  private:
-  void fix_map();  // localize_only
+  void fix_map();         // localize_only
+  void go_on_from_map();  // of an earlier session
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   void on_track(const track_t& track);
   void merge(int64_t now_us);
   void absorb(MergeResult result);
+  void serve_present();
+  void note_localization();
   void tell_of_map(const std::set<SubmapKey>& before) const;
   void cull_some();  // of to_cull_
   void cull(SubmapKey key, const Submap& left);
@@ -92,8 +98,9 @@ class MapServerNode : public Node {
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
   int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun
   int64_t last_utime_us_ = 0;
-  int64_t rejected_ = 0;  // updates and messages that made no sense
-  int64_t refused_ = 0;   // requests
+  std::optional<int64_t> first_submap_us_, localized_us_;  // of the present sessions: last_utime_us_ at that moment
+  int64_t rejected_ = 0;                                   // updates and messages that made no sense
+  int64_t refused_ = 0;                                    // requests
   double busy_ms_ = 0;
   int64_t handled_ = 0;
 };

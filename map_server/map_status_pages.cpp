@@ -56,7 +56,10 @@ map_status_t counts(const Atlas& atlas, int64_t utime_us) {
   message.utime = utime_us;
   message.map_revision = atlas.revision();
   message.frames = static_cast<int64_t>(atlas.frames().size());
-  message.frames_in_map = atlas.frames_in_map();
+  const Atlas::FrameCounts frames = atlas.count_frames();
+  message.frames_in_map = frames.present_in_map + frames.earlier_in_map;
+  message.earlier_frames = frames.earlier;
+  message.localized_frames = frames.earlier_in_map > 0 ? frames.present_in_map : 0;
   for (const auto& [key, owner] : atlas.submaps()) {
     ++(owner.submap.kind == SubmapKind::kFront ? message.front_submaps : message.back_submaps);
     message.submaps_in_map += owner.in_map;

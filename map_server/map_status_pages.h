@@ -12,9 +12,9 @@ namespace rumi::map_server {
 
 class MapStatusPages {
  public:
-  // The next page, without database_bytes and merging, which the atlas does not know. What fits one page is on it, the
-  // whole of it. Else half of the submaps are such as changed since they were last told, if there are any, and all are
-  // told in turn, as are the links.
+  // The next page, without database_bytes, merging and localized_after_s, which the atlas does not know. What fits one
+  // page is on it, the whole of it. Else half of the submaps are such as changed since they were last told, if there
+  // are any, and all are told in turn, as are the links.
   map_status_t next(const Atlas& atlas, int64_t utime_us);
 
   // All is to be told from here on, with as many pages as that takes.

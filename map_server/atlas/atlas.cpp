@@ -84,8 +84,9 @@ std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(
 
 bool Atlas::record_frame(ImageId image, const FrameRecord& record) {
   const auto [it, is_new] = frames_.try_emplace(image, record);
-  if (is_new) return true;
-  if (it->second == record) return false;
+  if (!is_new && it->second == record) return false;
+  if (!is_new) --frames_of_[it->second.session];
+  ++frames_of_[record.session];
   it->second = record;
   return true;
 }
@@ -98,8 +99,9 @@ void Atlas::restore_submap(AtlasSubmap submap) {
 
 void Atlas::note_frames(const Submap& submap, int64_t after_revision) {
   for (const auto& [utime_us, frame] : submap.frames)
-    if (frame.revision > after_revision)
-      frames_.try_emplace({utime_us, submap.stream}, FrameRecord{.session = submap.key.session});
+    if (frame.revision > after_revision &&
+        frames_.try_emplace({utime_us, submap.stream}, FrameRecord{.session = submap.key.session}).second)
+      ++frames_of_[submap.key.session];
 }
 
 void Atlas::check_here(const std::map<SubmapKey, Placement>& placements, const std::set<SubmapKey>& unmoved) const {
@@ -128,11 +130,14 @@ std::vector<Placement> Atlas::swap_map(std::map<SubmapKey, Placement> placements
                                        const std::set<SubmapKey>& same) {
   check_here(placements, unmoved);
   ++revision_;
+  std::set<SubmapKey> map = unmoved;
+  for (const auto& [key, placement] : placements) map.insert(key);
+  const std::set<SubmapKey> kept = to_be_kept(map);
   std::vector<Placement> before;
   for (auto& [key, owner] : submaps_) {
     const auto placed = placements.find(key);
     owner.in_map = unmoved.contains(key) || placed != placements.end();
-    if (unmoved.contains(key)) continue;
+    if (unmoved.contains(key) || kept.contains(key)) continue;
     const int64_t revision = owner.placement.revision;
     before.push_back(std::exchange(owner.placement, owner.in_map ? std::move(placed->second) : Placement()));
     if (owner.in_map) owner.placement.revision = revision > 0 && same.contains(key) ? revision : revision_;
@@ -158,14 +163,49 @@ bool Atlas::is_placed() const {
                      [](const auto& entry) { return entry.second.in_map && entry.second.placement.revision > 0; });
 }
 
+bool Atlas::has_present_in_map() const {
+  return std::any_of(submaps_.begin(), submaps_.end(), [this](const auto& entry) {
+    return entry.second.in_map && present_.contains(entry.first.session);
+  });
+}
+
+// With a map of present sessions only: that of earlier ones, the larger one if there are two.
+std::set<SubmapKey> Atlas::to_be_kept(const std::set<SubmapKey>& map) const {
+  const bool has_earlier = map.empty() || std::any_of(map.begin(), map.end(), [this](const SubmapKey& key) {
+                             return !present_.contains(key.session);
+                           });
+  std::set<SubmapKey> served, kept;
+  size_t served_frames = 0, kept_frames = 0;
+  for (const auto& [key, owner] : submaps_) {
+    if (has_earlier || owner.placement.revision == 0 || present_.contains(key.session)) continue;
+    (owner.in_map ? served : kept).insert(key);
+    (owner.in_map ? served_frames : kept_frames) += owner.submap.frames.size();
+  }
+  return served_frames >= kept_frames ? served : kept;
+}
+
+bool Atlas::serve_present() {
+  std::set<SubmapKey> present;
+  for (const auto& [key, owner] : submaps_)
+    if (present_.contains(key.session) && !owner.submap.frames.empty()) present.insert(key);
+  if (present.empty() || has_present_in_map()) return false;
+  const std::set<SubmapKey> kept = to_be_kept(present);
+  for (auto& [key, owner] : submaps_) {
+    owner.in_map = false;
+    if (!kept.contains(key)) owner.placement = {};
+  }
+  ++revision_;
+  return choose_map();
+}
+
 bool Atlas::choose_map() {
   if (is_placed()) return false;
   const AtlasSubmap* best = nullptr;
   for (const auto& [key, candidate] : submaps_) {
     // A back submap serves to join front submaps, and stands for itself where there is none.
-    const auto rank = [](const Submap& s) {
-      return std::make_tuple(s.kind != SubmapKind::kFront || s.frames.empty(), -static_cast<int64_t>(s.frames.size()),
-                             first_utime_us(s));
+    const auto rank = [this](const Submap& s) {
+      return std::make_tuple(!present_.contains(s.key.session), s.kind != SubmapKind::kFront || s.frames.empty(),
+                             -static_cast<int64_t>(s.frames.size()), first_utime_us(s));
     };
     if (!best || rank(candidate.submap) < rank(best->submap)) best = &candidate;
   }
@@ -197,29 +237,39 @@ std::set<SubmapKey> Atlas::in_map() const {
   return keys;
 }
 
-int64_t Atlas::frames_in_map() const {
+const Atlas::Counted& Atlas::count(const AtlasSubmap& owner, const std::vector<const Submap*>& earlier) const {
+  std::vector<const Submap*> beside;
+  std::vector<std::pair<SubmapKey, int64_t>> of{{owner.submap.key, owner.submap.revision}};
+  for (const Submap* other : earlier)
+    if (overlap_in_time(*other, owner.submap)) {
+      beside.push_back(other);
+      of.emplace_back(other->key, other->revision);
+    }
+  Counted& counted = counted_[owner.submap.key];
+  if (counted.of == of) return counted;
+  counted = {std::move(of), 0};
+  for (const auto& [utime_us, frame] : owner.submap.frames)
+    counted.frames += std::none_of(beside.begin(), beside.end(),
+                                   [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
+  return counted;
+}
+
+Atlas::FrameCounts Atlas::count_frames() const {
+  FrameCounts counts;
+  for (const auto& [session, frames] : frames_of_)
+    (present_.contains(session) ? counts.present : counts.earlier) += frames;
   std::vector<const Submap*> earlier;
-  int64_t frames = 0;
   for (const auto& [key, owner] : submaps_) {
     if (!owner.in_map) continue;
-    std::vector<const Submap*> beside;
-    std::vector<std::pair<SubmapKey, int64_t>> of{{key, owner.submap.revision}};
-    for (const Submap* other : earlier)
-      if (overlap_in_time(*other, owner.submap)) {
-        beside.push_back(other);
-        of.emplace_back(other->key, other->revision);
-      }
-    Counted& counted = counted_[key];
-    if (counted.of != of) {
-      counted = {std::move(of), 0};
-      for (const auto& [utime_us, frame] : owner.submap.frames)
-        counted.frames += std::none_of(beside.begin(), beside.end(),
-                                       [utime = utime_us](const Submap* s) { return s->frame(utime) != nullptr; });
-    }
-    frames += counted.frames;
+    (present_.contains(key.session) ? counts.present_in_map : counts.earlier_in_map) += count(owner, earlier).frames;
     earlier.push_back(&owner.submap);
   }
-  return frames;
+  return counts;
+}
+
+int64_t Atlas::frames_in_map() const {
+  const FrameCounts counts = count_frames();
+  return counts.present_in_map + counts.earlier_in_map;
 }
 
 std::optional<LocatedFrame> Atlas::locate(ImageId image) const {

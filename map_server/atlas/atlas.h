@@ -3,7 +3,8 @@
 //
 // The served map is made of the submaps that place_map() named last. As long as nobody has placed any, the front submap
 // with most frames stands for it, or the back submap where there is no front one, in its own unit and frame of
-// reference.
+// reference. What is told of present sessions (note_present()) comes before what earlier ones have left: as long as
+// nothing joins the two, the present ones are the map, and that of before keeps its places beside it.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +36,8 @@ struct FrameRecord {
 struct AtlasSubmap {
   Submap submap;
   bool in_map = false;  // part of the served map
-  Placement placement;  // meaningful where in_map
+  Placement placement;  // in the served map, or in the one of earlier sessions that is kept beside it
+  bool is_kept() const { return !in_map && placement.revision > 0; }
 };
 
 // Where a frame is: the pose that counts, if several submaps have one.
@@ -76,6 +78,11 @@ class Atlas {
   void check_links(const std::vector<Link>& links) const;
   // Takes what a RUMI_TRACK message says. True if that is news.
   bool record_frame(ImageId image, const FrameRecord& record);
+  // A session that goes on now, not one of an earlier run.
+  void note_present(int64_t session) { present_.insert(session); }
+  const std::set<int64_t>& present() const { return present_; }
+  // Serves the largest submap of the present sessions if there is one, and none of them is in the map. True if it did.
+  bool serve_present();
   // For loading: puts a submap as it was, with its place in the map.
   void restore_submap(AtlasSubmap submap);
   void restore_placement(SubmapKey key, Placement placement) { submaps_.at(key).placement = std::move(placement); }
@@ -89,6 +96,13 @@ class Atlas {
   int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed
   int64_t frames_in_map() const;
 
+  // Of the present sessions and of the earlier ones.
+  struct FrameCounts {
+    int64_t present = 0, earlier = 0;
+    int64_t present_in_map = 0, earlier_in_map = 0;
+  };
+  FrameCounts count_frames() const;
+
   // Whether the map has the landmark as a point of its own: it is fused into no other that is still there.
   bool stands_for_itself(const AtlasSubmap& owner, int landmark_id) const;
 
@@ -99,19 +113,24 @@ class Atlas {
   std::map<ImageId, SE3> map_trajectory() const;
 
  private:
-  void note_frames(const Submap& submap, int64_t after_revision);
-  bool is_placed() const;  // somebody has said what the map is made of
-  bool choose_map();       // true if the served map is now made of other submaps than before
-
   // Frames of a submap of the map that no earlier one has, as it was counted last, and of what.
   struct Counted {
     std::vector<std::pair<SubmapKey, int64_t>> of;  // the submap and those beside it, with their revisions
     int64_t frames = 0;
   };
 
+  void note_frames(const Submap& submap, int64_t after_revision);
+  bool is_placed() const;  // somebody has said what the map is made of
+  bool choose_map();       // true if the served map is now made of other submaps than before
+  bool has_present_in_map() const;
+  std::set<SubmapKey> to_be_kept(const std::set<SubmapKey>& map) const;
+  const Counted& count(const AtlasSubmap& owner, const std::vector<const Submap*>& earlier) const;
+
   std::map<SubmapKey, AtlasSubmap> submaps_;
   std::map<ImageId, FrameRecord> frames_;
+  std::map<int64_t, int64_t> frames_of_;  // by session, how many
   std::vector<Link> links_;
+  std::set<int64_t> present_;
   int64_t revision_ = 0;
   mutable std::map<SubmapKey, Counted> counted_;
 };

@@ -25,10 +25,12 @@ Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
 
 struct GroupSize {
   std::set<ImageId> frames;
+  size_t preferred_frames = 0;
   bool has_front = false;  // which decides between equals
 
   bool operator<(const GroupSize& other) const {
-    return std::pair(frames.size(), has_front) < std::pair(other.frames.size(), other.has_front);
+    return std::tuple(preferred_frames, frames.size(), has_front) <
+           std::tuple(other.preferred_frames, other.frames.size(), other.has_front);
   }
 };
 
@@ -115,10 +117,11 @@ Groups MapBuilder::tied() const {
   return groups;
 }
 
-void MapBuilder::inherit(const Placements& placed) {
+void MapBuilder::inherit(const Placements& placed, const Placements& kept) {
   Groups groups = tied();
   if (!std::exchange(has_inherited_, true))
-    for (const auto& [key, placement] : placed) inherited_.emplace_back(placed.begin()->first, key);
+    for (const Placements* map : {&placed, &kept})
+      for (const auto& [key, placement] : *map) inherited_.emplace_back(map->begin()->first, key);
   std::erase_if(inherited_, [&](const auto& edge) { return groups.find(edge.first) == groups.find(edge.second); });
 }
 
@@ -130,7 +133,9 @@ std::set<SubmapKey> MapBuilder::choose_members(const Submaps& submaps) const {
   for (const auto& [key, submap] : submaps) {
     GroupSize& size = sizes[groups.find(key)];
     size.has_front = size.has_front || submap->kind == SubmapKind::kFront;
+    const size_t before = size.frames.size();
     for (const auto& [utime_us, frame] : submap->frames) size.frames.insert({utime_us, submap->stream});
+    if (preferred_.contains(key.session)) size.preferred_frames += size.frames.size() - before;
   }
   if (!fixed_.empty()) std::erase_if(sizes, [&](const auto& g) { return g.first != groups.find(*fixed_.begin()); });
   const auto largest =
@@ -278,9 +283,12 @@ bool MapBuilder::drop_worst_joints(const std::vector<KnownLink>& links, const Ma
   return dropped > 0;
 }
 
-std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Submaps& submaps, const Placements& placed,
-                                                        std::set<SubmapKey>* members) {
+std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Submaps& submaps, const Placements& in_map,
+                                                        const Placements& kept, std::set<SubmapKey>* members) {
   for (;;) {
+    const bool joins_kept =
+        std::any_of(members->begin(), members->end(), [&](const SubmapKey& key) { return kept.contains(key); });
+    const Placements& placed = joins_kept ? kept : in_map;
     Arranged arranged;
     arranged.part = part_of(scope, *members, submaps, placed);
     arranged.anchor = choose_anchor(submaps, arranged.part, placed);
@@ -299,15 +307,15 @@ std::optional<MapBuilder::Arranged> MapBuilder::arrange(Scope scope, const Subma
   }
 }
 
-BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope) {
+BuiltMap MapBuilder::build(const Submaps& submaps, const Placements& placed, Scope scope, const Placements& kept) {
   const StageClock clock("map_server.place");
-  inherit(placed);
+  inherit(placed, kept);
   std::set<SubmapKey> members = choose_members(submaps);
   if (scope != Scope::kWeld) members = search_beside(members, submaps);
   BuiltMap built;
   built.report.members = static_cast<int>(members.size());
   if (members.empty() || cancelled() || members == fixed_ || (scope == Scope::kWeld && members == built_)) return built;
-  std::optional<Arranged> arranged = arrange(scope, submaps, placed, &members);
+  std::optional<Arranged> arranged = arrange(scope, submaps, placed, kept, &members);
   if (!arranged) return built;
   Placed& before = arranged->submaps;
   const std::set<SubmapKey>& part = arranged->part.submaps;

@@ -77,6 +77,9 @@ class MapBuilder {
   // among the placed ones in every build(). Nothing is culled then.
   void fix(std::set<SubmapKey> submaps);
 
+  // What they have comes before what earlier ones have left: it is the map, with what hangs together with it.
+  void prefer(std::set<int64_t> sessions) { preferred_ = std::move(sessions); }
+
   // Looks at every pair of submaps of which one has changed since it was looked at, and for the place of every keyframe
   // that is new.
   void find_links(const Submaps& submaps);
@@ -84,8 +87,10 @@ class MapBuilder {
   std::vector<Link> links() const;
 
   // The submaps that hang together by accepted links and have the most frames, with or without a front submap among
-  // them. `placed`: where submaps are in the map as it is; they stay there until the adjustment.
-  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll);
+  // them. `placed`: where submaps are in the map as it is; they stay there until the adjustment. `kept`: where others
+  // are in a map of earlier sessions, which counts instead of it as soon as one of them hangs together with the rest.
+  BuiltMap build(const Submaps& submaps, const std::map<SubmapKey, Placement>& placed, Scope scope = Scope::kAll,
+                 const std::map<SubmapKey, Placement>& kept = {});
 
  private:
   using Pair = SubmapPair;
@@ -103,9 +108,9 @@ class MapBuilder {
   Groups tied() const;
   // Of a map that another builder made, this one may find fewer ties than that one had: without a reason it does not
   // come apart. What a tie holds together since is the tie's.
-  void inherit(const Placements& placed);
-  // The largest group, in frames, of submaps that hang together. That two were placed before is no reason: a tie that
-  // turned out to be wrong holds nothing any more.
+  void inherit(const Placements& placed, const Placements& kept);
+  // The largest group, in frames of the sessions that are preferred and then of all, of submaps that hang together.
+  // That two were placed before is no reason: a tie that turned out to be wrong holds nothing any more.
   std::set<SubmapKey> choose_members(const Submaps& submaps) const;
   // The members, after those of all other submaps were searched for once more among the places of the members.
   std::set<SubmapKey> search_beside(const std::set<SubmapKey>& members, const Submaps& submaps);
@@ -129,7 +134,7 @@ class MapBuilder {
   };
   // Places the members and bends them; again without what the others contradict, and with the members that this leaves,
   // until nothing does. Nothing: none of them has a frame, or nothing joins them.
-  std::optional<Arranged> arrange(Scope scope, const Submaps& submaps, const Placements& placed,
+  std::optional<Arranged> arrange(Scope scope, const Submaps& submaps, const Placements& in_map, const Placements& kept,
                                   std::set<SubmapKey>* members);
   // Its two sides hang together by nothing else.
   bool is_only_tie(const Link& link, const Submaps& submaps) const;
@@ -157,6 +162,7 @@ class MapBuilder {
   std::map<std::pair<SubmapKey, SubmapKey>, Pair> pairs_;
   PlaceSearch places_;
   std::set<SubmapKey> fixed_;
+  std::set<int64_t> preferred_;  // sessions
   bool has_inherited_ = false;
   std::vector<std::pair<SubmapKey, SubmapKey>> inherited_;
   std::set<SubmapKey> built_;                     // the submaps of the last build

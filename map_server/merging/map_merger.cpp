@@ -123,6 +123,10 @@ void MapMerger::note_places(const Atlas& atlas) {
       placed_.erase(key);
     else if (Placement& place = placed_[key]; place.revision != owner.placement.revision)
       place = owner.placement;
+    if (!owner.is_kept() || !chosen_.contains(key))
+      kept_.erase(key);
+    else if (Placement& place = kept_[key]; place.revision != owner.placement.revision)
+      place = owner.placement;
   }
 }
 
@@ -153,6 +157,7 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     take_over_places(atlas);
     note_places(atlas);
   }
+  builder_.prefer(atlas.present());
   last_begin_us_ = now_us;
   hurried_ = hurry_;
   if (scope != MapBuilder::Scope::kWeld) last_adjustment_us_ = now_us;
@@ -170,7 +175,7 @@ void MapMerger::run(MapBuilder::Scope scope) {
   BuiltMap built;
   try {
     builder_.find_links(submaps);
-    built = builder_.build(submaps, placed_, scope);
+    built = builder_.build(submaps, placed_, scope, kept_);
     Atlas::check_numbers(built.placements, built.unmoved);
   } catch (...) {
     to_blame_ = find_those_to_blame();
@@ -185,8 +190,9 @@ void MapMerger::run(MapBuilder::Scope scope) {
              .scope = scope,
              .cpu_s = thread_cpu_s() - start_s};
   for (const auto& [key, placement] : result_.placements)
-    if (const auto before = placed_.find(key); before != placed_.end() && same_place(before->second, placement))
-      result_.same.insert(key);
+    for (const auto* where : {&placed_, &kept_})
+      if (const auto before = where->find(key); before != where->end() && same_place(before->second, placement))
+        result_.same.insert(key);
   to_be_placed_ = result_.placements;
 }
 

@@ -90,6 +90,7 @@ class MapMerger {
   // Of the submaps, and of where they lay, when the last build began.
   Copies copies_, chosen_;                       // all, and those it is made of
   std::map<SubmapKey, Placement> placed_;        // of those chosen
+  std::map<SubmapKey, Placement> kept_;          // of those chosen, in a map of before that is not served
   std::map<SubmapKey, Placement> to_be_placed_;  // copies of the last result, made where it was
   std::set<SubmapKey> left_in_map_;              // not chosen
   Suspects suspects_;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
 
@@ -39,9 +40,18 @@ std::string remove_stale_submaps(const fs::path& folder, const std::set<std::str
   return error ? fmt::format("cannot clear {}: {}", folder.string(), error.message()) : "";
 }
 
-std::string write_submaps(const Atlas& atlas, const fs::path& folder) {
+// By session and time.
+std::map<std::pair<int64_t, ImageId>, const FrameRecord*> frames_after(const Atlas& atlas, int64_t session) {
+  std::map<std::pair<int64_t, ImageId>, const FrameRecord*> frames;
+  for (const auto& [image, record] : atlas.frames())
+    if (record.session > session) frames.emplace(std::pair(record.session, image), &record);
+  return frames;
+}
+
+std::string write_submaps(const Atlas& atlas, const fs::path& folder, int64_t after) {
   std::set<std::string> written;
   for (const auto& [key, owner] : atlas.submaps()) {
+    if (key.session <= after) continue;
     const std::string name = submap_file_name(atlas, key);
     if (std::string problem = write_submap_tum(owner.submap, (folder / name).string()); !problem.empty())
       return problem;
@@ -71,9 +81,12 @@ Colour submap_colour(SubmapKey key) {
   return {channel(5), channel(3), channel(1)};
 }
 
-std::string write_trajectory_tum(const Atlas& atlas, const std::string& file) {
+std::string write_trajectory_tum(const Atlas& atlas, const std::string& file, int64_t after) {
   WholeFile out(file);
-  for (const auto& [image, map_from_cam] : atlas.map_trajectory()) out.write(tum_line(image.utime_us, map_from_cam));
+  const std::map<ImageId, SE3> trajectory = atlas.map_trajectory();
+  for (const auto& [key, record] : frames_after(atlas, after))
+    if (const auto pose = trajectory.find(key.second); pose != trajectory.end())
+      out.write(tum_line(key.second.utime_us, pose->second));
   return out.commit();
 }
 
@@ -85,24 +98,24 @@ std::string write_submap_tum(const Submap& submap, const std::string& file) {
 }
 
 std::string submap_file_name(const Atlas& atlas, SubmapKey key) {
-  int64_t served_session = key.session;
-  for (const auto& [other, owner] : atlas.submaps())
-    if (owner.in_map) served_session = other.session;
-  const std::string session = key.session == served_session ? "" : fmt::format("s{}-", key.session);
+  const bool is_latest = key.session == atlas.submaps().rbegin()->first.session;
+  const std::string session = is_latest ? "" : fmt::format("s{}-", key.session);
   return fmt::format("{}{}{:03}.txt", session, key.id < 0 ? "b" : "", std::abs(static_cast<int64_t>(key.id)));
 }
 
-std::string write_frames_csv(const Atlas& atlas, const std::string& file) {
+std::string write_frames_csv(const Atlas& atlas, const std::string& file, int64_t after) {
   WholeFile out(file);
-  out.write("utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n");
-  for (const auto& [image, record] : atlas.frames()) {
+  out.write("utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma,session\n");
+  for (const auto& [key, record] : frames_after(atlas, after)) {
+    const ImageId image = key.second;
     const std::optional<LocatedFrame> located = atlas.locate(image);
     const PoseSigmas sigmas = located ? located->sigmas() : PoseSigmas();
     out.write(fmt::format(
-        "{},{},{},{},{}\n", image.utime_us, to_string(record.state), located ? located->owner->submap.key.id : 0,
+        "{},{},{},{},{},{}\n", image.utime_us, to_string(record->state), located ? located->owner->submap.key.id : 0,
         located && located->owner->in_map ? 1 : 0,
         sigmas.are_known() ? fmt::format("{:.6g},{:.6g},{:.6g}", sigmas.position, sigmas.rotation_rad, sigmas.log_scale)
-                           : ",,"));
+                           : ",,",
+        record->session));
   }
   return out.commit();
 }
@@ -136,15 +149,15 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
   return out.commit();
 }
 
-std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder) {
+std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after) {
   const fs::path root(folder);
   std::error_code error;
   fs::create_directories(root / "submaps", error);
   if (error) return {fmt::format("cannot create {}: {}", (root / "submaps").string(), error.message())};
   // On a disk that is nearly full: what is small and most wanted first.
-  std::vector<std::string> problems = {write_trajectory_tum(atlas, (root / "trajectory.txt").string()),
-                                       write_frames_csv(atlas, (root / "frames.csv").string()),
-                                       write_submaps(atlas, root / "submaps"),
+  std::vector<std::string> problems = {write_trajectory_tum(atlas, (root / "trajectory.txt").string(), after),
+                                       write_frames_csv(atlas, (root / "frames.csv").string(), after),
+                                       write_submaps(atlas, root / "submaps", after),
                                        write_ply(atlas, (root / "map.ply").string())};
   std::erase(problems, "");
   return problems;

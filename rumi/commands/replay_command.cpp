@@ -51,7 +51,7 @@ int replay(Arguments& arguments) {
     return 1;
   }
   if (!arguments.quiet) {
-    print_summary(outcome.counts, outcome.left_out, run.out);
+    print_summary(outcome.counts, outcome.localization, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
   for (const std::string& complaint : outcome.complaints) fmt::print(stderr, "rumi replay: {}\n", complaint);

@@ -104,7 +104,8 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
                            {"out_of_order", skipped.out_of_order},
                            {"unreadable", skipped.unreadable},
                            {"wrong_size", skipped.wrong_size}};
-  run["counts"] = counts_to_json(count(replay.atlas()));
+  run["counts"] = counts_to_json(count(replay.atlas(), replay.earlier_sessions()));
+  if (const auto after_s = replay.localized_after_s()) run["localized_after_s"] = *after_s;
   run["windows"] = windows.counts();
   run["channels"] = ordered_json::object();
   for (const ChannelCounts& channel : replay.channel_counts()) {
@@ -129,7 +130,8 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
 // Whatever of it is possible, windows.csv and the end of --log too. Returns what is not, a line each.
 std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const std::string& out) {
   std::vector<std::string> missing = {replay.close_log(), windows.finish()};
-  for (const std::string& problem : write_run_outputs(replay.atlas(), out)) missing.push_back(problem);
+  for (const std::string& problem : write_run_outputs(replay.atlas(), out, replay.earlier_sessions()))
+    missing.push_back(problem);
   missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));
   std::erase(missing, "");
   return missing;
@@ -163,12 +165,21 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
 }
 
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
-  std::vector<std::string> lines = left_out(replay.atlas());
+  std::vector<std::string> lines = left_out(replay.atlas(), replay.earlier_sessions());
   for (const std::string& line : windows.failures()) lines.push_back(line);
   for (const std::string& line : replay.broken()) lines.push_back(line);
   if (const camera_driver::SkippedFrames skipped = replay.skipped(); skipped.total() > 0)
     lines.push_back("of the recording: " + skipped.to_string());
   return lines;
+}
+
+// Empty if images have a pose, in the map that is to be localized in if there is one.
+std::string why_no_pose(const ReplayRun& run, const ReplayOutcome& outcome) {
+  const map_server::MapServerOptions& options = run.options.map_server;
+  if (outcome.counts.frames_in_map > 0) return {};
+  if (options.localize_only && outcome.counts.tracked_frames > 0)
+    return fmt::format("not localized: nothing in this recording looks like {}", options.database);
+  return why_no_map(run.input, run.options.camera_driver);
 }
 
 }  // namespace
@@ -199,12 +210,13 @@ ReplayOutcome run_replay(const ReplayRun& run) {
     error = write_run_json(run.out, record);
     if (error.empty()) error = all_missing;
   }
-  outcome.counts = count(replay.atlas());
+  outcome.counts = count(replay.atlas(), replay.earlier_sessions());
+  outcome.localization = describe_localization(outcome.counts, replay.localized_after_s().value_or(-1));
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
   outcome.complaints = replay.skipped().complaints(replay.decoded());
-  if (outcome.counts.frames_in_map == 0) outcome.complaints.push_back(why_no_map(run.input, run.options.camera_driver));
+  if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   return outcome;
 }
 

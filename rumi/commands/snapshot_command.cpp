@@ -26,6 +26,7 @@ struct Arguments {
   ChannelNames names;
   double timeout_s = 10;
   bool update = false;
+  uint64_t since_us = 0;
 };
 
 constexpr double kListenS = 1.5;  // every process tells its status once a second
@@ -49,16 +50,25 @@ std::optional<int64_t> images_of(const nlohmann::ordered_json& processes) {
   return processes[received].get<int64_t>();
 }
 
-nlohmann::ordered_json run_record(const Arguments& arguments, const map_server::Atlas& atlas,
+// Sessions are named by the time at which they began: those after the first process that runs are of this run.
+int64_t last_session_before(const Arguments& arguments, const SnapshotResult& snapshot) {
+  if (arguments.since_us > 0) return static_cast<int64_t>(arguments.since_us) - 1;
+  int64_t began_us = map_server::kNoSession + 1;
+  for (const auto& [name, status] : snapshot.processes)
+    if (began_us == map_server::kNoSession + 1 || status.started_utime < began_us) began_us = status.started_utime;
+  return began_us - 1;
+}
+
+nlohmann::ordered_json run_record(const Arguments& arguments, const AtlasCounts& counts,
                                   const nlohmann::ordered_json& processes) {
   nlohmann::ordered_json run{{"finished", true}, {"command", "snapshot"}, {"lcm_url", arguments.lcm_url}};
-  run["counts"] = counts_to_json(count(atlas));
+  run["counts"] = counts_to_json(counts);
   run["processes"] = processes;
   if (const auto images = images_of(processes)) run["images"] = *images;
   run["cpu_ms_per_frame"] = nlohmann::ordered_json::object();
   for (const auto& [name, status] : processes.items()) {
-    if (atlas.frames().empty() || !status.contains("cpu_s")) continue;
-    run["cpu_ms_per_frame"][name] = status["cpu_s"].get<double>() * 1e3 / static_cast<double>(atlas.frames().size());
+    if (counts.frames == 0 || !status.contains("cpu_s")) continue;
+    run["cpu_ms_per_frame"][name] = status["cpu_s"].get<double>() * 1e3 / static_cast<double>(counts.frames);
   }
   return run;
 }
@@ -101,14 +111,17 @@ std::string take_snapshot(const Arguments& arguments) {
   std::string copy_problem;
   const map_server::Atlas atlas =
       load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string(), &copy_problem);
-  std::vector<std::string> missing = write_run_outputs(atlas, arguments.out);
+  const int64_t before = last_session_before(arguments, snapshot);
+  const AtlasCounts counts = count(atlas, before);
+  std::vector<std::string> missing = write_run_outputs(atlas, arguments.out, before);
   if (!copy_problem.empty()) missing.push_back(copy_problem);
-  nlohmann::ordered_json run = run_record(arguments, atlas, processes);
+  nlohmann::ordered_json run = run_record(arguments, counts, processes);
   const std::string all_missing = note_missing(missing, arguments.out, &run);
   error = write_run_json(arguments.out, run);
   if (error.empty()) error = all_missing;
   if (error.empty()) {
-    print_summary(count(atlas), left_out(atlas), arguments.out);
+    print_summary(counts, describe_localization(counts, snapshot.localized_after_s), left_out(atlas, before),
+                  arguments.out);
     print_processes(processes);
   }
   return error;
@@ -139,6 +152,9 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
   command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
+  command->add_option("--since", arguments->since_us,
+                      "frames of sessions that began since then, in us since 1970; default: since the first of the "
+                      "processes that run was started");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 

@@ -7,12 +7,13 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <stdexcept>
 
 #include "base/failures.h"
 #include "base/scratch_folder.h"
 #include "base/whole_file.h"
-#include "map_server/outputs/writers.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
@@ -74,8 +75,8 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
   return result;
 }
 
-std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder) {
-  std::vector<std::string> problems = map_server::write_outputs(atlas, folder);
+std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder, int64_t after) {
+  std::vector<std::string> problems = map_server::write_outputs(atlas, folder, after);
   const std::string picture = (fs::path(folder) / "trajectory.png").string();
   std::string problem;
   const std::string thrown = thrown_by([&] {
@@ -86,11 +87,19 @@ std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const
   return problems;
 }
 
-AtlasCounts count(const map_server::Atlas& atlas) {
+AtlasCounts count(const map_server::Atlas& atlas, int64_t after) {
   AtlasCounts counts;
-  counts.frames = static_cast<int64_t>(atlas.frames().size());
-  counts.frames_in_map = atlas.frames_in_map();
-  for (const auto& [image, frame] : atlas.frames()) counts.tracked_frames += atlas.locate(image).has_value();
+  std::set<int64_t> earlier;
+  for (const auto& [image, frame] : atlas.frames()) {
+    const bool is_earlier = frame.session <= after;
+    if (is_earlier) earlier.insert(frame.session);
+    const std::optional<map_server::LocatedFrame> located = atlas.locate(image);
+    const bool is_in_map = located && located->owner->in_map;
+    ++(is_earlier ? counts.earlier_frames : counts.frames);
+    (is_earlier ? counts.earlier_in_map : counts.frames_in_map) += is_in_map;
+    if (!is_earlier) counts.tracked_frames += located.has_value();
+  }
+  counts.earlier_sessions = static_cast<int>(earlier.size());
   counts.submaps = static_cast<int>(atlas.submaps().size());
   for (const auto& [key, owner] : atlas.submaps()) {
     counts.keyframes += static_cast<int>(owner.submap.keyframes.size());

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "map_server/atlas/atlas.h"
+#include "map_server/outputs/writers.h"
 #include "map_server/store/map_store.h"
 #include "viewer_offscreen/scene/scene.h"
 
@@ -32,16 +33,19 @@ struct AtlasPicture {
 };
 AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title);
 
-// trajectory.txt, submaps/, frames.csv, map.ply and trajectory.png. What can be written is written; returns what could
-// not, a line each.
-std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder);
+// trajectory.txt, submaps/, frames.csv (of sessions `after` that one), map.ply and trajectory.png (of all). What can be
+// written is written; returns what could not, a line each.
+std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder,
+                                           int64_t after = map_server::kNoSession);
 
 // What there is to say about an atlas in numbers.
 struct AtlasCounts {
-  int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;
-  int submaps = 0, keyframes = 0, landmarks = 0;
+  int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;  // of sessions after the one given
+  int64_t earlier_frames = 0, earlier_in_map = 0;             // of the others
+  int earlier_sessions = 0;
+  int submaps = 0, keyframes = 0, landmarks = 0;  // of all
   int front_submaps = 0, front_submaps_in_map = 0;
 };
-AtlasCounts count(const map_server::Atlas& atlas);
+AtlasCounts count(const map_server::Atlas& atlas, int64_t after = map_server::kNoSession);
 
 }  // namespace rumi::tool

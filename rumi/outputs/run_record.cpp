@@ -16,16 +16,23 @@ std::string note_missing(const std::vector<std::string>& missing, const std::str
 }
 
 nlohmann::ordered_json counts_to_json(const AtlasCounts& counts) {
-  return {
+  nlohmann::ordered_json json = {
       {"frames", counts.frames},   {"tracked_frames", counts.tracked_frames}, {"frames_in_map", counts.frames_in_map},
       {"submaps", counts.submaps}, {"keyframes", counts.keyframes},           {"landmarks", counts.landmarks}};
+  if (counts.earlier_frames == 0) return json;
+  json["earlier_frames"] = counts.earlier_frames;
+  json["earlier_sessions"] = counts.earlier_sessions;
+  json["localized_frames"] = counts.earlier_in_map > 0 ? counts.frames_in_map : 0;
+  return json;
 }
 
-void print_summary(const AtlasCounts& counts, const std::vector<std::string>& left_out, const std::string& folder) {
+void print_summary(const AtlasCounts& counts, const std::string& localization, const std::vector<std::string>& left_out,
+                   const std::string& folder) {
   const auto file = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
   fmt::print("{} of {} frames have a pose in the map, {} in any of {} submaps; {} keyframes, {} landmarks\n",
              counts.frames_in_map, counts.frames, counts.tracked_frames, counts.submaps, counts.keyframes,
              counts.landmarks);
+  if (!localization.empty()) fmt::print("{}\n", localization);
   for (const std::string& line : left_out) fmt::print("left out    {}\n", line);
   fmt::print("trajectory  {}\nmap         {}  and  {}\npicture     {}\n", file("trajectory.txt"), file("map.db"),
              file("map.ply"), file("trajectory.png"));

@@ -21,11 +21,12 @@ struct WithoutPose {
   std::vector<Gap> gaps;
 };
 
-WithoutPose find_frames_without_pose(const map_server::Atlas& atlas) {
+WithoutPose find_frames_without_pose(const map_server::Atlas& atlas, int64_t after) {
   WithoutPose found;
   Gap open;
   bool any_posed = false;
   for (const auto& [image, frame] : atlas.frames()) {
+    if (frame.session <= after) continue;
     if (!atlas.locate(image)) {
       if (open.frames++ == 0) open.begin_us = image.utime_us;
       continue;
@@ -87,19 +88,33 @@ std::string describe_progress(int64_t images, int64_t total, double elapsed_s) {
   return text;
 }
 
-std::vector<std::string> left_out(const map_server::Atlas& atlas) {
+std::vector<std::string> left_out(const map_server::Atlas& atlas, int64_t after) {
   std::vector<std::string> lines;
-  const WithoutPose without = find_frames_without_pose(atlas);
-  if (without.before + without.inside + without.after > 0)
-    lines.push_back(describe(without, atlas.frames().begin()->first.utime_us));
+  const auto first = std::find_if(atlas.frames().begin(), atlas.frames().end(),
+                                  [after](const auto& item) { return item.second.session > after; });
+  const WithoutPose without = find_frames_without_pose(atlas, after);
+  if (without.before + without.inside + without.after > 0) lines.push_back(describe(without, first->first.utime_us));
   std::map<SubmapKey, int64_t> frames;
   for (const auto& [image, frame] : atlas.frames())
-    if (const auto located = atlas.locate(image); located && !located->owner->in_map)
+    if (const auto located = atlas.locate(image); frame.session > after && located && !located->owner->in_map)
       ++frames[located->owner->submap.key];
   for (const auto& [key, count] : frames)
     lines.push_back(fmt::format("{} {} of submap {}: {}", count, count == 1 ? "frame" : "frames", key.id,
                                 why_not_in_map(atlas, key)));
   return lines;
+}
+
+std::string describe_localization(const AtlasCounts& counts, double after_s) {
+  if (counts.earlier_frames == 0) return {};
+  const std::string before =
+      fmt::format("{} frames of {}", counts.earlier_frames,
+                  counts.earlier_sessions == 1 ? "an earlier session"
+                                               : fmt::format("{} earlier sessions", counts.earlier_sessions));
+  if (counts.earlier_in_map == 0 || counts.frames_in_map == 0)
+    return fmt::format("not localized: nothing in this recording looks like the map of before ({})", before);
+  return fmt::format("localized: {} of {} frames of this run in the map of before ({}){}", counts.frames_in_map,
+                     counts.frames, before,
+                     after_s < 0 ? "" : fmt::format(", {:.2f} s after its first submap", after_s));
 }
 
 }  // namespace rumi::tool

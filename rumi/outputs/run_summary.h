@@ -7,13 +7,19 @@
 #include <vector>
 
 #include "map_server/atlas/atlas.h"
+#include "rumi/outputs/map_file.h"
 
 namespace rumi::tool {
 
 // "512 of 1000 images, 81.3 per second, about 6 s left". total: -1 if nobody knows.
 std::string describe_progress(int64_t images, int64_t total, double elapsed_s);
 
-// What the map lacks, a line each: frames without a pose, and submaps that are not part of it. Empty if nothing.
-std::vector<std::string> left_out(const map_server::Atlas& atlas);
+// What the map lacks of the sessions after that one, a line each: frames without a pose, and submaps that are not part
+// of it. Empty if nothing.
+std::vector<std::string> left_out(const map_server::Atlas& atlas, int64_t after = map_server::kNoSession);
+
+// Whether a run found its place in the map of earlier sessions; empty if there was none. `after_s`: from its first
+// submap to the first frame that did; negative if that is not known.
+std::string describe_localization(const AtlasCounts& counts, double after_s);
 
 }  // namespace rumi::tool

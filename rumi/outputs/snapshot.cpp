@@ -42,6 +42,7 @@ SnapshotResult request_snapshot(Bus& bus, double timeout_s, double listen_s) {
   int64_t last_news_us = bus.now_us();
   // It answers when all that it knows is one map, which may take a while.
   bus.subscribe<map_status_t>(channels::kMapStatus, {}, [&](const map_status_t& status) {
+    result.localized_after_s = status.localized_after_s;
     if (status.merging) last_news_us = bus.now_us();
   });
 

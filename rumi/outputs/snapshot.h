@@ -15,6 +15,7 @@ namespace rumi::tool {
 struct SnapshotResult {
   std::vector<uint8_t> database;
   std::map<std::string, process_status_t> processes;  // the last status heard from each, by name
+  double localized_after_s = -1;                      // see map_status_t
   std::string error;                                  // empty, or why there is no database
 };
 

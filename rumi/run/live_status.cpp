@@ -169,6 +169,9 @@ Json LiveStatus::map_json() const {
   return {{"revision", map_->map_revision},
           {"frames", map_->frames},
           {"frames_in_map", map_->frames_in_map},
+          {"earlier_frames", map_->earlier_frames},
+          {"localized_frames", map_->localized_frames},
+          {"localized_after_s", map_->localized_after_s < 0 ? Json() : Json(rounded(map_->localized_after_s))},
           {"front_submaps", map_->front_submaps},
           {"back_submaps", map_->back_submaps},
           {"submaps_in_map", map_->submaps_in_map},
@@ -232,6 +235,10 @@ std::string LiveStatus::to_text() const {
                     m["front_submaps"].get<int64_t>(), m["back_submaps"].get<int64_t>(), m["keyframes"].get<int64_t>(),
                     m["landmarks"].get<int64_t>(), m["merging"].get<bool>() ? ", merging" : "");
   }
+  if (json.contains("map") && map_->earlier_frames > 0)
+    text += fmt::format("          {}: {} of {} frames of this run are in the map of {} frames of before\n",
+                        map_->localized_frames > 0 ? "localized" : "not localized", map_->localized_frames,
+                        map_->frames - map_->earlier_frames, map_->earlier_frames);
   if (json.contains("windows"))
     for (const Json& w : json["windows"])
       text += fmt::format("window {:<3}{}, {} images{}\n", w["id"].get<int>(), w["state"].get<std::string>(),

@@ -56,8 +56,10 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks);
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // In a replay the clock does not tell one session from another: every folder of images begins at 0.
-  if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty())
-    tracker->begin_sessions_after(submaps.rbegin()->first.session);
+  if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty()) {
+    earlier_sessions_ = submaps.rbegin()->first.session;
+    tracker->begin_sessions_after(earlier_sessions_);
+  }
   viewer_ = options.viewer_offscreen;
   viewer_.series_goes_on = false;
   if (viewer_.series) add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "map_server/map_server_node.h"
+#include "map_server/outputs/writers.h"
 #include "rumi/run/all_options.h"
 #include "ruminator/build/back_submap_builder.h"
 
@@ -65,6 +67,9 @@ class Replay {
   ReplayProgress progress();
   const map_server::Atlas& atlas() const { return map_server_->atlas(); }
   map_server::MapStore& store() { return map_server_->store(); }
+  // The last session that was there before: of the map to localize in.
+  int64_t earlier_sessions() const { return earlier_sessions_; }
+  std::optional<double> localized_after_s() const { return map_server_->localized_after_s(); }
   // CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
   // The same by stage.
@@ -95,6 +100,7 @@ class Replay {
   camera_driver::CameraNode* camera_ = nullptr;
   front_tracker::FrontTrackerNode* front_tracker_ = nullptr;
   map_server::MapServerNode* map_server_ = nullptr;
+  int64_t earlier_sessions_ = map_server::kNoSession;
   int64_t frames_ = 0;
   int64_t clock_ahead_us_ = 0;  // of the images' times
   int64_t last_utime_us_ = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// map_server in a map of an earlier session: what is new is placed in it, the map stays as it is.
+// map_server with a map of an earlier session: one that stays as it is, in which what is new is placed, and one that
+// goes on.
 #include <gmock/gmock.h>
 
 #include <cstdio>
@@ -193,6 +194,91 @@ TEST_F(LocalizeOnlyTest, ThereMustBeAMap) {
       EXPECT_THAT(error.what(), HasSubstr(name));
     }
   }
+}
+
+// Not localize_only.
+class NextSessionTest : public LocalizeOnlyTest {
+ protected:
+  NextSessionTest() {
+    options_.localize_only = false;
+    before_ = MapStore::copy_in_memory(database_).load();
+  }
+  bool in_map(SubmapKey key) const { return node_->atlas().find(key)->in_map; }
+  // Where the map of before is, still or again; adjusted, it may have moved a little.
+  void expect_it_lies_where_it_lay() const {
+    for (const SubmapKey key : {kFirst, kSecond}) {
+      const AtlasSubmap &was = *before_.find(key), &is = *node_->atlas().find(key);
+      for (const auto& [id, keyframe] : was.submap.keyframes) {
+        const SE3 a = was.placement.cam_from_map(keyframe).inverse(), b = is.placement.cam_from_map(keyframe).inverse();
+        EXPECT_LT((a.translation - b.translation).norm(), 0.02 * map_from_world_.scale) << key.id << " " << id;
+      }
+    }
+  }
+  map_status_t status() {
+    map_status_t last{};
+    bus_->subscribe<map_status_t>(channels::kMapStatus, {}, [&](const map_status_t& status) { last = status; });
+    pass(2);
+    return last;
+  }
+  Atlas before_;
+};
+
+TEST_F(NextSessionTest, IsAMapOfItsOwnUntilItIsJoinedToTheOneBefore) {
+  start();
+  EXPECT_TRUE(in_map(kFirst)) << "until there is anything else";
+  ASSERT_TRUE(send(film(kElsewhere, scene_.cloud(500), scene_.path(0, 0, 0), scene_.gauge(1))).ok);
+  EXPECT_TRUE(in_map(kElsewhere));
+  EXPECT_FALSE(in_map(kFirst) || in_map(kSecond));
+  expect_it_lies_where_it_lay();
+  const map_status_t apart = status();
+  EXPECT_EQ(apart.earlier_frames, static_cast<int64_t>(before_.frames().size()));
+  EXPECT_EQ(apart.localized_frames, 0);
+  EXPECT_EQ(apart.localized_after_s, -1);
+
+  // The same session sees the place again.
+  ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.5, 0.1, 0.2, -0.1), scene_.gauge(0.7))).ok);
+  end();
+  EXPECT_TRUE(in_map(kFirst) && in_map(kSecond) && in_map(kLater));
+  EXPECT_FALSE(in_map(kElsewhere));
+  expect_it_lies_where_it_lay();
+  const map_status_t joined = status();
+  EXPECT_EQ(joined.localized_frames, static_cast<int64_t>(node_->atlas().find(kLater)->submap.frames.size()));
+  EXPECT_GE(joined.localized_after_s, 0);
+}
+
+TEST_F(NextSessionTest, LeavesTheMapBeforeWhereItLayForTheOneAfter) {
+  start();
+  ASSERT_TRUE(send(film(kElsewhere, scene_.cloud(500), scene_.path(0, 0, 0), scene_.gauge(1))).ok);
+  end();
+  ASSERT_TRUE(in_map(kElsewhere) && !in_map(kFirst));
+  node_.reset();
+  start();
+  expect_it_lies_where_it_lay();
+  ASSERT_TRUE(send(film({9, 1}, points_, scene_.path(0.5, 0.1, 0.2, -0.1), scene_.gauge(0.7))).ok);
+  end();
+  EXPECT_TRUE(in_map(kFirst) && in_map(kSecond) && in_map({9, 1}));
+  expect_it_lies_where_it_lay();
+}
+
+// Nobody has placed it yet: it was all there was.
+TEST_F(NextSessionTest, JoinsAMapOfASingleSubmapInItsFrameOfReference) {
+  options_.database = database_ = folder_ / "single.db";
+  options_.merge.enabled = false;
+  start();
+  EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
+  end();
+  node_.reset();
+  options_.merge.enabled = true;
+  start();
+  ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.4, 0, 0.1), scene_.gauge(0.7))).ok);
+  end();
+  ASSERT_TRUE(in_map(kFirst) && in_map(kLater));
+  const AtlasSubmap& first = *node_->atlas().find(kFirst);
+  const Keyframe& keyframe = first.submap.keyframes.begin()->second;
+  EXPECT_LT(
+      (first.placement.cam_from_map(keyframe).inverse().translation - keyframe.cam_from_submap.inverse().translation)
+          .norm(),
+      0.02 * map_from_world_.scale);
 }
 
 }  // namespace

@@ -88,14 +88,14 @@ TEST(Writers, FramesTableTellsStateSubmapAndMap) {
   ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
   const auto table = lines(read_file(folder / "frames.csv"));
   ASSERT_EQ(table.size(), 1 + 3 + 3 + 4);
-  EXPECT_EQ(table[0], "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma");
-  EXPECT_EQ(table[1], "1700000000000041,NOT_INITIALIZED,0,0,,,");
-  EXPECT_EQ(table[2], "1700000000000042,NOT_INITIALIZED,1,0,,,");
-  EXPECT_EQ(table[3], "1700000000033375,TRACKING,1,0,0.5,0.0125,0.02");
-  EXPECT_EQ(table[4], "1700000000040042,RECENTLY_LOST,0,0,,,");
-  EXPECT_EQ(table[5], "1700000000050042,LOST,0,0,,,");
-  EXPECT_EQ(table[6], "1700000000066708,UNKNOWN,1,0,,,");  // its RUMI_TRACK message was lost
-  EXPECT_EQ(table[7], "1800000000000000,TRACKING,2,1,,,");
+  EXPECT_EQ(table[0], "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma,session");
+  EXPECT_EQ(table[1], "1700000000000041,NOT_INITIALIZED,0,0,,,,7");
+  EXPECT_EQ(table[2], "1700000000000042,NOT_INITIALIZED,1,0,,,,7");
+  EXPECT_EQ(table[3], "1700000000033375,TRACKING,1,0,0.5,0.0125,0.02,7");
+  EXPECT_EQ(table[4], "1700000000040042,RECENTLY_LOST,0,0,,,,7");
+  EXPECT_EQ(table[5], "1700000000050042,LOST,0,0,,,,7");
+  EXPECT_EQ(table[6], "1700000000066708,UNKNOWN,1,0,,,,7");  // its RUMI_TRACK message was lost
+  EXPECT_EQ(table[7], "1800000000000000,TRACKING,2,1,,,,7");
 }
 
 TEST(Writers, DeviationsAreInTheUnitOfTheMap) {
@@ -106,7 +106,7 @@ TEST(Writers, DeviationsAreInTheUnitOfTheMap) {
   placement.map_from_submap[0] = Sim3(4, Eigen::Quaterniond::Identity(), Eigen::Vector3d(10, 0, 0));
   atlas.place_map({{{7, 1}, placement}});
   ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
-  EXPECT_EQ(lines(read_file(folder / "frames.csv"))[2], "1700000000033375,UNKNOWN,1,1,2,0.0125,0.02");
+  EXPECT_EQ(lines(read_file(folder / "frames.csv"))[2], "1700000000033375,UNKNOWN,1,1,2,0.0125,0.02,7");
 }
 
 TEST(Writers, PlyHoldsLandmarksAndCamerasOfTheServedMap) {
@@ -158,10 +158,30 @@ TEST(Writers, OutputFolderHasTheAgreedNamesAndNoLeftovers) {
   for (const auto& entry : std::filesystem::recursive_directory_iterator(out))
     if (entry.is_regular_file()) names.insert(std::filesystem::relative(entry.path(), out).string());
   EXPECT_EQ(names,
-            (std::set<std::string>{"trajectory.txt", "frames.csv", "map.ply", "submaps/001.txt", "submaps/002.txt",
-                                   "submaps/b001.txt", "submaps/s8-001.txt", "submaps/notes.txt"}));
-  EXPECT_EQ(lines(read_file(out + "/submaps/002.txt")).size(), 8);
+            (std::set<std::string>{"trajectory.txt", "frames.csv", "map.ply", "submaps/001.txt", "submaps/s7-001.txt",
+                                   "submaps/s7-002.txt", "submaps/s7-b001.txt", "submaps/notes.txt"}));
+  EXPECT_EQ(lines(read_file(out + "/submaps/s7-002.txt")).size(), 8);
   EXPECT_EQ(lines(read_file(out + "/trajectory.txt")).size(), 20);
+}
+
+// Of the sessions of a run; of the same times as earlier ones.
+TEST(Writers, TellOfTheFramesOfLaterSessionsOnly) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 5));
+  Submap again = make_submap({8, 1}, 2, 2);
+  again.stream = 8;
+  update_atlas(&atlas, again);
+  atlas.place_map({{{7, 1}, {}}, {{8, 1}, {}}});
+  const std::string out = folder / "out";
+  ASSERT_THAT(write_outputs(atlas, out), IsEmpty());
+  const size_t all = lines(read_file(out + "/trajectory.txt")).size();
+  EXPECT_EQ(all, 20u + 8u);
+  ASSERT_THAT(write_outputs(atlas, out, 7), IsEmpty());
+  EXPECT_EQ(lines(read_file(out + "/trajectory.txt")).size(), 8u);
+  EXPECT_EQ(lines(read_file(out + "/frames.csv")).size(), 1u + 8u);
+  EXPECT_THAT(read_file(out + "/frames.csv"), HasSubstr(",8\n"));
+  EXPECT_FALSE(std::filesystem::exists(out + "/submaps/s7-001.txt"));
 }
 
 TEST(Writers, EmptyAtlasGivesEmptyFiles) {
@@ -169,7 +189,7 @@ TEST(Writers, EmptyAtlasGivesEmptyFiles) {
   ASSERT_THAT(write_outputs(Atlas(), folder / "out"), IsEmpty());
   EXPECT_EQ(read_file(folder / "out/trajectory.txt"), "");
   EXPECT_EQ(read_file(folder / "out/frames.csv"),
-            "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma\n");
+            "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma,session\n");
   EXPECT_THAT(read_file(folder / "out/map.ply"), HasSubstr("element vertex 0\n"));
 }
 
