@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 
 #include "base/nearest_word.h"
@@ -52,6 +53,10 @@ Flag CommandLine::add_flag(const std::string& names, bool& value, const std::str
   return Flag(app_->add_flag(names, value, help));
 }
 
+Flag CommandLine::add_flag(const std::string& names, std::function<void()> take, const std::string& help) {
+  return Flag(app_->add_flag_callback(names, std::move(take), help));
+}
+
 void CommandLine::add_action(const std::string& names, std::function<void()> act, const std::string& help) {
   app_->add_flag_callback(
       names,
@@ -64,8 +69,6 @@ void CommandLine::add_action(const std::string& names, std::function<void()> act
 
 void CommandLine::set_version(const std::string& version) { app_->set_version_flag("--version", version); }
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
-void CommandLine::allow_extras() { app_->allow_extras(); }
-std::vector<std::string> CommandLine::remaining() const { return app_->remaining(); }
 
 CommandLine* CommandLine::add_command(const std::string& name, const std::string& summary) {
   app_->require_subcommand(1);
@@ -95,6 +98,17 @@ std::string no_such(const std::string& what, const std::string& word, const std:
   return fmt::format("{}: there is no such {}{}", word, what, similar.empty() ? "" : "; did you mean " + similar + "?");
 }
 
+// What the library says of the rest is plain enough.
+std::string reason_of(const CLI::ParseError& error) {
+  std::string text = error.what();
+  constexpr const char* kNotConverted = "Could not convert: ";
+  if (text.starts_with(kNotConverted)) return text.substr(std::strlen(kNotConverted)) + ": expected a number";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.ends_with(" missing"))
+    return text.substr(0, text.find(':')) + ": its value is missing";
+  if (text == "A subcommand is required") return "a command is missing";
+  return text;
+}
+
 // "-every": the library takes it for five flags of a letter.
 std::string no_such_flag(const std::string& flag, const std::vector<std::string>& known) {
   if (flag.starts_with("--") || flag.size() == 2) return no_such("flag", flag, known);
@@ -120,7 +134,6 @@ std::string CommandLine::misspelt(int argc, char** argv) const {
       if (std::find(commands.begin(), commands.end(), word) == commands.end())
         return no_such("command", word, commands);
       app = app_->get_subcommand(word);
-      if (app->get_allow_extras()) return {};
       add_names(*app, &known);
       continue;
     }
@@ -140,7 +153,7 @@ CommandLine::Result CommandLine::parse(int argc, char** argv) {
     return {.done = true, .error = ""};
   } catch (const CLI::ParseError& e) {
     const std::string word = misspelt(argc, argv);
-    return {.done = false, .error = word.empty() ? e.what() : word};
+    return {.done = false, .error = word.empty() ? reason_of(e) : word};
   }
   return {};
 }

@@ -221,13 +221,17 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
   return "";
 }
 
-std::string OptionTable::set(const std::string& key_equals_value) {
-  const size_t equals = key_equals_value.find('=');
-  if (equals == std::string::npos) return fmt::format("--set {}: expected KEY=VALUE", key_equals_value);
-  const std::string key = key_equals_value.substr(0, equals);
+std::string OptionTable::set(const std::string& setting) {
+  const size_t flag_end = setting.starts_with("--") ? setting.find(' ') : std::string::npos;
+  const std::string flag = flag_end == std::string::npos ? "--set" : setting.substr(0, flag_end);
+  const std::string text = flag_end == std::string::npos ? setting : setting.substr(flag_end + 1);
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos) return fmt::format("--set {}: expected KEY=VALUE", text);
+  const std::string key = text.substr(0, equals);
   const Entry* entry = find(key);
-  const std::string problem = entry ? assign(*entry, key_equals_value.substr(equals + 1), true) : unknown(key);
-  return problem.empty() ? "" : "--set " + problem;
+  const std::string problem = entry ? assign(*entry, text.substr(equals + 1), true) : unknown(key);
+  if (problem.empty()) return "";
+  return flag == "--set" ? "--set " + problem : fmt::format("{}: {}", flag, problem);
 }
 
 void OptionTable::reset() {
@@ -276,6 +280,10 @@ std::string OptionTable::to_yaml(Which which) const {
     }
   }
   return text;
+}
+
+std::string by_flag(const std::string& flag, const std::string& key, const std::string& value) {
+  return fmt::format("{} {}={}", flag, key, value);
 }
 
 std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings) {

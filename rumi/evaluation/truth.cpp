@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/file_access.h"
 #include "rumi/evaluation/body_frame.h"
 #include "rumi/evaluation/text_fields.h"
 #include "rumi/evaluation/truth_table.h"
@@ -224,7 +225,11 @@ class TruthReader {
   TruthFile read() {
     if (const std::string stranger = known_stranger(); !stranger.empty()) return refuse(stranger);
     const std::optional<TruthTable> table = read_truth_table(file_);
-    if (!table) return refuse("cannot be read: does the file exist?");
+    if (!table) {
+      const std::string why = why_unreadable(file_);
+      return refuse(
+          fmt::format("{}: give the file of the true poses", why.empty() ? "is no file that can be read" : why));
+    }
     if (table->lines.empty()) return refuse("holds no poses");
     const bool has_names_of_euroc = std::any_of(table->names.begin(), table->names.end(), [](const std::string& name) {
       return name.find("_rs_") != std::string::npos;
