@@ -2,9 +2,11 @@
 #include "base/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -18,12 +20,48 @@ Flag& Flag::show_default() { return option_->capture_default_str(), *this; }
 Flag& Flag::type_name(const std::string& name) { return option_->type_name(name), *this; }
 Flag& Flag::envname(const std::string& name) { return option_->envname(name), *this; }
 Flag& Flag::one_each() { return option_->allow_extra_args(false), *this; }
-Flag& Flag::positive() { return option_->check(CLI::PositiveNumber), *this; }
-Flag& Flag::not_negative() { return option_->check(CLI::NonNegativeNumber), *this; }
-Flag& Flag::in_range(int low, int high) { return option_->check(CLI::Range(low, high)), *this; }
-Flag& Flag::in_range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
-Flag& Flag::one_of(const std::vector<std::string>& values) { return option_->check(CLI::IsMember(values)), *this; }
-Flag& Flag::existing_file() { return option_->check(CLI::ExistingFile), *this; }
+namespace {
+
+// Refuses what is no number, or not in the range, NaN too.
+template <class IsRight>
+CLI::Validator number(const std::string& range, const IsRight& is_right) {
+  return {[range, is_right](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && *end == '\0' && is_right(value) ? std::string()
+                                                                          : fmt::format("'{}' must be {}", text, range);
+          },
+          ""};
+}
+
+}  // namespace
+
+Flag& Flag::positive() {
+  return option_->check(number("a number above 0", [](double value) { return value > 0 && std::isfinite(value); })),
+         *this;
+}
+Flag& Flag::not_negative() {
+  return option_->check(
+             number("a number that is not negative", [](double value) { return value >= 0 && std::isfinite(value); })),
+         *this;
+}
+Flag& Flag::in_range(int low, int high) {
+  const auto is_right = [low, high](double value) {
+    return value >= low && value <= high && value == std::floor(value);
+  };
+  return option_->check(number(fmt::format("a whole number from {} to {}", low, high), is_right)), *this;
+}
+Flag& Flag::in_range(double low, double high) {
+  const auto is_right = [low, high](double value) { return value >= low && value <= high; };
+  return option_->check(number(fmt::format("a number from {} to {}", low, high), is_right)), *this;
+}
+Flag& Flag::one_of(const std::vector<std::string>& values) {
+  const auto is_right = [values](const std::string& text) {
+    const bool known = std::find(values.begin(), values.end(), text) != values.end();
+    return known ? std::string() : fmt::format("'{}' must be one of {}", text, fmt::join(values, ", "));
+  };
+  return option_->check(CLI::Validator(is_right, fmt::format("{}", fmt::join(values, "|")))), *this;
+}
 
 CommandLine::CommandLine(const std::string& summary, const std::string& program)
     : own_(std::make_unique<CLI::App>(summary, program)), app_(own_.get()) {}

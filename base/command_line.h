@@ -36,7 +36,6 @@ class Flag {
   Flag& in_range(int low, int high);
   Flag& in_range(double low, double high);
   Flag& one_of(const std::vector<std::string>& values);
-  Flag& existing_file();
 
  private:
   CLI::Option* option_;

@@ -180,6 +180,9 @@ std::string OptionTable::unknown(const std::string& key) const {
   std::vector<std::string> keys;
   for (const Entry& entry : entries_) keys.push_back(entry.key);
   if (keys.empty()) return fmt::format("{}: unknown option; this program has none", key);
+  const auto without_section =
+      std::find_if(keys.begin(), keys.end(), [&key](const std::string& known) { return known.ends_with("." + key); });
+  if (without_section != keys.end()) return fmt::format("{}: unknown option; did you mean {}?", key, *without_section);
   return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest_word(key, keys));
 }
 
@@ -190,7 +193,7 @@ std::string OptionTable::load_yaml(const std::string& file) {
   if (stream) text << stream.rdbuf();
   // An empty file sets failbit on `text`, a folder errno on reading.
   if (!stream.is_open() || errno != 0)
-    return fmt::format("{}: cannot be read ({}); check the name given to --config", file, std::strerror(errno));
+    return fmt::format("{}: cannot be read ({}): give the YAML file of the options", file, std::strerror(errno));
   return load_yaml_text(text.str(), file);
 }
 
@@ -239,7 +242,10 @@ void OptionTable::reset() {
 }
 
 std::string OptionTable::range_text(const Entry& entry) const {
-  if (!entry.choices.empty()) return fmt::format("{}", fmt::join(entry.choices, " | "));
+  if (!entry.choices.empty()) {
+    const bool may_be_empty = entry.choices[0].empty();
+    return (may_be_empty ? "\"\"" : "") + fmt::format("{}", fmt::join(entry.choices, " | "));
+  }
   const bool is_number =
       std::holds_alternative<int*>(entry.fields.front()) || std::holds_alternative<double*>(entry.fields.front());
   return is_number ? fmt::format("{} .. {}", entry.min, entry.max) : "";

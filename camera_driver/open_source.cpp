@@ -168,7 +168,7 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   const fs::path path = without_slash(input);
   std::error_code code;
   if (const std::string why = why_unreadable(path); !why.empty())
-    return refuse(fmt::format("{}; {}", why, kWhatToGive));
+    return refuse(may_be_there(path) ? why : fmt::format("{}; {}", why, kWhatToGive));
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);

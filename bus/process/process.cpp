@@ -188,7 +188,6 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   add_common_flags(app, &flags);
   if (description.add_flags) description.add_flags(app, &flags.settings);
   if (description.add_options) description.add_options(table);
-  const std::string usage = app.help();
   if (const std::string options = table.help(OptionTable::Which::kUsers); !options.empty())
     app.footer("Options for --config and --set, with their defaults (all of them: --help-expert):\n" + options);
   app.add_action(
@@ -197,7 +196,8 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
 
   const CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return kOk;
-  if (!parsed.error.empty()) return wrong_command_line(description.name, fmt::format("{}\n\n{}", parsed.error, usage));
+  if (!parsed.error.empty())
+    return wrong_command_line(description.name, fmt::format("{}\nTry `{} --help`.", parsed.error, description.name));
   if (const std::string problem = read_options(flags, description, &table); !problem.empty())
     return wrong_command_line(description.name, problem);
 

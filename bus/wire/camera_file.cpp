@@ -42,7 +42,7 @@ FileCameras read_text(const std::string& text, const std::string& name) {
     if (!root.IsMap()) return refuse(fmt::format("is not a list of 'key: value': {}", kExpected));
     return read_fields(Fields(root, name));
   } catch (const YAML::Exception& e) {
-    return refuse(fmt::format("is not correct YAML ({}): {}", e.what(), kExpected));
+    return refuse(fmt::format("is not correct YAML (line {}: {}): {}", e.mark.line + 1, e.msg, kExpected));
   }
 }
 
@@ -112,7 +112,8 @@ CameraFileResult read_chosen(const std::string& file, const std::string& choice)
   CameraFileResult result;
   std::error_code code;
   if (const std::string why = why_unreadable(file); !why.empty()) {
-    result.error = fmt::format("{}: {}; give the camera's calibration with --camera FILE", file, why);
+    result.error = fmt::format("{}: {}{}", file, why,
+                               may_be_there(file) ? "" : "; give the camera's calibration with --camera FILE");
   } else if (fs::is_directory(file, code)) {
     result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
   } else {

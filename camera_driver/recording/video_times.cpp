@@ -6,6 +6,8 @@
 #include <memory>
 #include <string_view>
 
+#include "camera_driver/recording/library_messages.h"
+
 extern "C" {
 #include <libavformat/avformat.h>
 }
@@ -22,7 +24,7 @@ struct FreePacket {
 using Format = std::unique_ptr<AVFormatContext, CloseFormat>;
 
 Format open(const std::filesystem::path& file) {
-  av_log_set_level(AV_LOG_QUIET);  // what is wrong with the file is said by us
+  log_what_ffmpeg_says();
   AVFormatContext* opened = nullptr;
   // "file:" so that a name with a colon is no protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;

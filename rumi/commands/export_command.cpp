@@ -30,7 +30,7 @@ int run(const char* name, int (*work)(const Options&), Arguments<Options>& argum
   describe(table, camera);
   std::string problem = load_options(table, "", arguments.settings);
   if (problem.empty()) problem = check(camera);
-  if (problem.empty() && camera.loop) problem = "camera_driver.loop is true: this must end";
+  if (problem.empty() && camera.loop) problem = "camera_driver.loop is true, and this would never end: leave it out";
   if (!problem.empty()) {
     fmt::print(stderr, "rumi {}: {}\n", name, problem);
     return 2;
@@ -40,7 +40,9 @@ int run(const char* name, int (*work)(const Options&), Arguments<Options>& argum
 }
 
 void add_settings(CommandLine& command, std::vector<std::string>* settings) {
-  command.add_option("--set", *settings, "camera_driver.KEY=VALUE, may be repeated")->one_each();
+  command.add_option("--set", *settings, "set one option of camera_driver, may be repeated")
+      ->type_name("KEY=VALUE")
+      .one_each();
 }
 
 }  // namespace
@@ -50,12 +52,14 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
   ExportOptions& options = arguments->options;
   CommandLine* command = app.add_command("export", "Write a recording as an lcm log, for lcm-logplayer and others");
   command->add_option("INPUT", options.input, "dataset folder, folder of images, video or lcm log")->required();
-  command->add_option("-o,--output", options.log, "the log; must not exist")->required();
-  command->add_option("-c,--channel", options.channel, "channel of the images")->show_default();
+  command->add_option("-o,--output", options.log, "the log; must not exist")->type_name("FILE").required();
+  command->add_option("-c,--channel", options.channel, "channel of the images in the log that is written")
+      ->type_name("NAME")
+      .show_default();
   add_settings(*command, &arguments->settings);
-  camera_driver::add_flags(
-      *command, {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
-      &arguments->settings);
+  camera_driver::add_flags(*command,
+                           {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
+                           &arguments->settings);
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run("export", run_export, *arguments); }; });
 }
 
@@ -64,7 +68,7 @@ void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   ImportOptions& options = arguments->options;
   CommandLine* command = app.add_command("import", "Write the images of an lcm log as a TUM-style folder");
   command->add_option("LOG", options.log, "lcm log")->required();
-  command->add_option("-o,--output", options.folder, "folder; created, or empty")->required();
+  command->add_option("-o,--output", options.folder, "folder; created, or empty")->type_name("FOLDER").required();
   add_settings(*command, &arguments->settings);
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel"},
                            &arguments->settings);

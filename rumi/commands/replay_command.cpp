@@ -69,10 +69,16 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   command
       ->add_option("-o,--output", arguments->run.out,
                    "folder; one with files that would be overwritten is refused, unless an earlier run made them")
-      ->required();
-  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included");
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+      ->type_name("FOLDER")
+      .required();
+  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included")
+      ->type_name("FILE");
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
+  command
+      ->add_option("--set", arguments->settings,
+                   "set one option (`rumi config` lists them), may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--rate", "--encoding"},

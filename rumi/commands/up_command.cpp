@@ -226,16 +226,24 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("up", "Run the five processes on LCM and watch over them until the input ends");
-  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->required()->existing_file();
+  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->type_name("FILE").required();
   command->add_option(
       "INPUT", arguments->input,
       "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
       "(lcm-logplayer)");
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")->one_each();
-  command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url")->type_name("URL");
+  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over CONFIG")
+      ->type_name("KEY=VALUE")
+      .one_each();
+  command
+      ->add_option("--snapshot", arguments->snapshot, "write the outputs of `rumi replay` into this folder at the end")
+      ->type_name("FOLDER");
   camera_driver::add_flags(*command, {}, &arguments->camera_settings);
-  command->footer("SIGUSR2: CONFIG is read again and the controls of a camera set as it says.");
+  command->footer(
+      "Exit codes: 0 the recording was played, or it was ended by Ctrl-C; 1 it broke off, or --snapshot could not be "
+      "written; 2 wrong options; 3 "
+      "done, but not with all of the recording. SIGUSR2: CONFIG is read again and the controls of a camera set as it "
+      "says.");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return up(*arguments); }; });
 }
 

@@ -84,7 +84,7 @@ class LineReader {
  private:
   std::optional<double> number(const std::string& field) {
     const std::optional<double> value = to_number(field);
-    if (!value && why_.empty()) why_ = field.size() <= 20 ? field : field.substr(0, 20) + "...";
+    if (!value && why_.empty()) why_ = fmt::format("{}{}", field.substr(0, 20), field.size() > 20 ? "..." : "");
     return value;
   }
   std::optional<Eigen::Vector3d> vector(const std::vector<std::string>& fields, const std::array<size_t, 3>& at) {
@@ -230,7 +230,7 @@ class TruthReader {
       return refuse(
           fmt::format("{}: give the file of the true poses", why.empty() ? "is no file that can be read" : why));
     }
-    if (table->lines.empty()) return refuse("holds no poses");
+    if (table->lines.empty()) return refuse("holds no poses: give the file of the true poses");
     const bool has_names_of_euroc = std::any_of(table->names.begin(), table->names.end(), [](const std::string& name) {
       return name.find("_rs_") != std::string::npos;
     });

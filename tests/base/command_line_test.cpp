@@ -51,6 +51,28 @@ TEST_F(CommandLineTest, AValueThatIsNoneIsToldWithItsFlag) {
   EXPECT_EQ(error({}), "a command is missing");
 }
 
+TEST_F(CommandLineTest, ARangeIsToldWithTheValue) {
+  CommandLine app("a program", "rumi");
+  double rate = 0;
+  std::string kind;
+  int count = 0;
+  app.add_option("--rate", rate, "")->not_negative();
+  app.add_option("--speed", rate, "")->positive();
+  app.add_option("--count", count, "")->in_range(1, 9);
+  app.add_option("--kind", kind, "")->one_of({"a", "b"});
+  const auto error_of = [&app](std::vector<std::string> words) {
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    return app.parse(static_cast<int>(argv.size()), argv.data()).error;
+  };
+  EXPECT_EQ(error_of({"rumi", "--rate", "0", "--speed", "0.5", "--count", "9", "--kind", "b"}), "");
+  EXPECT_EQ(error_of({"rumi", "--rate", "-1"}), "--rate: '-1' must be a number that is not negative");
+  EXPECT_EQ(error_of({"rumi", "--rate", "nan"}), "--rate: 'nan' must be a number that is not negative");
+  EXPECT_EQ(error_of({"rumi", "--speed", "0"}), "--speed: '0' must be a number above 0");
+  EXPECT_EQ(error_of({"rumi", "--count", "10"}), "--count: '10' must be a whole number from 1 to 9");
+  EXPECT_EQ(error_of({"rumi", "--kind", "c"}), "--kind: 'c' must be one of a, b");
+}
+
 TEST_F(CommandLineTest, WhatIsSpeltRightIsNotBlamed) {
   EXPECT_THAT(error({"replay", "in"}), HasSubstr("--output is required"));
   EXPECT_THAT(error({"replay", "in", "-o", "out", "--every", "often"}), Not(HasSubstr("did you mean")));

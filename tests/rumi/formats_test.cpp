@@ -9,6 +9,7 @@
 #include <regex>
 #include <set>
 
+#include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"

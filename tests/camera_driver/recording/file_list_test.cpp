@@ -102,7 +102,7 @@ TEST_F(FileLists, EurocWithoutItsListIsPlayedByTheNamesOfItsImages) {
     const OpenedSource opened = open_recording(folder_ / given, {});
     ASSERT_EQ(opened.error, "") << given;
     EXPECT_EQ(opened.source->total(), 4) << given;
-    EXPECT_EQ(opened.source->next()->utime, 1403636579703555) << given;
+    EXPECT_EQ(opened.source->next()->utime, 1403636579703556) << given;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
 #include "tests/camera_driver/recording.h"
@@ -81,7 +82,9 @@ TEST_F(Messages, OfRecordings) {
       {"rumi replay r.mcap -o out", 1, {"r.mcap: is an MCAP file", "Write the images"}},
       {"rumi replay r.svo2 -o out", 1, {"r.svo2: is a recording of a ZED camera", "give that"}},
       {"rumi replay /dev/video7 -o out", 1, {"/dev/video7", "make one with camera_driver and lcm-logger"}},
-      {"rumi replay broken --camera c.yaml -o out", 1, {"rgb.txt:1: ", "'one'", "expected lines 'seconds path"}},
+      {"rumi replay broken --camera c.yaml -o out",
+       1,
+       {"broken/rgb.txt: names no image", "expected lines 'seconds path"}},
       {"rumi replay same --camera c.yaml -o out", 1, {"--rate HZ"}},
       {"rumi replay missing --camera c.yaml -o out", 1, {"a.png", "no such file"}},
       {"rumi replay counted --camera tum/rgb.txt -o out", 1, {"tum/rgb.txt"}},
@@ -129,7 +132,7 @@ TEST_F(Messages, OfCameraFiles) {
       {"rumi replay tum --camera word.yaml -o out", 1, {"word.yaml: fx is", "about 50", "must be"}},
       {"rumi replay tum --camera far.yaml -o out", 1, {"far.yaml: cx is 3200", "correct it"}},
       {"rumi replay tum --camera model.yaml -o out", 1, {"model.yaml: model is 'omni'", "pinhole"}},
-      {"rumi replay tum --camera k4.yaml -o out", 1, {"k4.yaml: k4", "calibrate"}},
+      {"rumi replay tum --camera k4.yaml -o out", 1, {"k4.yaml: k4 is 0.1", "correct the model"}},
       {"rumi replay tum --camera no_size.yaml -o out", 1, {"no_size.yaml: width is missing: add"}},
       {"rumi replay tum --camera yaml.yaml -o out", 1, {"yaml.yaml: is not correct YAML", "expected"}},
       {"rumi replay tum --camera calib.txt -o out", 1, {"calib.txt: is KITTI's", "write fx: 720"}},
@@ -137,7 +140,7 @@ TEST_F(Messages, OfCameraFiles) {
       {"rumi replay tum --camera ost.txt -o out", 1, {"ost.txt: is ROS's ost.txt: give the ost.yaml"}},
       {"rumi replay tum --camera c.npz -o out", 1, {"c.npz: is an archive", "write its numbers"}},
       {"rumi replay tum --camera robot.yaml -o out", 1, {"robot.yaml: ", "speed, name", "write its numbers"}},
-      {"rumi replay tum --camera kalibr.yaml -o out", 1, {"kalibr.yaml", "omni", "supported"}},
+      {"rumi replay tum --camera kalibr.yaml -o out", 1, {"kalibr.yaml", "omni", "calibrate with"}},
       {"rumi replay tum --camera tum/calibration.yaml:cam1 -o out", 1, {"one camera only: give it without ':cam1'"}},
       {"rumi replay tum --camera transforms.json -o out", 1, {"transforms.json: ", "add w and h"}},
   });
@@ -175,7 +178,8 @@ TEST_F(Messages, OfTruthsAndRuns) {
       {"rumi ruminate nowhere.window", 1, {"nowhere.window"}},
       {"rumi ruminate nothing", 1, {"nothing: no *.window in it"}},
       {"rumi draw-window nowhere.window -o a.png", 1, {"nowhere.window"}},
-      {"rumi cut-window nowhere --truth nowhere.txt --from 1 --to 2 -o a.window", 1, {"nowhere"}},
+      {"rumi cut-window nowhere --gap 1..3 -o a.window", 1, {"nowhere: no such file"}},
+      {"rumi cut-window nowhere --gap 3..1 -o a.window", 2, {"3..1"}},
   });
 }
 
@@ -192,7 +196,7 @@ TEST_F(Messages, OfOptions) {
       {"rumi relpay tum", 2, {"relpay: there is no such command; did you mean replay?"}},
       {"rumi replay tum", 2, {"--output is required"}},
       {"rumi replay tum -o out --evry 2", 2, {"--evry: there is no such flag; did you mean --every?"}},
-      {"rumi replay tum -o out --config nowhere.yaml", 2, {"nowhere.yaml", "--config"}},
+      {"rumi replay tum -o out --config nowhere.yaml", 2, {"nowhere.yaml", "give the YAML file"}},
       {"rumi replay tum -o out --config bad.yaml", 2, {"bad.yaml:2: camera_driver.every = \"none\"", "expected"}},
       {"rumi replay tum -o out --config key.yaml",
        2,
@@ -213,7 +217,7 @@ TEST_F(Messages, OfOptions) {
       {"rumi up nowhere.yaml tum", 2, {"nowhere.yaml"}},
       {"rumi up good.yaml --speed 2", 2, {"--speed: there is no INPUT"}},
       {"rumi up good.yaml tum --sped 2", 2, {"--sped: there is no such flag; did you mean --speed?"}},
-      {"rumi evaluate tum --groundtruth a --groundtruth-rate -1", 2, {"--groundtruth-rate"}},
+      {"rumi evaluate tum --groundtruth a --groundtruth-rate -1", 2, {"--groundtruth-rate: '-1' must be"}},
       {"rumi calibrate tum -o a.yaml --every 0", 2, {"--every", "1"}},
       {"rumi calibrate tum -o a.yaml --board 9x7", 2, {"9x7", "charuco:"}},
       {"rumi calibrate tum -o a.yaml --model wide", 2, {"--model", "wide", "fisheye"}},
@@ -223,7 +227,7 @@ TEST_F(Messages, OfOptions) {
       {"rumi synth -o s --hard fog --at 1 --for 1", 2, {"fog", "blur"}},
       {"rumi view a.db -o a.png --view above", 2, {"--view", "above", "top"}},
       {"rumi export-map a.db -o o --format obj", 2, {"--format", "obj", "ply"}},
-      {"rumi config --set every=2", 2, {"every", "did you mean"}},
+      {"rumi config --set every=2", 2, {"every", "did you mean camera_driver.every?"}},
       {"camera_driver", 2, {"INPUT is required"}},
       {"camera_driver tum --set camera_driver.grey_range=9:1", 2, {"grey_range is '9:1'", "LOW:HIGH"}},
       {"front_tracker --set front_tracker.keypoint=1", 2, {"front_tracker.keypoint", "did you mean"}},
