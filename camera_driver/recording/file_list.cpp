@@ -97,14 +97,17 @@ void join_decimal_comma(Line* line, char separator) {
   line->has_decimal_comma = true;
 }
 
-// "left.png right.png", "colour.png 12.5 depth.png": the first one is meant. A name may have spaces, too.
+// "left.png right.png", "colour.png 12.5 depth.exr": the first one is meant. A name may have spaces, too.
 void take_first_image(Line* line) {
   const std::vector<std::string> words = words_of(line->name);
+  if (words.size() < 2 || !is_image_name(words[0])) return;
+  const bool is_pair = words.size() == 3 && is_number(words[1]);
   const auto images = static_cast<size_t>(std::count_if(words.begin(), words.end(), is_image_name));
-  const bool all_are = std::all_of(words.begin(), words.end(),
-                                   [](const std::string& word) { return is_image_name(word) || is_number(word); });
-  if (images < 2 || !all_are || !is_image_name(words[0])) return;
-  line->images = images;
+  const bool are_images = images > 1 && std::all_of(words.begin(), words.end(), [](const std::string& word) {
+                            return is_image_name(word) || is_number(word);
+                          });
+  if (!is_pair && !are_images) return;
+  line->images = is_pair ? 2 : images;
   line->name = words[0];
 }
 

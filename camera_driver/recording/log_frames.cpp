@@ -43,8 +43,9 @@ std::string advice_on_channels(const std::string& file) {
   while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
     ++(begins_like_image(event->data) ? with_images : others)[event->channel];
   if (!with_images.empty())
-    return fmt::format("it has images on {}: name one with --set camera_driver.log_channel={}", list_of(with_images),
-                       with_images.begin()->first);
+    return fmt::format(
+        "it has images on {0}: name one with --set camera_driver.log_channel={1} (`rumi calibrate`: -c {1})",
+        list_of(with_images), with_images.begin()->first);
   const std::string all = others.empty() ? "is empty" : fmt::format("has messages on {}", list_of(others));
   return fmt::format("no channel of it has images (image_t of rumi, libbot or bot_core); it {}", all);
 }

@@ -41,7 +41,7 @@ std::vector<int64_t> times(const FileList& list) {
 
 TEST_F(FileLists, OfLinesWithSeveralImagesTheFirstOneIsPlayed) {
   for (const char* line : {"1.{} l{}.png r{}.png\n", "1.{},l{}.png,r{}.png\n", "1.{} l{}.png 1.5 r{}.png\n",
-                           "1.{} l{}.png r{}.png d.tiff\n"}) {
+                           "1.{} l{}.png r{}.png d.tiff\n", "1.{} l{}.png 1.5 r{}.exr\n"}) {
     std::string lines;
     for (int i = 0; i < 3; ++i) lines += fmt::format(fmt::runtime(line), i, i, i);
     const FileList list = tum(lines);

@@ -238,7 +238,7 @@ TEST_F(Messages, OfOptions) {
   lines.reserve(100);
   for (const char* command :
        {"rumi replay tum -o out", "rumi export tum -o b.lcm", "rumi up good.yaml tum", "camera_driver tum"})
-    for (const char* flag : {"--every 0", "--every 1.5", "--start -1", "--rate -1", "--duration nan", "--encoding png"})
+    for (const char* flag : {"--every 0", "--start -1", "--encoding png"})
       lines.push_back(fmt::format("{} {}", command, flag));
   for (const char* flag : {"--every 0", "--start -1"})
     lines.push_back(fmt::format("rumi import a.lcm -o new {}", flag));
