@@ -29,10 +29,10 @@ fs::path closed_folder(const fs::path& path) {
 
 }  // namespace
 
-std::string why_unreadable(const fs::path& path) {
+std::string why_unreadable(const fs::path& path, const std::string& remedy) {
   if (access(path.c_str(), is_folder(path) ? R_OK | X_OK : R_OK) == 0) return "";
   const int code = errno;
-  if (code == ENOENT || code == ENOTDIR) return "no such file or folder";
+  if (code == ENOENT || code == ENOTDIR) return "no such file or folder" + (remedy.empty() ? "" : "; " + remedy);
   if (code != EACCES) return std::strerror(code);
   const fs::path closed = closed_folder(path);
   const std::string what = closed.empty() ? "read it" : fmt::format("enter the folder {}", closed.string());

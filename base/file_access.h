@@ -9,7 +9,8 @@ namespace rumi {
 
 // "no such file or folder", "no permission to read it ...", "no permission to enter the folder ...": for a person, to
 // be put behind the name and a colon. Empty if it is there and can be read (a folder: listed and entered).
-std::string why_unreadable(const std::filesystem::path& path);
+// `remedy` is added where it is missing.
+std::string why_unreadable(const std::filesystem::path& path, const std::string& remedy = {});
 
 // Whether something of that name is there, or may be there, in a folder that may not be entered: reading it tells.
 bool may_be_there(const std::filesystem::path& path);

@@ -167,8 +167,7 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
-  if (const std::string why = why_unreadable(path); !why.empty())
-    return refuse(may_be_there(path) ? why : fmt::format("{}; {}", why, kWhatToGive));
+  if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);

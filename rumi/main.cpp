@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
     }
     return chosen();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi {}: {}\n", argv[1], rumi::reason_of(e));  // behind a command nothing is thrown
+    fmt::print(stderr, "rumi {}: {}\n", argv[1], rumi::reason_of(e));  // the command
     return 1;
   }
 }

@@ -111,9 +111,9 @@ FileCameras read_file_text(const std::string& text, const std::string& name) {
 CameraFileResult read_chosen(const std::string& file, const std::string& choice) {
   CameraFileResult result;
   std::error_code code;
-  if (const std::string why = why_unreadable(file); !why.empty()) {
-    result.error = fmt::format("{}: {}{}", file, why,
-                               may_be_there(file) ? "" : "; give the camera's calibration with --camera FILE");
+  const std::string why = why_unreadable(file, "give the camera's calibration with --camera FILE");
+  if (!why.empty()) {
+    result.error = fmt::format("{}: {}", file, why);
   } else if (fs::is_directory(file, code)) {
     result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
   } else {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Libraries that decode print what they find wrong where the user sees it. What is wrong with a file is said by us;
-// what they say is in the log with --verbose.
+// what they say is in the log with --verbose, and FFmpeg's first error as a warning.
 #pragma once
 
 #include <cstdio>

@@ -85,10 +85,10 @@ std::optional<TimedPose> parse_pose(const std::string& line) {
 TrajectoryFile read_trajectory(const std::string& file) {
   TrajectoryFile result;
   std::ifstream in(file);
-  std::string why = why_unreadable(file);
+  std::string why = why_unreadable(file, "give the output folder of a run, or a file of poses");
   if (why.empty() && (!in || std::filesystem::is_directory(file))) why = "is no file";
   if (!why.empty()) {
-    result.error = fmt::format("{}: {}: give the output folder of a run, or a file of poses", file, why);
+    result.error = fmt::format("{}: {}", file, why);
     return result;
   }
   for (std::string line; std::getline(in, line);) {
@@ -110,8 +110,8 @@ FramesFile read_frames(const std::string& file) {
   std::ifstream in(file);
   std::string line;
   if (!in || !std::getline(in, line)) {
-    const std::string why = why_unreadable(file);
-    result.error = fmt::format("{}: {}: is this the output folder of a run?", file, why.empty() ? "is empty" : why);
+    const std::string why = why_unreadable(file, "is this the output folder of a run?");
+    result.error = fmt::format("{}: {}", file, why.empty() ? "is empty" : why);
     return result;
   }
   const auto names = split_csv(line);

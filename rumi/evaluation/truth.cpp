@@ -226,9 +226,8 @@ class TruthReader {
     if (const std::string stranger = known_stranger(); !stranger.empty()) return refuse(stranger);
     const std::optional<TruthTable> table = read_truth_table(file_);
     if (!table) {
-      const std::string why = why_unreadable(file_);
-      return refuse(
-          fmt::format("{}: give the file of the true poses", why.empty() ? "is no file that can be read" : why));
+      const std::string why = why_unreadable(file_, "give the file of the true poses");
+      return refuse(why.empty() ? "is no file that can be read" : why);
     }
     if (table->lines.empty()) return refuse("holds no poses: give the file of the true poses");
     const bool has_names_of_euroc = std::any_of(table->names.begin(), table->names.end(), [](const std::string& name) {

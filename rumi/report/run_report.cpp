@@ -296,8 +296,8 @@ std::string report_without_map(const std::string& folder, const ordered_json& ru
 }  // namespace
 
 std::string make_report(const std::string& folder, const ReportOptions& options) {
-  if (const std::string why = why_unreadable(folder); !why.empty())
-    throw std::runtime_error(fmt::format("{}: {}: give the output folder of a run", folder, why));
+  if (const std::string why = why_unreadable(folder, "give the output folder of a run"); !why.empty())
+    throw std::runtime_error(fmt::format("{}: {}", folder, why));
   const ordered_json run = read_run_json(folder);
   if (run.is_null())
     throw std::runtime_error(fmt::format("{}: is no output folder of a run (it has no run.json of ours)", folder));

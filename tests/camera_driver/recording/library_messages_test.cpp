@@ -47,8 +47,11 @@ TEST(LibraryMessages, OfBrokenVideosDoNotReachTheUser) {
   std::string bytes = read(file);
   for (size_t i = bytes.size() / 3; i < 2 * bytes.size() / 3; i += 50) bytes[i] = 0x55;
   folder.write("v.avi", bytes);
+  ::testing::internal::CaptureStdout();  // where a log goes that was not started
   const std::string printed = printed_by(file);
+  const std::string log = ::testing::internal::GetCapturedStdout();
   EXPECT_EQ(printed.find(" @ 0x"), std::string::npos) << printed;
+  EXPECT_EQ(log.find("FFmpeg says"), log.rfind("FFmpeg says")) << "once";
 }
 
 TEST(LibraryMessages, OnlyWhileTheyAreAskedFor) {
