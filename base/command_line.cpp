@@ -2,10 +2,13 @@
 #include "base/command_line.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 
 #include "base/nearest_word.h"
@@ -17,12 +20,48 @@ Flag& Flag::show_default() { return option_->capture_default_str(), *this; }
 Flag& Flag::type_name(const std::string& name) { return option_->type_name(name), *this; }
 Flag& Flag::envname(const std::string& name) { return option_->envname(name), *this; }
 Flag& Flag::one_each() { return option_->allow_extra_args(false), *this; }
-Flag& Flag::positive() { return option_->check(CLI::PositiveNumber), *this; }
-Flag& Flag::not_negative() { return option_->check(CLI::NonNegativeNumber), *this; }
-Flag& Flag::in_range(int low, int high) { return option_->check(CLI::Range(low, high)), *this; }
-Flag& Flag::in_range(double low, double high) { return option_->check(CLI::Range(low, high)), *this; }
-Flag& Flag::one_of(const std::vector<std::string>& values) { return option_->check(CLI::IsMember(values)), *this; }
-Flag& Flag::existing_file() { return option_->check(CLI::ExistingFile), *this; }
+namespace {
+
+// Refuses what is no number, or not in the range, NaN too.
+template <class IsRight>
+CLI::Validator number(const std::string& range, const IsRight& is_right) {
+  return {[range, is_right](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && *end == '\0' && is_right(value) ? std::string()
+                                                                          : fmt::format("'{}' must be {}", text, range);
+          },
+          ""};
+}
+
+}  // namespace
+
+Flag& Flag::positive() {
+  return option_->check(number("a number above 0", [](double value) { return value > 0 && std::isfinite(value); })),
+         *this;
+}
+Flag& Flag::not_negative() {
+  return option_->check(
+             number("a number that is not negative", [](double value) { return value >= 0 && std::isfinite(value); })),
+         *this;
+}
+Flag& Flag::in_range(int low, int high) {
+  const auto is_right = [low, high](double value) {
+    return value >= low && value <= high && value == std::floor(value);
+  };
+  return option_->check(number(fmt::format("a whole number from {} to {}", low, high), is_right)), *this;
+}
+Flag& Flag::in_range(double low, double high) {
+  const auto is_right = [low, high](double value) { return value >= low && value <= high; };
+  return option_->check(number(fmt::format("a number from {} to {}", low, high), is_right)), *this;
+}
+Flag& Flag::one_of(const std::vector<std::string>& values) {
+  const auto is_right = [values](const std::string& text) {
+    const bool known = std::find(values.begin(), values.end(), text) != values.end();
+    return known ? std::string() : fmt::format("'{}' must be one of {}", text, fmt::join(values, ", "));
+  };
+  return option_->check(CLI::Validator(is_right, fmt::format("{}", fmt::join(values, "|")))), *this;
+}
 
 CommandLine::CommandLine(const std::string& summary, const std::string& program)
     : own_(std::make_unique<CLI::App>(summary, program)), app_(own_.get()) {}
@@ -52,6 +91,10 @@ Flag CommandLine::add_flag(const std::string& names, bool& value, const std::str
   return Flag(app_->add_flag(names, value, help));
 }
 
+Flag CommandLine::add_flag(const std::string& names, std::function<void()> take, const std::string& help) {
+  return Flag(app_->add_flag_callback(names, std::move(take), help));
+}
+
 void CommandLine::add_action(const std::string& names, std::function<void()> act, const std::string& help) {
   app_->add_flag_callback(
       names,
@@ -64,8 +107,6 @@ void CommandLine::add_action(const std::string& names, std::function<void()> act
 
 void CommandLine::set_version(const std::string& version) { app_->set_version_flag("--version", version); }
 void CommandLine::footer(const std::string& text) { app_->footer(text); }
-void CommandLine::allow_extras() { app_->allow_extras(); }
-std::vector<std::string> CommandLine::remaining() const { return app_->remaining(); }
 
 CommandLine* CommandLine::add_command(const std::string& name, const std::string& summary) {
   app_->require_subcommand(1);
@@ -95,6 +136,17 @@ std::string no_such(const std::string& what, const std::string& word, const std:
   return fmt::format("{}: there is no such {}{}", word, what, similar.empty() ? "" : "; did you mean " + similar + "?");
 }
 
+// What the library says of the rest is plain enough.
+std::string reason_of(const CLI::ParseError& error) {
+  std::string text = error.what();
+  constexpr const char* kNotConverted = "Could not convert: ";
+  if (text.starts_with(kNotConverted)) return text.substr(std::strlen(kNotConverted)) + ": expected a number";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) && text.ends_with(" missing"))
+    return text.substr(0, text.find(':')) + ": its value is missing";
+  if (text == "A subcommand is required") return "a command is missing";
+  return text;
+}
+
 // "-every": the library takes it for five flags of a letter.
 std::string no_such_flag(const std::string& flag, const std::vector<std::string>& known) {
   if (flag.starts_with("--") || flag.size() == 2) return no_such("flag", flag, known);
@@ -120,7 +172,6 @@ std::string CommandLine::misspelt(int argc, char** argv) const {
       if (std::find(commands.begin(), commands.end(), word) == commands.end())
         return no_such("command", word, commands);
       app = app_->get_subcommand(word);
-      if (app->get_allow_extras()) return {};
       add_names(*app, &known);
       continue;
     }
@@ -140,7 +191,7 @@ CommandLine::Result CommandLine::parse(int argc, char** argv) {
     return {.done = true, .error = ""};
   } catch (const CLI::ParseError& e) {
     const std::string word = misspelt(argc, argv);
-    return {.done = false, .error = word.empty() ? e.what() : word};
+    return {.done = false, .error = word.empty() ? reason_of(e) : word};
   }
   return {};
 }

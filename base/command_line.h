@@ -36,7 +36,6 @@ class Flag {
   Flag& in_range(int low, int high);
   Flag& in_range(double low, double high);
   Flag& one_of(const std::vector<std::string>& values);
-  Flag& existing_file();
 
  private:
   CLI::Option* option_;
@@ -56,14 +55,12 @@ class CommandLine {
   Flag add_option(const std::string& names, const std::function<void(const std::string&)>& take,
                   const std::string& help);
   Flag add_flag(const std::string& names, bool& value, const std::string& help);
+  Flag add_flag(const std::string& names, std::function<void()> take, const std::string& help);
   // Does something and ends the program well, as --help does.
   void add_action(const std::string& names, std::function<void()> act, const std::string& help);
   void set_version(const std::string& version);
   // Below the flags in --help.
   void footer(const std::string& text);
-  // Flags that are not known are kept in remaining().
-  void allow_extras();
-  std::vector<std::string> remaining() const;
 
   // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
   CommandLine* add_command(const std::string& name, const std::string& summary);

@@ -180,6 +180,9 @@ std::string OptionTable::unknown(const std::string& key) const {
   std::vector<std::string> keys;
   for (const Entry& entry : entries_) keys.push_back(entry.key);
   if (keys.empty()) return fmt::format("{}: unknown option; this program has none", key);
+  const auto without_section =
+      std::find_if(keys.begin(), keys.end(), [&key](const std::string& known) { return known.ends_with("." + key); });
+  if (without_section != keys.end()) return fmt::format("{}: unknown option; did you mean {}?", key, *without_section);
   return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest_word(key, keys));
 }
 
@@ -190,7 +193,7 @@ std::string OptionTable::load_yaml(const std::string& file) {
   if (stream) text << stream.rdbuf();
   // An empty file sets failbit on `text`, a folder errno on reading.
   if (!stream.is_open() || errno != 0)
-    return fmt::format("{}: cannot be read ({}); check the name given to --config", file, std::strerror(errno));
+    return fmt::format("{}: cannot be read ({}): give the YAML file of the options", file, std::strerror(errno));
   return load_yaml_text(text.str(), file);
 }
 
@@ -221,13 +224,17 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
   return "";
 }
 
-std::string OptionTable::set(const std::string& key_equals_value) {
-  const size_t equals = key_equals_value.find('=');
-  if (equals == std::string::npos) return fmt::format("--set {}: expected KEY=VALUE", key_equals_value);
-  const std::string key = key_equals_value.substr(0, equals);
+std::string OptionTable::set(const std::string& setting) {
+  const size_t flag_end = setting.starts_with("--") ? setting.find(' ') : std::string::npos;
+  const std::string flag = flag_end == std::string::npos ? "--set" : setting.substr(0, flag_end);
+  const std::string text = flag_end == std::string::npos ? setting : setting.substr(flag_end + 1);
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos) return fmt::format("--set {}: expected KEY=VALUE", text);
+  const std::string key = text.substr(0, equals);
   const Entry* entry = find(key);
-  const std::string problem = entry ? assign(*entry, key_equals_value.substr(equals + 1), true) : unknown(key);
-  return problem.empty() ? "" : "--set " + problem;
+  const std::string problem = entry ? assign(*entry, text.substr(equals + 1), true) : unknown(key);
+  if (problem.empty()) return "";
+  return flag == "--set" ? "--set " + problem : fmt::format("{}: {}", flag, problem);
 }
 
 void OptionTable::reset() {
@@ -235,7 +242,10 @@ void OptionTable::reset() {
 }
 
 std::string OptionTable::range_text(const Entry& entry) const {
-  if (!entry.choices.empty()) return fmt::format("{}", fmt::join(entry.choices, " | "));
+  if (!entry.choices.empty()) {
+    const bool may_be_empty = entry.choices[0].empty();
+    return (may_be_empty ? "\"\"" : "") + fmt::format("{}", fmt::join(entry.choices, " | "));
+  }
   const bool is_number =
       std::holds_alternative<int*>(entry.fields.front()) || std::holds_alternative<double*>(entry.fields.front());
   return is_number ? fmt::format("{} .. {}", entry.min, entry.max) : "";
@@ -276,6 +286,10 @@ std::string OptionTable::to_yaml(Which which) const {
     }
   }
   return text;
+}
+
+std::string by_flag(const std::string& flag, const std::string& key, const std::string& value) {
+  return fmt::format("{} {}={}", flag, key, value);
 }
 
 std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings) {

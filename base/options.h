@@ -35,7 +35,8 @@ class OptionTable {
   // accepted, unknown keys in a known section are not.
   std::string load_yaml(const std::string& file);
   std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
-  std::string set(const std::string& key_equals_value);
+  // "KEY=VALUE", or what by_flag() made.
+  std::string set(const std::string& setting);
   // All fields have their defaults again.
   void reset();
 
@@ -69,7 +70,10 @@ class OptionTable {
   std::string group_;
 };
 
-// Fills the table's fields from a file (may be empty) and from KEY=VALUE settings. Returns what is wrong, or nothing.
+// The setting that a flag of its own ("--every") gives; what is wrong with it is told by the flag's name.
+std::string by_flag(const std::string& flag, const std::string& key, const std::string& value);
+
+// Fills the table's fields from a file (may be empty) and from settings, see set(). Returns what is wrong, or nothing.
 std::string load_options(OptionTable& table, const std::string& config_file, const std::vector<std::string>& settings);
 
 }  // namespace rumi

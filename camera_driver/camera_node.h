@@ -21,6 +21,7 @@ class CameraNode : public Node {
   int64_t next_tick_us(int64_t now_us) const override;
   NodeStatus status() override;
   bool done() const override;
+  int exit_code() const override;
 
   // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
   // is not live any more: tick() does nothing.
@@ -33,6 +34,7 @@ class CameraNode : public Node {
  private:
   int64_t due_us() const;
   std::string detail() const;
+  std::vector<std::string> complaints() const;
   void start(int64_t now_us);
   void publish(int64_t now_us);
   void put_on_bus();

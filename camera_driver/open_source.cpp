@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/file_access.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -24,11 +25,6 @@ namespace fs = std::filesystem;
 constexpr const char* kWhatToGive = "give a dataset folder (TUM, EuRoC), an image folder, a video or an lcm log";
 constexpr const char* kHowToRecord = "make one with camera_driver and lcm-logger";
 
-bool is_there(const fs::path& file) {
-  std::error_code code;
-  return fs::exists(file, code);
-}
-
 // A trailing slash would make parent_path() the folder itself.
 fs::path without_slash(const std::string& input) {
   const fs::path path = fs::path(input).lexically_normal();
@@ -38,7 +34,7 @@ fs::path without_slash(const std::string& input) {
 // data.csv of an EuRoC folder, however much of its path is given; empty if it is none.
 fs::path find_euroc_list(const fs::path& folder) {
   for (const char* inner : {"mav0/cam0/data.csv", "cam0/data.csv", "data.csv"})
-    if (is_there(folder / inner)) return folder / inner;
+    if (may_be_there(folder / inner)) return folder / inner;
   return {};
 }
 
@@ -66,7 +62,7 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
                              const std::string& input) {
   if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
   for (const fs::path& file : candidates)
-    if (is_there(file)) return read_camera_file(file.string());
+    if (may_be_there(file)) return read_camera_file(file.string());
   CameraFileResult missing;
   missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there", input,
                               candidates.front().string());
@@ -99,10 +95,30 @@ std::string folders_with_images(const fs::path& folder) {
   return fmt::format(" (images are in its folders {}: give one of them)", fmt::join(names, ", "));
 }
 
+// Their names are their times, so they can do without a list; empty if there are none.
+fs::path find_euroc_images(const fs::path& folder) {
+  for (const char* inner : {"mav0/cam0/data", "cam0/data", "data"}) {
+    std::error_code code;
+    if (fs::is_directory(folder / inner, code) && !list_image_folder(folder / inner, {}).entries.empty())
+      return folder / inner;
+  }
+  return {};
+}
+
+// " (its files are 12 .gif, which are not read: ...)", or nothing.
+std::string files_not_read(const fs::path& folder) {
+  const std::string files = other_files(folder);
+  if (files.empty()) return {};
+  return fmt::format(
+      " (its files are {}; images are read as JPEG, PNG, BMP, TIFF, PGM, PPM or WebP: convert them, as with `mogrify "
+      "-format png` of ImageMagick)",
+      files);
+}
+
 Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
-  if (is_there(folder / "rgb.txt"))
+  if (may_be_there(folder / "rgb.txt"))
     return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name), options);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
@@ -112,10 +128,19 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   }
   FileList list = list_image_folder(folder, options);
   if (list.error.empty() && list.entries.empty())
-    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
-                             folders_with_images(folder), kWhatToGive);
-  return from_list(std::move(list),
-                   find_camera(options, {calibration, folder.parent_path() / "calibration.yaml"}, name), options);
+    if (const fs::path images = find_euroc_images(folder); !images.empty()) {
+      list = list_image_folder(images, options);
+      list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
+    }
+  if (list.error.empty() && list.entries.empty())
+    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}{}; {}", name,
+                             folders_with_images(folder), files_not_read(folder), kWhatToGive);
+  const fs::path images = list.source, above = images.parent_path();
+  const fs::path sensor = may_be_there(images / "sensor.yaml") ? images / "sensor.yaml" : above / "sensor.yaml";
+  return from_list(
+      std::move(list),
+      find_camera(options, {calibration, images / "calibration.yaml", above / "calibration.yaml", sensor}, name),
+      options);
 }
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
@@ -142,12 +167,12 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
+  if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
-  if (fs::exists(status)) return refuse(std::string("is neither a file nor a folder; ") + kWhatToGive);
-  return refuse(std::string("no such file or folder; ") + kWhatToGive);
+  return refuse(std::string("is neither a file nor a folder; ") + kWhatToGive);
 }
 
 }  // namespace

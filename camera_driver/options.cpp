@@ -34,7 +34,7 @@ std::string check_control(const char* name, const std::string& value, double min
   const char* end = value.data() + value.size();
   const auto [stop, code] = std::from_chars(value.data(), end, number);
   if (code == std::errc() && stop == end && within(number, min, kMaxControl)) return {};
-  return fmt::format("{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl);
+  return fmt::format("camera_driver.{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl);
 }
 
 std::vector<std::string> format_choices() {
@@ -48,7 +48,7 @@ std::string check_camera_options(const CameraOptions& o) {
   if (!within(o.width, 0, kMaxSide)) return fmt::format("width is {}: must be 0 to {}", o.width, kMaxSide);
   if (!within(o.height, 0, kMaxSide)) return fmt::format("height is {}: must be 0 to {}", o.height, kMaxSide);
   if ((o.width == 0) != (o.height == 0))
-    return fmt::format("width x height is {} x {}: give both or none", o.width, o.height);
+    return fmt::format("camera_driver.width x height is {} x {}: give both or none", o.width, o.height);
   const std::vector<std::string> formats = format_choices();
   if (std::find(formats.begin(), formats.end(), o.format) == formats.end())
     return fmt::format("format is '{}': must be {}", o.format, fmt::join(formats, ", "));
@@ -81,7 +81,7 @@ std::string check(const CameraOptions& o) {
   if (std::find(kEncodings.begin(), kEncodings.end(), o.encoding) == kEncodings.end())
     return fmt::format("encoding is '{}': must be {}", o.encoding, fmt::join(kEncodings, ", "));
   if (o.grey_range != "auto" && !parse_grey_range(o.grey_range))
-    return fmt::format("grey_range is '{}': must be auto or LOW:HIGH, 0 to 65535", o.grey_range);
+    return fmt::format("camera_driver.grey_range is '{}': must be auto or LOW:HIGH, 0 to 65535", o.grey_range);
   return check_camera_options(o);
 }
 
@@ -91,7 +91,7 @@ void describe(OptionTable& table, CameraOptions& o) {
       "camera_driver.camera_file", &o.camera_file,
       "calibration file (FILE:cam1: one of its cameras); empty: beside the data, or in the log; a camera without one "
       "cannot be tracked");
-  table.add("camera_driver.every", &o.every, "frames", "publish every Nth frame", 1, kMaxEvery);
+  table.add("camera_driver.every", &o.every, "", "publish every Nth image only", 1, kMaxEvery);
   table.add("camera_driver.start", &o.start_s, "s", "leave out so much at the beginning", 0, kMaxSeconds);
   table.add("camera_driver.duration", &o.duration_s, "s", "end after so much of the recording; 0: all of it", 0,
             kMaxSeconds);
@@ -108,16 +108,17 @@ void describe(OptionTable& table, CameraOptions& o) {
             "pattern (* and ?) of the images of a folder or list; empty: those of one camera");
   table.add("camera_driver.grey_range", &o.grey_range,
             "pixels of 16 bits: LOW:HIGH become 0 to 255; auto: the range of the recording");
-  table.add("camera_driver.width", &o.width, "px", "camera: 0: of the calibration, without one 640 x 480", 0, kMaxSide);
-  table.add("camera_driver.height", &o.height, "px", "camera: 0: of the calibration, without one 640 x 480", 0,
-            kMaxSide);
+  table.add("camera_driver.width", &o.width, "px",
+            "camera: of its images; 0: as the calibration says, without one 640 x 480", 0, kMaxSide);
+  table.add("camera_driver.height", &o.height, "px",
+            "camera: of its images; 0: as the calibration says, without one 640 x 480", 0, kMaxSide);
   table.add("camera_driver.format", &o.format, "camera: pixel format; auto: reaches the rate with least work and loss",
             format_choices());
   table.add("camera_driver.exposure", &o.exposure, "camera: auto, or ms; empty: as it is");
   table.add("camera_driver.gain", &o.gain, "camera: auto, or the camera's number (--list); empty: as it is");
   table.add("camera_driver.white_balance", &o.white_balance, "camera: auto, or kelvin; empty: as it is");
   table.add("camera_driver.focus", &o.focus, "camera: auto, or the camera's number (--list); empty: as it is");
-  table.add("camera_driver.power_line", &o.power_line, "camera: frequency of lamps, Hz; empty: as it is",
+  table.add("camera_driver.power_line", &o.power_line, "camera: frequency of the lamps, Hz; empty: as it is",
             {"", "off", "50", "60", "auto"});
   table.add("camera_driver.controls", &o.controls,
             "camera: any other controls (--list): \"brightness=10, sharpness=0\"");

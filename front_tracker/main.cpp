@@ -11,8 +11,10 @@ int main(int argc, char** argv) {
   process.summary =
       "Tracks the camera in real time: images come in on CAMERA, a state and a pose for each go out on RUMI_TRACK, the "
       "submaps on RUMI_SUBMAP.";
-  process.add_flags = [&options](rumi::CommandLine& app) {
-    app.add_option("--camera", options.camera_file, "calibration (default: the one that comes with the images)");
+  process.add_flags = [&options](rumi::CommandLine& app, std::vector<std::string>*) {
+    app.add_option("--camera", options.camera_file,
+                   "calibration file (FILE:cam1: one of its cameras), instead of the one that comes with the images")
+        ->type_name("FILE");
   };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&options](rumi::Bus& bus) {

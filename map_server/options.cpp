@@ -8,7 +8,7 @@ void describe(OptionTable& table, MergeOptions& o) {
   PlaceSearchOptions& p = o.builder.places;
   table.group("merging");
   table.add("map_server.merge", &o.enabled,
-            "join submaps into one map; no: the map is the largest submap, a front one if there is any");
+            "join submaps into one map; false: the map is the largest submap, a front one if there is any");
   table.add("map_server.merge_interval_s", &o.interval_s, "s", "from one look at what is new to the next", 0, 1000);
   table.add("map_server.adjustment_interval_s", &o.adjustment_interval_s, "s",
             "from one adjustment of the whole map to the next, at least; and 0.25 s for each image of it", 0, 1e6);

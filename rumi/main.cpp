@@ -10,8 +10,11 @@
 #include "rumi/commands/commands.h"
 
 int main(int argc, char** argv) {
-  rumi::CommandLine app("Monocular visual SLAM of small LCM processes.", "rumi");
+  rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
   app.set_version(rumi::version());
+  app.footer(
+      "`rumi COMMAND --help` explains a command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 "
+      "wrong options; 3 done, but not with all of the recording.");
   std::function<int()> chosen;
   rumi::tool::add_demo_command(app, &chosen);
   rumi::tool::add_replay_command(app, &chosen);
@@ -40,7 +43,7 @@ int main(int argc, char** argv) {
     }
     return chosen();
   } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi: {}\n", rumi::reason_of(e));
+    fmt::print(stderr, "rumi {}: {}\n", argv[1], rumi::reason_of(e));  // the command
     return 1;
   }
 }

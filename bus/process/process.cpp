@@ -101,15 +101,17 @@ void add_common_flags(CommandLine& app, CommonFlags* flags) {
   app.set_version(version());
 }
 
+// Returns what is wrong, or an empty string.
+std::string read_options(const CommonFlags& flags, const ProcessDescription& description, OptionTable* table) {
+  const std::string problem = load_options(*table, flags.config, flags.settings);
+  return problem.empty() && description.check_options ? description.check_options() : problem;
+}
+
 // What the running node makes of changed options.
-void reload(const CommonFlags& flags, OptionTable* table, const std::function<std::string(Node&)>& on_reload,
-            Node& node) {
+void reload(const CommonFlags& flags, OptionTable* table, const ProcessDescription& description, Node& node) {
   table->reset();
-  std::string problem = load_options(*table, flags.config, flags.settings);
-  if (problem.empty()) {
-    const std::string thrown = thrown_by([&] { problem = on_reload(node); });
-    if (!thrown.empty()) problem = thrown;
-  }
+  std::string problem = read_options(flags, description, table);
+  if (problem.empty()) problem = thrown_by([&] { description.on_reload(node); });
   if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
 
@@ -184,9 +186,8 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   CommonFlags flags;
   OptionTable table;
   add_common_flags(app, &flags);
-  if (description.add_flags) description.add_flags(app);
+  if (description.add_flags) description.add_flags(app, &flags.settings);
   if (description.add_options) description.add_options(table);
-  const std::string usage = app.help();
   if (const std::string options = table.help(OptionTable::Which::kUsers); !options.empty())
     app.footer("Options for --config and --set, with their defaults (all of them: --help-expert):\n" + options);
   app.add_action(
@@ -195,8 +196,9 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
 
   const CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return kOk;
-  if (!parsed.error.empty()) return wrong_command_line(description.name, fmt::format("{}\n\n{}", parsed.error, usage));
-  if (const std::string problem = load_options(table, flags.config, flags.settings); !problem.empty())
+  if (!parsed.error.empty())
+    return wrong_command_line(description.name, fmt::format("{}\nTry `{} --help`.", parsed.error, description.name));
+  if (const std::string problem = read_options(flags, description, &table); !problem.empty())
     return wrong_command_line(description.name, problem);
 
   start_logging(description.name, flags.verbose, flags.quiet);
@@ -216,13 +218,12 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
     if (only_one) status.set_claim(only_one->started_us(), only_one->publishes());
     const std::string problem = run_node(*bus, node, status, only_one ? &*only_one : nullptr,
-                                         [&] { reload(flags, &table, description.on_reload, node.node()); });
-    if (!problem.empty()) return refused(problem);
+                                         [&] { reload(flags, &table, description, node.node()); });
+    return problem.empty() ? node.exit_code() : refused(problem);
   } catch (const std::exception& e) {
     log_error("{}", reason_of(e));
     return kFailure;
   }
-  return kOk;
 }
 
 StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)

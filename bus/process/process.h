@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/due.h"
 #include "base/options.h"
@@ -39,6 +40,8 @@ class Node {
   // Live: true ends the process (a camera_driver that came to the end of its dataset).
   virtual bool done() const { return false; }
   virtual bool finished() const { return true; }
+  // Of the process, where all went well with it: kNotAll if not with all of the input.
+  virtual int exit_code() const { return 0; }
   // How much of what others wait for they have; another number each time they have more.
   virtual int64_t handed_on() const { return 0; }
 };
@@ -46,15 +49,18 @@ class Node {
 struct ProcessDescription {
   std::string name;     // "front_tracker"
   std::string summary;  // one or two lines for --help
-  // Adds the process's own flags to the command line (may be empty).
-  std::function<void(CommandLine&)> add_flags;
+  // Adds the process's own flags to the command line (may be empty). Those that are short for an option are put among
+  // the settings (by_flag()).
+  std::function<void(CommandLine&, std::vector<std::string>* settings)> add_flags;
   // Registers its options (may be empty).
   std::function<void(OptionTable&)> add_options;
   // Makes the node once everything is parsed; throws std::runtime_error with a message for the user if it cannot.
   std::function<std::unique_ptr<Node>(Bus&)> make_node;
-  // SIGUSR2: --config and --set were read again, into the fields of the options. Returns what is wrong with them, or an
-  // empty string. (Not SIGHUP: a closed terminal must end the process.)
-  std::function<std::string(Node&)> on_reload = {};
+  // SIGUSR2: --config and --set were read again, into the fields of the options, and are right. Throws what is wrong
+  // with them all the same. (Not SIGHUP: a closed terminal must end the process.)
+  std::function<void(Node&)> on_reload = {};
+  // What is wrong with the options as a whole, once all are read, or an empty string (may be empty).
+  std::function<std::string()> check_options = {};
   // There may be one on a bus (only_one.h): of its name, or ...
   bool only_one = false;
   bool only_one_on_channel = false;  // ... of those that publish on the camera's channel
@@ -62,8 +68,8 @@ struct ProcessDescription {
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
 // buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set KEY=VALUE, -v, -q, -h,
-// --version. Returns the exit code: 0, 1 for a failure, 2 where starting it again would not help: a wrong command line,
-// or another one on the bus of which there may be one.
+// --version. Returns the exit code: that of the node, 1 for a failure, 2 where starting it again would not help: a
+// wrong command line, or another one on the bus of which there may be one.
 int run_process(int argc, char** argv, const ProcessDescription& description);
 
 // The 1 Hz status of a node on any bus; call after every dispatch.

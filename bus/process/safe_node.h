@@ -24,6 +24,7 @@ class SafeNode : public Node {
   void stop() override;
   bool done() const override { return node_->done(); }
   bool finished() const override { return node_->finished(); }
+  int exit_code() const override { return node_->exit_code(); }
   int64_t handed_on() const override { return node_->handed_on(); }
 
   Node& node() { return *node_; }

@@ -43,6 +43,7 @@ LogReader::LogReader(const std::string& file) : name_(file), file_(std::fopen(fi
 }
 
 std::optional<LogEvent> LogReader::next() { return read(nullptr, SIZE_MAX); }
+std::optional<LogEvent> LogReader::next_head(size_t most_bytes) { return read(nullptr, most_bytes); }
 std::optional<LogEvent> LogReader::next_on(const std::string& channel, size_t most_bytes) {
   return read(&channel, most_bytes);
 }

@@ -30,6 +30,8 @@ class LogReader {
   std::optional<LogEvent> next();
   // The same for one channel: the data of others is skipped unread, and so is what goes beyond `most_bytes`.
   std::optional<LogEvent> next_on(const std::string& channel, size_t most_bytes = SIZE_MAX);
+  // The next one of any channel, with no more than so much of its data.
+  std::optional<LogEvent> next_head(size_t most_bytes);
   // Where the last event that was read begins, for seek(): that event is then the next one.
   int64_t position_of_last() const { return last_; }
   void seek(int64_t position);

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <set>
 
+#include "base/file_access.h"
 #include "base/log.h"
 #include "bus/wire/camera_file/formats.h"
 #include "bus/wire/camera_file/lens.h"
@@ -41,7 +42,7 @@ FileCameras read_text(const std::string& text, const std::string& name) {
     if (!root.IsMap()) return refuse(fmt::format("is not a list of 'key: value': {}", kExpected));
     return read_fields(Fields(root, name));
   } catch (const YAML::Exception& e) {
-    return refuse(fmt::format("is not correct YAML ({}): {}", e.what(), kExpected));
+    return refuse(fmt::format("is not correct YAML (line {}: {}): {}", e.mark.line + 1, e.msg, kExpected));
   }
 }
 
@@ -101,6 +102,7 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
 // Files that are more than YAML of a few kB.
 FileCameras read_file_text(const std::string& text, const std::string& name) {
   if (is_realsense_listing(text)) return read_realsense(text, name);
+  if (is_nerf_list(text)) return read_nerf_list(text, name);
   if (is_colmap_list(text)) return read_colmap(text, name);
   const std::string yaml = text.size() <= kMaxBytes ? yaml_of_opencv_xml(text) : "";
   return read_text(yaml.empty() ? text : yaml, name);
@@ -109,10 +111,10 @@ FileCameras read_file_text(const std::string& text, const std::string& name) {
 CameraFileResult read_chosen(const std::string& file, const std::string& choice) {
   CameraFileResult result;
   std::error_code code;
-  const auto status = fs::status(file, code);
-  if (!fs::exists(status)) {
-    result.error = fmt::format("{}: no such file; give the camera's calibration with --camera FILE", file);
-  } else if (fs::is_directory(status)) {
+  const std::string why = why_unreadable(file, "give the camera's calibration with --camera FILE");
+  if (!why.empty()) {
+    result.error = fmt::format("{}: {}", file, why);
+  } else if (fs::is_directory(file, code)) {
     result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
   } else {
     std::ifstream stream(file, std::ios::binary);
@@ -120,7 +122,7 @@ CameraFileResult read_chosen(const std::string& file, const std::string& choice)
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
     if (stream.is_open() && !stream.bad()) return choose(read_file_text(text, file), file, choice);
-    result.error = fmt::format("{}: cannot be read; check its permissions", file);
+    result.error = fmt::format("{}: cannot be read; is the disk in order?", file);
   }
   return result;
 }

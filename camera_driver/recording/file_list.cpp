@@ -2,14 +2,17 @@
 #include "camera_driver/recording/file_list.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 #include <fstream>
 #include <functional>
+#include <iterator>
+#include <map>
 #include <set>
-#include <sstream>
 
+#include "base/file_access.h"
 #include "base/log.h"
 #include "base/natural_order.h"
 #include "camera_driver/recording/file_name_times.h"
@@ -25,6 +28,13 @@ std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 // Control characters of a binary file must not reach the terminal.
@@ -54,7 +64,63 @@ bool is_heading(const std::string& time) {
 struct Line {
   std::string time, name;  // as they stand there
   int number = 0;
+  size_t images = 1;  // that it names
+  bool has_decimal_comma = false;
 };
+
+bool is_image_name(const fs::path& file) {
+  static const std::set<std::string> kExtensions = {".jpg",  ".jpeg", ".png", ".bmp", ".tif",
+                                                    ".tiff", ".pgm",  ".ppm", ".webp"};
+  return kExtensions.contains(lower_extension(file)) && !file.filename().string().starts_with('.');
+}
+
+constexpr const char* kSeparators = " \t,;";
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::vector<std::string> words;
+  for (size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find_first_of(kSeparators, begin), text.size());
+    if (end > begin) words.push_back(text.substr(begin, end - begin));
+  }
+  return words;
+}
+
+// "1305031102,175304 a.png": the comma is that of a number, as a tool writes it whose language is so set.
+void join_decimal_comma(Line* line, char separator) {
+  const size_t digits = line->name.find_first_not_of("0123456789");
+  const bool may_be = separator == ',' && digits != std::string::npos && digits > 0 &&
+                      line->time.find_first_not_of("0123456789") == std::string::npos &&
+                      std::string(" \t;").find(line->name[digits]) != std::string::npos;
+  if (!may_be) return;
+  line->time += '.' + line->name.substr(0, digits);
+  line->name = trimmed(line->name.substr(digits + 1));
+  line->has_decimal_comma = true;
+}
+
+// "left.png right.png", "colour.png 12.5 depth.exr": the first one is meant. A name may have spaces, too.
+void take_first_image(Line* line) {
+  const std::vector<std::string> words = words_of(line->name);
+  if (words.size() < 2 || !is_image_name(words[0])) return;
+  const bool is_pair = words.size() == 3 && is_number(words[1]);
+  const auto images = static_cast<size_t>(std::count_if(words.begin(), words.end(), is_image_name));
+  const bool are_images = images > 1 && std::all_of(words.begin(), words.end(), [](const std::string& word) {
+                            return is_image_name(word) || is_number(word);
+                          });
+  if (!is_pair && !are_images) return;
+  line->images = is_pair ? 2 : images;
+  line->name = words[0];
+}
+
+// "time name": by any separator.
+void split_line(const std::string& text, Line* line) {
+  const size_t end = text.find_first_of(kSeparators);
+  line->time = trimmed(text.substr(0, end));
+  if (end == std::string::npos) return;
+  line->name = text.substr(end + 1);
+  join_decimal_comma(line, text[end]);
+  line->name = trimmed(line->name);
+  take_first_image(line);
+}
 
 std::vector<std::string> all(const std::vector<Line>& lines, std::string Line::*member) {
   std::vector<std::string> values;
@@ -75,7 +141,8 @@ std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
   std::vector<Line> lines;
   std::ifstream stream(list->source);
   if (!stream) {
-    list->error = fmt::format("{}: cannot be read; check that it exists and its permissions", list->source.string());
+    const std::string why = why_unreadable(list->source);
+    list->error = fmt::format("{}: {}", list->source.string(), why.empty() ? "cannot be read" : why);
     return lines;
   }
   std::string text;
@@ -105,6 +172,18 @@ std::vector<Line> without_repeats(FileList* list, std::vector<Line> lines) {
   return lines;
 }
 
+void tell_of_lines(FileList* list, const std::vector<Line>& lines) {
+  const auto most =
+      std::max_element(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.images < b.images; });
+  if (most == lines.end()) return;
+  if (most->images > 1)
+    list->notes.push_back(fmt::format("its lines name {} images each: the first one is played ('{}')", most->images,
+                                      printable(most->name)));
+  const auto commas =
+      std::count_if(lines.begin(), lines.end(), [](const Line& line) { return line.has_decimal_comma; });
+  if (commas > 0) list->notes.push_back(fmt::format("{} of its times have a decimal comma", commas));
+}
+
 // 0, 1, 2 ... or 1, 2, 3 ...
 bool count_images(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 10;
@@ -113,6 +192,41 @@ bool count_images(const std::vector<std::string>& times) {
   for (size_t i = 0; i < times.size(); ++i)
     if (times[i] != std::to_string(first + i)) return false;
   return true;
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// "a (1).jpg", "a copy.jpg", "a - Copy.jpg" beside "a.jpg", with the same in it: what a file manager makes of a second
+// copy. Empty if the name is not such a one.
+std::string original_name(const fs::path& name) {
+  const std::string stem = name.stem().string();
+  for (const char* mark : {" (", " - ", " copy", "_copy"})
+    if (const size_t at = stem.rfind(mark); at != std::string::npos && at > 0)
+      return stem.substr(0, at) + name.extension().string();
+  return {};
+}
+
+std::vector<Line> without_copies(FileList* list, std::vector<Line> lines, const fs::path& folder) {
+  std::set<std::string> names;
+  for (const Line& line : lines) names.insert(line.name);
+  std::vector<std::string> left_out;
+  std::erase_if(lines, [&](const Line& line) {
+    const std::string original = original_name(line.name);
+    if (!names.contains(original)) return false;
+    std::error_code code;
+    const fs::path first = folder / original, second = folder / line.name;
+    if (fs::file_size(first, code) != fs::file_size(second, code) || content_of(first) != content_of(second))
+      return false;
+    left_out.push_back(line.name);
+    return true;
+  });
+  if (!left_out.empty())
+    list->notes.push_back(
+        fmt::format("{} copies of other images are left out (such as '{}')", left_out.size(), printable(left_out[0])));
+  return lines;
 }
 
 // Those of one camera, all if that is not to be told.
@@ -151,7 +265,9 @@ FileList read_list(const fs::path& file, const fs::path& folder, const CameraOpt
                    const std::string& expected, const LineParser& parse) {
   FileList list;
   list.source = file;
-  const std::vector<Line> lines = choose(&list, without_repeats(&list, read_lines(&list, parse)), options.files);
+  std::vector<Line> lines = without_repeats(&list, read_lines(&list, parse));
+  tell_of_lines(&list, lines);
+  lines = choose(&list, lines, options.files);
   understand(&list, lines, folder, usual, needs_times(options));
   if (list.entries.empty() && list.error.empty()) {
     list.error = list.malformed.count > 0
@@ -159,15 +275,6 @@ FileList read_list(const fs::path& file, const fs::path& folder, const CameraOpt
                      : fmt::format("{}: names no image; expected lines '{}'", file.string(), expected);
   }
   return list;
-}
-
-bool is_image_name(const fs::path& file) {
-  static const std::set<std::string> kExtensions = {".jpg",  ".jpeg", ".png", ".bmp", ".tif",
-                                                    ".tiff", ".pgm",  ".ppm", ".webp"};
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return kExtensions.contains(extension) && !file.filename().string().starts_with('.');
 }
 
 class FileListReader : public FrameReader {
@@ -211,29 +318,39 @@ class FileListReader : public FrameReader {
 
 FileList read_tum_list(const fs::path& rgb_txt, const CameraOptions& options) {
   const auto parse = [&options](const std::string& text, Line* line) -> std::string {
-    const size_t space = text.find_first_of(" \t,;");
-    const bool is_path = space == std::string::npos && !needs_times(options);
-    line->time = is_path ? "" : text.substr(0, space);
-    line->name = is_path ? text : space == std::string::npos ? "" : trimmed(text.substr(space + 1));
-    if (line->name.empty()) return no_name_after(line->time);
-    std::istringstream words(line->name);
-    std::string name, second_time, second_name, more;
-    const bool is_pair = words >> name >> second_time >> second_name && !(words >> more);
-    if (is_pair && is_number(second_time)) line->name = name;
-    return {};
+    const bool is_path = text.find_first_of(kSeparators) == std::string::npos && !needs_times(options);
+    if (is_path)
+      line->name = text;
+    else
+      split_line(text, line);
+    return line->name.empty() ? no_name_after(line->time) : "";
   };
   return read_list(rgb_txt, rgb_txt.parent_path(), options, TimeUnit::kSeconds, "seconds path/of/image.png", parse);
 }
 
 FileList read_euroc_list(const fs::path& data_csv, const CameraOptions& options) {
   const auto parse = [](const std::string& text, Line* line) -> std::string {
-    const size_t comma = text.find_first_of(" \t,;");
-    line->time = trimmed(text.substr(0, comma));
-    line->name = comma == std::string::npos ? "" : trimmed(text.substr(comma + 1));
+    split_line(text, line);
     return line->name.empty() ? no_name_after(line->time) : "";
   };
   const fs::path folder = data_csv.parent_path() / "data";
   return read_list(data_csv, folder, options, TimeUnit::kNanoseconds, "nanoseconds,name.png", parse);
+}
+
+std::string other_files(const fs::path& folder) {
+  std::map<std::string, int> count;
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code ignored;
+    const bool is_hidden = it->path().filename().string().starts_with('.');
+    if (!is_hidden && !is_image_name(it->path()) && it->is_regular_file(ignored)) ++count[lower_extension(it->path())];
+  }
+  constexpr size_t kMostNamed = 6;
+  std::vector<std::string> parts;
+  for (const auto& [extension, files] : count)
+    if (parts.size() < kMostNamed)
+      parts.push_back(fmt::format("{} {}", files, extension.empty() ? "without an ending" : printable(extension)));
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 FileList list_image_folder(const fs::path& folder, const CameraOptions& options) {
@@ -244,6 +361,7 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
     if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
+  lines = without_copies(&list, lines, folder);
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return natural_less(a.name, b.name); });
   lines = choose(&list, lines, options.files);
   if (!list.error.empty() || lines.empty()) return list;

@@ -32,10 +32,12 @@ struct FileList {
 // be readable, and a line may be a path alone.
 
 // rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
-// ("seconds path seconds path", as of colour and depth) give the first one.
+// ("seconds path seconds path", as of colour and depth, or "seconds left right") give the first one.
 FileList read_tum_list(const std::filesystem::path& rgb_txt, const CameraOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
 FileList read_euroc_list(const std::filesystem::path& data_csv, const CameraOptions& options);
+// "12 .gif, 3 without an ending": the files of a folder that are not taken for images; empty if there are none.
+std::string other_files(const std::filesystem::path& folder);
 // All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
 FileList list_image_folder(const std::filesystem::path& folder, const CameraOptions& options);
 

@@ -8,9 +8,11 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/file_access.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_decoder.h"
 #include "camera_driver/recording/image_header.h"
+#include "camera_driver/recording/library_messages.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -22,7 +24,8 @@ constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
   std::error_code code;
   if (!fs::is_regular_file(file, code)) {
-    *error = fs::exists(file, code) ? "is not a file" : "no such file";
+    const std::string why = why_unreadable(file);
+    *error = why.empty() ? "is not a file" : why;
     return std::nullopt;
   }
   const std::uintmax_t size = fs::file_size(file, code);
@@ -33,7 +36,8 @@ std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string*
   std::vector<uint8_t> bytes(size);
   std::ifstream stream(file, std::ios::binary);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
-    *error = "cannot be read; check its permissions";
+    const std::string why = why_unreadable(file);
+    *error = why.empty() ? "cannot be read; is the disk in order?" : why;
     return std::nullopt;
   }
   if (bytes.empty()) {
@@ -62,6 +66,7 @@ cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* erro
   if (!error->empty()) return {};
   cv::Mat pixels;
   try {
+    const DecoderMessages are_ours;
     const int wanted = colour ? cv::IMREAD_ANYCOLOR : cv::IMREAD_GRAYSCALE;
     pixels = cv::imdecode(bytes, wanted | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {

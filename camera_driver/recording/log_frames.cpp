@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <map>
 #include <span>
 
 #include "bus/transport/bus.h"
@@ -19,6 +21,33 @@ int64_t big_endian(std::span<const uint8_t> bytes) {
   uint64_t value = 0;
   for (const uint8_t byte : bytes) value = value << 8 | byte;
   return static_cast<int64_t>(value);
+}
+
+bool begins_like_image(std::span<const uint8_t> head) {
+  return head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash();
+}
+
+std::string list_of(const std::map<std::string, int64_t>& channels) {
+  constexpr size_t kMostNamed = 8;
+  std::vector<std::string> names;
+  for (const auto& [channel, messages] : channels)
+    if (names.size() < kMostNamed) names.push_back(fmt::format("{} ({})", channel, messages));
+  if (channels.size() > kMostNamed) names.push_back(fmt::format("{} more", channels.size() - kMostNamed));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+// On which channels of the log images are, and what to do; what else it has where there are none.
+std::string advice_on_channels(const std::string& file) {
+  LogReader log(file);
+  std::map<std::string, int64_t> with_images, others;
+  while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
+    ++(begins_like_image(event->data) ? with_images : others)[event->channel];
+  if (!with_images.empty())
+    return fmt::format(
+        "it has images on {0}: name one with --set camera_driver.log_channel={1} (`rumi calibrate`: -c {1})",
+        list_of(with_images), with_images.begin()->first);
+  const std::string all = others.empty() ? "is empty" : fmt::format("has messages on {}", list_of(others));
+  return fmt::format("no channel of it has images (image_t of rumi, libbot or bot_core); it {}", all);
 }
 
 class LogFrameReader : public FrameReader {
@@ -56,7 +85,7 @@ class LogFrameReader : public FrameReader {
  private:
   void add(std::span<const uint8_t> head) {
     const int64_t number = event_++;
-    if (head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash()) {
+    if (begins_like_image(head)) {
       const int64_t utime_us = big_endian(head.subspan(kHashBytes));
       if (utime_us >= 0) {
         utimes_.push_back(utime_us);
@@ -108,11 +137,11 @@ OpenedReader open_log(const std::filesystem::path& file, const std::string& chan
   auto reader = std::make_unique<LogFrameReader>(file.string(), channel);
   if (reader->utimes().empty() && !reader->damage().empty()) return {nullptr, reader->damage()};
   if (reader->utimes().empty())
-    return {nullptr, reader->malformed().count > 0
-                         ? reader->malformed().first
-                         : fmt::format("{}: no message on channel '{}'; name the images' channel with "
-                                       "--set camera_driver.log_channel=NAME",
-                                       file.string(), channel)};
+    return {nullptr, fmt::format("{}: no image on channel '{}'{}; {}", file.string(), channel,
+                                 reader->malformed().count > 0
+                                     ? fmt::format(", but {} other or broken messages", reader->malformed().count)
+                                     : "",
+                                 advice_on_channels(file.string()))};
   return {std::move(reader), ""};
 }
 

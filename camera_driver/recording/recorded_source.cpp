@@ -85,12 +85,12 @@ void RecordedSource::count_left_out(const FrameOrder& order) {
   };
   for (const size_t frame : order.duplicates)
     if (is_played(frame))
-      skip(&SkippedFrames::duplicate, reader_->where(frame) + ": has the same time as another image; left out");
+      skip(&SkippedFrames::duplicate, reader_->where(frame) + ": has the same time as another image");
   for (const size_t frame : order.wrong_times)
     if (is_played(frame))
       skip(&SkippedFrames::out_of_order,
-           fmt::format("{}: its time, {:.6f} s, is far from those of the images around it; left out",
-                       reader_->where(frame), static_cast<double>(reader_->utimes()[frame]) * 1e-6));
+           fmt::format("{}: its time, {:.6f} s, is far from those of the images around it", reader_->where(frame),
+                       static_cast<double>(reader_->utimes()[frame]) * 1e-6));
   if (const Malformed malformed = reader_->malformed(); malformed.count > 0) {
     skip(&SkippedFrames::malformed, malformed.first);
     skipped_.malformed = malformed.count;
@@ -117,7 +117,8 @@ std::string RecordedSource::start() {
   ahead_ = fetch();
   starting_ = false;
   have_ahead_ = true;
-  return ahead_ && skipped_.wrong_size == 0 ? "" : first_problem_;
+  if (skipped_.wrong_size > 0) return first_problem_;
+  return ahead_ ? "" : fmt::format("{}: none of its {} images can be used: {}", name_, frames_.size(), first_problem_);
 }
 
 std::optional<image_t> RecordedSource::next() {
@@ -174,18 +175,18 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   std::string error;
   std::optional<image_t> image = reader_->load(frame, colour, &error);
   if (!image) {
-    skip(&SkippedFrames::unreadable, error + "; left out");
+    skip(&SkippedFrames::unreadable, error);
     return std::nullopt;
   }
   if (image->width != camera_.width || image->height != camera_.height) {
     skip(&SkippedFrames::wrong_size,
-         fmt::format("{}: the image is {} x {} pixels but the calibration is for {} x {}; {}", reader_->where(frame),
-                     image->width, image->height, camera_.width, camera_.height,
-                     advice_on_size(calibration_file_, image->width, image->height)));
+         fmt::format("{}: the image is {} x {} pixels but the calibration{} is for {} x {}; {}", reader_->where(frame),
+                     image->width, image->height, calibration_file_.file.empty() ? "" : " " + calibration_file_.file,
+                     camera_.width, camera_.height, advice_on_size(calibration_file_, image->width, image->height)));
     return std::nullopt;
   }
   image = encode_as(std::move(*image), options_, &error);
-  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}; left out", reader_->where(frame), error));
+  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), error));
   return image;
 }
 
@@ -194,7 +195,9 @@ void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& mes
   if (pass_ > 0) return;
   const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start
   if (first_problem_.empty() || refused) first_problem_ = message;
-  if (++(skipped_.*reason) == 1 && !refused) log_warning("{}", message);
+  // Of another size: what to do stands at the end.
+  if (++(skipped_.*reason) == 1 && !refused)
+    log_warning("{}{}", message, reason == &SkippedFrames::wrong_size ? "" : "; left out");
 }
 
 void RecordedSource::report_end() {

@@ -5,13 +5,15 @@
 #include <array>
 #include <string_view>
 
+#include "camera_driver/recording/library_messages.h"
+
 namespace rumi::camera_driver {
 
 VideoStream::VideoStream(Format format, int index)
     : format_(std::move(format)), index_(index), packet_(av_packet_alloc()) {}
 
 std::unique_ptr<VideoStream> VideoStream::open(const std::filesystem::path& file) {
-  av_log_set_level(AV_LOG_QUIET);  // what is wrong with the file is said by us
+  log_what_ffmpeg_says();
   AVFormatContext* opened = nullptr;
   // "file:" so that a name with a colon is no protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;

@@ -35,12 +35,10 @@ std::string dates(const std::vector<BoardView>& views) {
   return fmt::format("{} to {} UTC", text(first->utime_us), text(last->utime_us));
 }
 
-}  // namespace
-
-std::string why_no_views(const ViewCollector& collector, const std::string& source) {
+std::string why_nothing_is_taken(const ViewCollector& collector) {
   const ImageCounts& counts = collector.counts();
   const std::string board = collector.board().to_string();
-  if (counts.images == 0) return source + ": no image came";
+  if (counts.images == 0) return "no image came";
   if (counts.unreadable == counts.images)
     return fmt::format("none of {} images could be read: {}", counts.images, collector.first_unreadable());
   if (counts.with_board() > 0)
@@ -59,6 +57,12 @@ std::string why_no_views(const ViewCollector& collector, const std::string& sour
       "the board {} was not found in any of {} images; is it this board ({})? {}", board, counts.images,
       chessboard ? "columns and rows count squares, not corners" : "see the letters below it; give --board",
       chessboard ? "All of it must be in the image, with a white rim" : "Is it large enough in the image, and sharp?");
+}
+
+}  // namespace
+
+std::string why_no_views(const ViewCollector& collector, const std::string& source) {
+  return fmt::format("{}: {}", source, why_nothing_is_taken(collector));
 }
 
 std::string describe(const Calibration& calibration) {

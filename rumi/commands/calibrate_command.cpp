@@ -186,11 +186,12 @@ void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
       "SOURCE", arguments->source,
       "images of the board: a folder, a dataset folder, a video or an lcm log; without it: those that come in live, "
       "until there are enough or Ctrl-C");
-  command->add_option("-o,--output", arguments->file, "the calibration, our YAML")->required();
-  command->add_option(
-      "--picture", arguments->picture,
-      "PNG of where in the image and from which sides the board was seen; also where the calibration is "
-      "refused");
+  command->add_option("-o,--output", arguments->file, "the calibration, our YAML")->type_name("FILE").required();
+  command
+      ->add_option("--picture", arguments->picture,
+                   "PNG of where in the image and from which sides the board was seen; also where the calibration is "
+                   "refused")
+      ->type_name("FILE");
   command->add_option("--board", arguments->board, "as written below it; columns and rows count squares")
       ->type_name(kBoardSyntax)
       ->show_default();
@@ -207,7 +208,8 @@ void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("-c,--channel", arguments->names.camera, "channel of the images, live or in a log")
       ->show_default();
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name, live");
+  command->add_option("--channel-prefix", arguments->names.prefix,
+                      "put before every channel name, live (several robots on one bus)");
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }

@@ -16,9 +16,11 @@ void add_config_command(CommandLine& app, std::function<int()>* chosen) {
   auto expert = std::make_shared<bool>(false);
   CommandLine* command =
       app.add_command("config", "Print the options that a user sets, with their values, as YAML (config/rumi.yaml)");
-  command->add_flag("--expert", *expert, "the others, by rooms (config/expert.yaml)");
-  command->add_option("--config", *config, "YAML file to begin with");
-  command->add_option("--set", *settings, "KEY=VALUE, may be repeated")->one_each();
+  command->add_flag("--expert", *expert, "the options that are for experts (config/expert.yaml)");
+  command->add_option("--config", *config, "YAML file to begin with")->type_name("FILE");
+  command->add_option("--set", *settings, "set one option, may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
   command->on_chosen([config, settings, expert, chosen] {
     *chosen = [config, settings, expert] {
       AllOptions options;

@@ -191,11 +191,15 @@ void add_demo_command(CommandLine& app, std::function<int()>* chosen) {
   arguments->synth.seconds = 20;
   arguments->synth.rate_hz = 20;
   CommandLine* command = app.add_command("demo", kSummary);
-  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier demo")->show_default();
-  command->add_option("--seed", arguments->synth.seed, "of the building and the walk")->show_default();
-  command->add_option("--seconds", arguments->synth.seconds, "length of the walk")->show_default();
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+  command->add_option("-o,--output", arguments->out, "folder: new, empty, or of an earlier demo")
+      ->type_name("FOLDER")
+      .show_default();
+  command->add_option("--seed", arguments->synth.seed, "number that chooses the building and the walk")->show_default();
+  command->add_option("--seconds", arguments->synth.seconds, "length of the walk, s")->show_default();
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
+  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
   command->add_flag("-v,--verbose", arguments->verbose, "log what the components do");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return demo(*arguments); }; });
 }

@@ -33,7 +33,9 @@ int draw(const Arguments& arguments) {
 void add_draw_board_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("draw-board", "Make a calibration board to print, for `rumi calibrate`");
-  command->add_option("-o,--output", arguments->file, "the file; its ending tells what: .pdf or .png")->required();
+  command->add_option("-o,--output", arguments->file, "the file; its ending tells what: .pdf or .png")
+      ->type_name("FILE")
+      .required();
   command->add_option("--board", arguments->board, "what board; columns and rows count squares")
       ->type_name(kBoardSyntax)
       ->show_default();

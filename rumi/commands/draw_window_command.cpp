@@ -34,7 +34,7 @@ void add_draw_window_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command = app.add_command("draw-window", "Draw which frames were sampled around a tracking loss");
   command->add_option("LOG", arguments->log, "lcm log with the images: of `rumi replay --log`, or of lcm-logger")
       ->required();
-  command->add_option("-o,--output", arguments->out, "PNG file")->required();
+  command->add_option("-o,--output", arguments->out, "PNG file")->type_name("FILE").required();
   command->add_option("--window", arguments->window, "its number; default: the first between two submaps")
       ->in_range(1, 1'000'000'000);
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });

@@ -101,7 +101,8 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
   command
       ->add_option("--groundtruth", arguments->groundtruth,
                    "true path: TUM's lines, EuRoC's or TUM-VI's data.csv, KITTI's matrices, or positions only")
-      ->required();
+      ->type_name("FILE")
+      .required();
   command->add_flag("--json", arguments->json, "print JSON");
   command
       ->add_option(

@@ -49,7 +49,7 @@ void add_export_map_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("export-map", "Write a map for other programs");
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
-  command->add_option("-o,--output", arguments->out, "folder, created if missing")->required();
+  command->add_option("-o,--output", arguments->out, "folder, created if missing")->type_name("FOLDER").required();
   command
       ->add_option("--format", arguments->format,
                    "colmap-text or colmap-bin (cameras, images, points3D), ply (map.ply), tum (trajectory.txt)")

@@ -8,6 +8,7 @@
 #include "base/exit_codes.h"
 #include "base/log.h"
 #include "bus/process/process.h"
+#include "camera_driver/flags.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/progress_line.h"
 #include "rumi/commands/replay_run.h"
@@ -68,26 +69,20 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   command
       ->add_option("-o,--output", arguments->run.out,
                    "folder; one with files that would be overwritten is refused, unless an earlier run made them")
-      ->required();
-  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included");
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+      ->type_name("FOLDER")
+      .required();
+  command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included")
+      ->type_name("FILE");
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
+  command
+      ->add_option("--set", arguments->settings,
+                   "set one option (`rumi config` lists them), may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
-  // The flags that camera_driver has too are short for options of its section.
-  const auto shorthand = [&](const char* flag, const char* key, const char* help) {
-    command->add_option(
-        flag,
-        [arguments, key](const std::string& value) { arguments->settings.push_back(fmt::format("{}={}", key, value)); },
-        help);
-  };
-  shorthand("--camera", "camera_driver.camera_file",
-            "calibration file (FILE:cam1: one of its cameras), instead of the one beside the data");
-  shorthand("--every", "camera_driver.every", "every Nth frame only");
-  shorthand("--start", "camera_driver.start", "leave out so much at the beginning, s");
-  shorthand("--duration", "camera_driver.duration", "end after so much, s; 0: all");
-  shorthand("--rate", "camera_driver.rate", "new times at this rate, Hz (needed for images without times)");
-  shorthand("--encoding", "camera_driver.encoding", "grey, rgb, jpeg or auto");
+  camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--rate", "--encoding"},
+                           &arguments->settings);
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
 }
 

@@ -46,15 +46,16 @@ void add_report_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("report", "Make one web page of a run, which opens from disk");
   command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
-  command->add_option("-o,--output", arguments->file, "the page; default: OUT/report.html");
-  command->add_option("--groundtruth", arguments->options.groundtruth, "true path, for errors; see `rumi evaluate`");
+  command->add_option("-o,--output", arguments->file, "the page; default: OUT/report.html")->type_name("FILE");
+  command->add_option("--groundtruth", arguments->options.groundtruth, "true path, for errors; see `rumi evaluate`")
+      ->type_name("FILE");
   command
       ->add_option("--groundtruth-rate", arguments->options.truth.frames_per_second,
                    "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")
       ->not_negative()
       ->show_default();
-  command->add_option("--log", arguments->options.log,
-                      "lcm log of a live run, for the load of its processes over time");
+  command->add_option("--log", arguments->options.log, "lcm log of a live run, for the load of its processes over time")
+      ->type_name("FILE");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return report(*arguments); }; });
 }
 

@@ -12,6 +12,7 @@
 
 #include "base/command_line.h"
 #include "base/failures.h"
+#include "base/file_access.h"
 #include "base/json_text.h"
 #include "base/log.h"
 #include "base/scratch_folder.h"
@@ -174,7 +175,10 @@ int ruminate(const Arguments& arguments) {
   if (const std::string error = load_options(table, arguments.config, arguments.settings); !error.empty())
     return complain(error, 2);
   const std::vector<std::string> files = window_files(arguments.windows);
-  if (files.empty()) return complain(fmt::format("{}: no *.window in it", arguments.windows.front()), 1);
+  if (files.empty()) {
+    const std::string why = why_unreadable(arguments.windows.front());
+    return complain(fmt::format("{}: {}", arguments.windows.front(), why.empty() ? "no *.window in it" : why), 1);
+  }
   TruthFile truth;
   if (!arguments.truth.empty()) truth = read_groundtruth(arguments.truth, arguments.truth_options);
   if (!truth.ok()) return complain(truth.error, 1);
@@ -200,20 +204,26 @@ void add_ruminate_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command = app.add_command("ruminate", "Rebuild windows from their files, one after another");
   command->add_option("WINDOW", arguments->windows, "*.window of a spool or of `rumi replay`, or a folder of them")
       ->required();
-  command->add_option("-o,--output", arguments->out,
-                      "folder for windows.csv and, per window, its back submap (.submap) and its path (.txt, TUM)");
-  command->add_option("--truth", arguments->truth,
-                      "true path of the camera in TUM format, or EuRoC's data.csv: adds the error of each back submap");
+  command
+      ->add_option("-o,--output", arguments->out,
+                   "folder for windows.csv and, per window, its back submap (.submap) and its path (.txt, TUM)")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--truth,--groundtruth", arguments->truth,
+                   "true path, see `rumi evaluate`: adds the error of each back submap")
+      ->type_name("FILE");
   command
       ->add_option("--truth-rate,--groundtruth-rate", arguments->truth_options.frames_per_second,
-                   "the truth's first column counts frames at this rate, Hz (ICL-NUIM); 0: it is seconds")
+                   "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")
       ->not_negative()
       ->show_default();
   command->add_flag("--keep-work", arguments->keep_work,
                     "leave COLMAP's files and log of windows that fail, as WINDOW.work in the output folder or here");
   command->add_flag("--json", arguments->json, "a line of JSON per window instead of the table");
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over --config")->one_each();
+  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
+  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more");
   command->footer("Exit code: 0 if all could be rebuilt, 1 if not, 2 for a wrong command line.");

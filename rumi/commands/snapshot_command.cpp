@@ -149,7 +149,8 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
                    "folder; one with files that would be overwritten is refused, unless an earlier run made them")
       ->required();
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
+  command->add_option("--channel-prefix", arguments->names.prefix,
+                      "put before every channel name (several robots on one bus)");
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
   command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
   command->add_option("--since", arguments->since_us,

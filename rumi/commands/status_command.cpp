@@ -66,7 +66,8 @@ void add_status_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("status", "Show how a live system does: rates, latency, drops, tracking, map");
   command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix, "before every channel name");
+  command->add_option("--channel-prefix", arguments->names.prefix,
+                      "put before every channel name (several robots on one bus)");
   command->add_flag("--json", arguments->json, "as JSON");
   command->add_flag("-f,--follow", arguments->follow, "again every second, until Ctrl-C (JSON: a line each time)");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });

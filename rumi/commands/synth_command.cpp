@@ -82,20 +82,24 @@ int run(Flags& f) {
 
 void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* sub =
-      app.add_command("synth", "Renders a sequence of a furnished room with its true path: a TUM-style folder.");
+      app.add_command("synth", "Render a sequence of a furnished room with its true path, as a TUM-style folder");
   auto f = std::make_shared<Flags>();
-  sub->add_option("-o,--output", f->folder, "folder to write")->required();
+  sub->add_option("-o,--output", f->folder, "folder to write")->type_name("FOLDER").required();
   sub->add_flag("--overwrite", f->overwrite, "into a folder that holds a sequence already");
-  sub->add_option("--seed", f->synth.seed, "of the room, the walk and the noise")->show_default();
-  sub->add_option("--walk", f->walk,
-                  "the own walk: loop, about in a room; next-room, lost in a dark turn through a doorway into a second "
-                  "room, which is seen from neither side else")
+  sub->add_option("--seed", f->synth.seed, "number that chooses the room, the walk and the noise")->show_default();
+  sub->add_option(
+         "--walk", f->walk,
+         "without --path: loop, a walk about in a room; next-room, a walk into a second room, with a dark turn in "
+         "the doorway between them, of which nothing is seen from either room")
       ->show_default();
-  sub->add_option("--seconds", f->synth.seconds, "length of the own walk")->show_default();
-  sub->add_option("--rate", f->synth.rate_hz, "frames per second; 0: 30, or the times of --path")->show_default();
-  sub->add_option("--size", f->size, "WIDTHxHEIGHT in pixels, with a TUM camera's field of view (default 640x480)");
-  sub->add_option("--camera", f->camera_file, "calibration file; its lens distortion is rendered");
-  sub->add_option("--path", f->synth.path_file, "move along a TUM trajectory (t tx ty tz qx qy qz qw, map_from_cam)");
+  sub->add_option("--seconds", f->synth.seconds, "length of the walk without --path")->show_default();
+  sub->add_option("--rate", f->synth.rate_hz, "images per second; 0: 30, or the times of --path")->show_default();
+  sub->add_option("--size", f->size, "in pixels, with a TUM camera's field of view (default 640x480)")
+      ->type_name("WIDTHxHEIGHT");
+  sub->add_option("--camera", f->camera_file, "calibration file; its lens distortion is rendered")->type_name("FILE");
+  sub->add_option("--path", f->synth.path_file,
+                  "move along a TUM trajectory (time tx ty tz qx qy qz qw, the camera in the room)")
+      ->type_name("FILE");
   sub->add_option("--start", f->synth.start_s, "seconds into the path")->show_default();
   sub->add_option("--duration", f->synth.duration_s, "seconds of it; 0: to its end")->show_default();
   sub->add_option("--blur", f->synth.exposure_s, "shutter time in seconds: motion blur; 0: none")->show_default();
@@ -106,7 +110,7 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   sub->add_option("--hard", f->hard,
                   "a hard passage: blur, dark, textureless or rotation; with --at and --for; may be repeated")
       ->one_each();
-  sub->add_option("--at", f->at_s, "seconds after the first frame at which the hard passage begins")->one_each();
+  sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
   sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
   sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
   sub->on_chosen([f, chosen] { *chosen = [f] { return run(*f); }; });

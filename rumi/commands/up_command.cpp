@@ -12,11 +12,13 @@
 #include <memory>
 
 #include "base/command_line.h"
+#include "base/exit_codes.h"
 #include "base/failures.h"
 #include "base/log.h"
 #include "base/scratch_folder.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
+#include "camera_driver/flags.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/reserved_space.h"
@@ -31,7 +33,8 @@ namespace fs = std::filesystem;
 
 struct Arguments {
   std::string config, input, lcm_url, snapshot;
-  std::vector<std::string> settings, camera_flags;
+  std::vector<std::string> settings;
+  std::vector<std::string> camera_settings;  // by flags, for a camera_driver
 };
 
 constexpr std::chrono::milliseconds kListen{500};  // for others; all of them answer at once
@@ -92,8 +95,7 @@ std::vector<std::string> bus_flags(const UpOptions& up) {
 }
 
 // map_server is stopped after the others, so that what they hand on at their end still arrives.
-std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file,
-                                  const std::vector<std::string>& camera_flags) {
+std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file) {
   std::vector<Supervised> children;
   const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
     Supervised child{name, {(own_folder() / name).string()}, false, stop_stage};
@@ -109,9 +111,7 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
   if (up.viewer) add("viewer_offscreen", 0);
   add("front_tracker", 0);
   if (!up.input.empty()) {
-    std::vector<std::string> arguments{up.input};
-    arguments.insert(arguments.end(), camera_flags.begin(), camera_flags.end());
-    add("camera_driver", 0, arguments);
+    add("camera_driver", 0, {up.input});
     children.back().source = true;
     children.back().reloads = true;
   }
@@ -150,13 +150,20 @@ void warn_of_little_space(const std::string& database) {
   if (const std::string doubt = doubt_about_space(folder.string(), kImages); !doubt.empty()) log_warning("{}", doubt);
 }
 
+// What is wrong with them, or an empty string.
+std::string read_options(const Arguments& arguments, AllOptions* options, OptionTable* table) {
+  describe(*table, *options);
+  std::vector<std::string> settings = arguments.settings;
+  settings.insert(settings.end(), arguments.camera_settings.begin(), arguments.camera_settings.end());
+  const std::string problem = load_options(*table, arguments.config, settings);
+  return problem.empty() ? check(options->camera_driver) : problem;
+}
+
 // On SIGUSR2. True if the shared options are new.
 bool read_again(const Arguments& arguments, const SharedConfig& config) {
   AllOptions options;
   OptionTable table;
-  describe(table, options);
-  std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = check(options.camera_driver);
+  const std::string error = read_options(arguments, &options, &table);
   if (error.empty()) config.write(table.to_yaml(OptionTable::Which::kAll));
   if (!error.empty()) fmt::print(stderr, "rumi up: options read again, but not used: {}\n", error);
   return error.empty();
@@ -165,19 +172,20 @@ bool read_again(const Arguments& arguments, const SharedConfig& config) {
 int up(const Arguments& arguments) {
   AllOptions options;
   OptionTable table;
-  describe(table, options);
-  std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = check(options.camera_driver);
+  std::string error = read_options(arguments, &options, &table);
   if (!error.empty()) {
     fmt::print(stderr, "rumi up: {}\n", error);
     return 2;
   }
   if (!arguments.input.empty()) options.up.input = arguments.input;
   if (!arguments.lcm_url.empty()) options.up.lcm_url = arguments.lcm_url;
-  if (options.up.input.empty() && !arguments.camera_flags.empty()) {
-    fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n", arguments.camera_flags[0]);
+  if (options.up.input.empty() && !arguments.camera_settings.empty()) {
+    const std::string& first = arguments.camera_settings[0];
+    fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n",
+               first.substr(0, first.find(' ')));
     return 2;
   }
+  bool not_all = false;
   listen_to_signals();
   start_logging("rumi", false, /*quiet=*/true);
   try {
@@ -187,7 +195,7 @@ int up(const Arguments& arguments) {
     SupervisorOptions supervision;
     supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
     Supervisor supervisor(
-        processes(options.up, config.file(), arguments.camera_flags), supervision,
+        processes(options.up, config.file()), supervision,
         [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
     // Once while everybody can still say how it went, and once when the last poses have arrived.
     Supervisor::Hooks hooks;
@@ -202,12 +210,14 @@ int up(const Arguments& arguments) {
     }
     error = supervisor.run(g_stop, g_at_once, hooks);
     if (error.empty()) error = snapshot_error;
+    not_all = supervisor.not_all();
   } catch (const std::exception& e) {
     error = reason_of(e);
   }
-  if (error.empty()) return 0;
-  fmt::print(stderr, "rumi up: {}\n", error);
-  return 1;
+  if (!error.empty()) fmt::print(stderr, "rumi up: {}\n", error);
+  if (not_all)
+    fmt::print(stderr, "rumi up: not all of the recording was played: camera_driver says above what is missing\n");
+  return !error.empty() ? 1 : not_all ? kNotAll : 0;
 }
 
 }  // namespace
@@ -216,23 +226,25 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("up", "Run the five processes on LCM and watch over them until the input ends");
-  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->required()->existing_file();
+  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->type_name("FILE").required();
   command->add_option(
       "INPUT", arguments->input,
       "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
       "(lcm-logplayer)");
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url");
-  command->add_option("--set", arguments->settings, "KEY=VALUE, may be repeated; wins over CONFIG")->one_each();
-  command->add_option("--snapshot", arguments->snapshot, "write the outputs into this folder at the end");
+  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url")->type_name("URL");
+  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over CONFIG")
+      ->type_name("KEY=VALUE")
+      .one_each();
+  command
+      ->add_option("--snapshot", arguments->snapshot, "write the outputs of `rumi replay` into this folder at the end")
+      ->type_name("FOLDER");
+  camera_driver::add_flags(*command, {}, &arguments->camera_settings);
   command->footer(
-      "Whatever follows that is not known here, such as --speed 2, goes to camera_driver. SIGUSR2: CONFIG is read "
-      "again and "
-      "the controls of a camera set as it says.");
-  command->allow_extras();
-  command->on_chosen([arguments, chosen, command] {
-    arguments->camera_flags = command->remaining();
-    *chosen = [arguments] { return up(*arguments); };
-  });
+      "Exit codes: 0 the recording was played, or it was ended by Ctrl-C; 1 it broke off, or --snapshot could not be "
+      "written; 2 wrong options; 3 "
+      "done, but not with all of the recording. SIGUSR2: CONFIG is read again and the controls of a camera set as it "
+      "says.");
+  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return up(*arguments); }; });
 }
 
 }  // namespace rumi::tool

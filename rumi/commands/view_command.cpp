@@ -57,10 +57,11 @@ int run(const Arguments& arguments) {
 
 void add_view_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CommandLine* command = app.add_command("view", "Draw a map");
+  CommandLine* command = app.add_command("view", "Draw a map, as a PNG");
   command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
-  command->add_option("-o,--output", arguments->out, "PNG file")->required();
-  command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`");
+  command->add_option("-o,--output", arguments->out, "PNG file")->type_name("FILE").required();
+  command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`")
+      ->type_name("FILE");
   command
       ->add_option("--groundtruth-rate", arguments->truth.frames_per_second,
                    "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")

@@ -13,6 +13,8 @@
 #include <optional>
 #include <utility>
 
+#include "slam/numeric/median.h"
+
 namespace rumi::tool {
 namespace {
 
@@ -102,6 +104,23 @@ std::string advice(const TruthFile& truth, const RunTimes& run) {
                  : "give the truth of this recording, in the clock of its images";
 }
 
+// Errors and rates are in metres, and nothing in a file of poses says its unit. No camera of a hand, robot or car is so
+// quick as one whose path is told in millimetres.
+std::string doubt_about_unit(const std::vector<TimedPose>& truth) {
+  constexpr double kQuickest = 40;  // m/s
+  std::vector<double> speeds;
+  for (size_t i = 1; i < truth.size(); ++i)
+    if (const int64_t step_us = truth[i].utime_us - truth[i - 1].utime_us; step_us > 0)
+      speeds.push_back((truth[i].map_from_cam.translation - truth[i - 1].map_from_cam.translation).norm() /
+                       (1e-6 * static_cast<double>(step_us)));
+  const double speed = speeds.empty() ? 0 : median(&speeds);
+  if (speed < kQuickest) return {};
+  return fmt::format(
+      "the truth moves at {:.0f} m/s: if it is in millimetres, divide it by 1000, as all errors and rates here take it "
+      "for metres",
+      speed);
+}
+
 }  // namespace
 
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
@@ -143,6 +162,7 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
   const RunMetrics& metrics = evaluation->run;
   evaluation->notes = truth.notes;
+  if (const std::string doubt = doubt_about_unit(truth.poses); !doubt.empty()) evaluation->notes.push_back(doubt);
   if (map.skipped_lines > 0)
     evaluation->notes.push_back(fmt::format(
         "{}: {} lines are not counted: they are no poses, or have the time of another one (as two sessions may whose "

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 
+#include "base/file_access.h"
 #include "rumi/evaluation/text_fields.h"
 
 namespace rumi::tool {
@@ -84,8 +85,10 @@ std::optional<TimedPose> parse_pose(const std::string& line) {
 TrajectoryFile read_trajectory(const std::string& file) {
   TrajectoryFile result;
   std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file)) {
-    result.error = fmt::format("{}: cannot be read: does the file exist?", file);
+  std::string why = why_unreadable(file, "give the output folder of a run, or a file of poses");
+  if (why.empty() && (!in || std::filesystem::is_directory(file))) why = "is no file";
+  if (!why.empty()) {
+    result.error = fmt::format("{}: {}", file, why);
     return result;
   }
   for (std::string line; std::getline(in, line);) {
@@ -107,7 +110,8 @@ FramesFile read_frames(const std::string& file) {
   std::ifstream in(file);
   std::string line;
   if (!in || !std::getline(in, line)) {
-    result.error = fmt::format("{}: cannot be read, or is empty: is this the output folder of a run?", file);
+    const std::string why = why_unreadable(file, "is this the output folder of a run?");
+    result.error = fmt::format("{}: {}", file, why.empty() ? "is empty" : why);
     return result;
   }
   const auto names = split_csv(line);

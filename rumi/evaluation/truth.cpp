@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/file_access.h"
 #include "rumi/evaluation/body_frame.h"
 #include "rumi/evaluation/text_fields.h"
 #include "rumi/evaluation/truth_table.h"
@@ -83,7 +84,7 @@ class LineReader {
  private:
   std::optional<double> number(const std::string& field) {
     const std::optional<double> value = to_number(field);
-    if (!value && why_.empty()) why_ = field.size() <= 20 ? field : field.substr(0, 20) + "...";
+    if (!value && why_.empty()) why_ = fmt::format("{}{}", field.substr(0, 20), field.size() > 20 ? "..." : "");
     return value;
   }
   std::optional<Eigen::Vector3d> vector(const std::vector<std::string>& fields, const std::array<size_t, 3>& at) {
@@ -224,8 +225,11 @@ class TruthReader {
   TruthFile read() {
     if (const std::string stranger = known_stranger(); !stranger.empty()) return refuse(stranger);
     const std::optional<TruthTable> table = read_truth_table(file_);
-    if (!table) return refuse("cannot be read: does the file exist?");
-    if (table->lines.empty()) return refuse("holds no poses");
+    if (!table) {
+      const std::string why = why_unreadable(file_, "give the file of the true poses");
+      return refuse(why.empty() ? "is no file that can be read" : why);
+    }
+    if (table->lines.empty()) return refuse("holds no poses: give the file of the true poses");
     const bool has_names_of_euroc = std::any_of(table->names.begin(), table->names.end(), [](const std::string& name) {
       return name.find("_rs_") != std::string::npos;
     });

@@ -103,7 +103,10 @@ std::string check_output_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
-    return fmt::format("{}: cannot be made a folder: {}", folder, error ? error.message() : "it is a file");
+    std::error_code ignored;
+    const bool is_file = fs::exists(folder, ignored) && !fs::is_directory(folder, ignored);
+    return fmt::format("{}: cannot be made a folder: {}", folder,
+                       is_file ? "it is a file; give another name" : error.message());
   }
   if (!read_run_json(folder).is_null()) return "";
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);

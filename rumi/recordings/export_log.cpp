@@ -43,7 +43,6 @@ int run_export(const ExportOptions& options) {
   // Also when it is the input itself.
   if (std::filesystem::exists(options.log, code))
     return fail(fmt::format("{}: exists; remove it or give another name", options.log));
-  if (options.camera.loop) return fail("camera_driver.loop is true: an export must end");
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.input, options.camera);
   if (!opened.ok()) return fail(opened.error);
 

@@ -85,9 +85,8 @@ int run_import(const ImportOptions& options) {
   std::error_code code;
   if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
     return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
-  if (options.camera.loop) return fail("camera_driver.loop is true: an import must end");
   if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log))
-    return fail(fmt::format("{}: is no lcm log", options.log));
+    return fail(fmt::format("{}: is no lcm log; give one, as lcm-logger or `rumi export` writes it", options.log));
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
   if (!opened.ok()) return fail(opened.error);
 

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
+#include "base/file_access.h"
 #include "base/json_text.h"
 #include "bus/wire/image_codec.h"
 #include "map_server/alignment/submap_alignment.h"
@@ -295,9 +296,11 @@ std::string report_without_map(const std::string& folder, const ordered_json& ru
 }  // namespace
 
 std::string make_report(const std::string& folder, const ReportOptions& options) {
-  if (!fs::is_directory(folder)) throw std::runtime_error(fmt::format("{}: there is no such folder", folder));
+  if (const std::string why = why_unreadable(folder, "give the output folder of a run"); !why.empty())
+    throw std::runtime_error(fmt::format("{}: {}", folder, why));
   const ordered_json run = read_run_json(folder);
-  if (run.is_null()) throw std::runtime_error(fmt::format("{}: is no folder of a run (no run.json of ours)", folder));
+  if (run.is_null())
+    throw std::runtime_error(fmt::format("{}: is no output folder of a run (it has no run.json of ours)", folder));
   if (!run.value("finished", false))
     throw std::runtime_error(fmt::format("{}: the run was not finished (run.json)", folder));
   if (lacks_its_map(folder, run)) return report_without_map(folder, run, options);

@@ -12,6 +12,8 @@
 #include <set>
 #include <utility>
 
+#include "base/exit_codes.h"
+
 namespace rumi::tool {
 namespace {
 
@@ -153,8 +155,10 @@ std::string Supervisor::watch(bool* source_ended) {
   for (Process& process : processes_) {
     if (process.is_beside) continue;
     if (const std::optional<ChildEnd> end = reap(process)) {
-      if (process.what.source && ended_well(*end)) {
+      const bool not_all = end->exited() && end->exit_code() == kNotAll;
+      if (process.what.source && (ended_well(*end) || not_all)) {
         *source_ended = process.finished = true;
+        not_all_ |= not_all;
         continue;
       }
       if (finishing_ && process.what.finishes && ended_well(*end)) {

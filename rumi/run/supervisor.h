@@ -64,6 +64,8 @@ class Supervisor {
   std::string run_beside(const Supervised& what, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
+  // The source said that it did not give all of its input (kNotAll).
+  bool not_all() const { return not_all_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -95,7 +97,7 @@ class Supervisor {
   SupervisorOptions options_;
   LineHandler on_line_;
   int restarts_ = 0;
-  bool finishing_ = false;
+  bool finishing_ = false, not_all_ = false;
 };
 
 }  // namespace rumi::tool

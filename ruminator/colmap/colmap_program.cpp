@@ -107,9 +107,11 @@ void ColmapProgram::judge(const ChildResult& help, const std::string& text) {
 
 // At once, as whoever asked may be at work for long before anybody looks at problem().
 void ColmapProgram::tell(const std::string& why) {
-  const std::string problem = fmt::format("COLMAP: {}; {}", why, kWithout);
   const std::scoped_lock lock(mutex_);
-  if (problem != std::exchange(problem_, problem)) log_warning("{}", problem);
+  // Once: what it says of itself may differ each time by a process number or the time of day.
+  const bool is_news = problem_.empty();
+  problem_ = fmt::format("COLMAP: {}; {}", why, kWithout);
+  if (is_news) log_warning("{}", problem_);
 }
 
 void ColmapProgram::give_up(const std::string& why) {

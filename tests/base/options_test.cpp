@@ -51,6 +51,15 @@ TEST_F(OptionsTest, DottedKeysAreTheSameAsSections) {
   EXPECT_EQ(o_.keypoints, 71);
 }
 
+TEST_F(OptionsTest, WhatAFlagGaveIsToldByItsName) {
+  EXPECT_EQ(table_.set(by_flag("--keypoints", "tracker.keypoints", "70")), "");
+  EXPECT_EQ(o_.keypoints, 70);
+  EXPECT_EQ(table_.set(by_flag("--title", "viewer.title", "a b=c")), "");
+  EXPECT_EQ(o_.title, "a b=c");
+  EXPECT_EQ(table_.set(by_flag("--keypoints", "tracker.keypoints", "0")),
+            "--keypoints: tracker.keypoints = \"0\": expected a whole number from 50 to 20000 keypoints");
+}
+
 TEST_F(OptionsTest, ResetGivesTheDefaultsBack) {
   EXPECT_EQ(load("tracker: {keypoints: 70, ratio: 0.25}\nviewer: {enabled: off, mode: good, title: x}\n"), "");
   table_.reset();

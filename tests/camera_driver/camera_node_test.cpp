@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "base/exit_codes.h"
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
@@ -50,6 +51,21 @@ TEST_F(CameraNodeTest, KeepsTheRecordedPace) {
   EXPECT_EQ(metadata(images_[1], kPublishedKey), "7100000");
   EXPECT_EQ(node.status().last_utime_us, 1000400000);
   EXPECT_THAT(node.status().detail, HasSubstr("5 of 5 images"));
+}
+
+TEST_F(CameraNodeTest, EndsWithAnotherCodeWhereImagesWereLeftOut) {
+  CameraNode whole(bus_, folder_.path().string(), options_);
+  tick(whole, 7'000'000);
+  EXPECT_EQ(whole.exit_code(), 0);
+  tick(whole, 9'000'000);
+  EXPECT_EQ(whole.exit_code(), 0);
+  write(folder_ / "rgb/2.png", "no image");
+  CameraNode node(bus_, folder_.path().string(), options_);
+  tick(node, 7'000'000);
+  EXPECT_EQ(node.exit_code(), 0) << "not at its end";
+  tick(node, 9'000'000);
+  ASSERT_TRUE(node.done());
+  EXPECT_EQ(node.exit_code(), kNotAll);
 }
 
 TEST_F(CameraNodeTest, SpeedAndLiveStamps) {

@@ -369,6 +369,24 @@ TEST(ImageSource, AFolderOfFoldersNamesThoseWithImages) {
   EXPECT_THAT(error_of(folder.path()), AllOf(HasSubstr("no images"), HasSubstr("image_0")));
 }
 
+TEST(ImageSource, ALogWithoutImagesOnTheChannelNamesThoseThatHaveSome) {
+  const TemporaryFolder folder;
+  write(folder / "calibration.yaml", kCalibration);
+  const std::vector<uint8_t> image = encode_message(make_grey_image(1'000'000, picture(0)));
+  const std::vector<uint8_t> other(20, 7);
+  LogWriter with_images(folder / "images.lcm"), without(folder / "none.lcm");
+  for (int i = 0; i < 3; ++i) with_images.write(i, "CAMERA_LEFT", image);
+  with_images.write(4, "CAMERA", other);
+  with_images.write(5, "POSE", other);
+  without.write(1, "POSE", other);
+  ASSERT_TRUE(with_images.close() && without.close());
+  EXPECT_THAT(error_of(folder / "images.lcm"),
+              AllOf(HasSubstr("images.lcm: no image on channel 'CAMERA', but 1 other"), HasSubstr("CAMERA_LEFT (3)"),
+                    HasSubstr("--set camera_driver.log_channel=CAMERA_LEFT")));
+  EXPECT_THAT(error_of(folder / "none.lcm"),
+              AllOf(HasSubstr("no channel of it has images"), HasSubstr("it has messages on POSE (1)")));
+}
+
 TEST(ImageSource, ImagesOfALogAreOrderedAndItsLengthIsKnown) {
   const TemporaryFolder folder;
   const std::string file = folder / "x.lcm";

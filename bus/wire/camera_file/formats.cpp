@@ -23,8 +23,6 @@ const std::vector<Stranger>& strangers_by_key() {
        "is KITTI's calib_cam_to_cam.txt: give P_rect_00's values 1, 6, 3 and 7 as fx, fy, cx, cy, and S_rect_00 "
        "as width and height"},
       {"S_00", "is KITTI's calib_cam_to_cam.txt, of which nothing is read"},
-      {"fl_x", "is a transforms.json (NeRF)"},
-      {"camera_angle_x", "is a transforms.json (NeRF)"},
       {"cameras[0].camera.", "is a file of SVO or ROVIO"},
       {"cameras[0].", "is a file of OKVIS, or of a like program"},
       {"cam_model", "is a file of SVO or of REMODE"},
@@ -119,6 +117,7 @@ FileCameras read_one(const Fields& in) {
   if (in.has_any("value0.intrinsics[")) return read_basalt(in);
   if (in.has_any("cameraData[")) return read_depthai(in);
   if (in.has("intrinsics")) return read_euroc(in);
+  if (in.has("fl_x") || in.has("camera_angle_x")) return read_nerf(in);
   if (has_one_of(in, {"model", "fx", "fy", "cx", "cy", "fps"})) return read_rumi(in);
   return refuse_unknown(in);
 }

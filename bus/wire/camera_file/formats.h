@@ -39,11 +39,14 @@ FileCameras read_orbslam(const Fields& in);  // ORB-SLAM2 and 3, OpenVSLAM, stel
 FileCameras read_basalt(const Fields& in);
 FileCameras read_camodocal(Fields in);  // VINS's cameras, too
 FileCameras read_depthai(const Fields& in);
+FileCameras read_nerf(Fields in);  // transforms.json
 
 bool is_realsense_listing(const std::string& text);
 FileCameras read_realsense(const std::string& text, const std::string& file);
 bool is_colmap_list(const std::string& text);
 FileCameras read_colmap(const std::string& text, const std::string& file);
+bool is_nerf_list(const std::string& text);  // with the poses of all images
+FileCameras read_nerf_list(const std::string& text, const std::string& file);
 
 // By its keys. What cannot be read is refused by the name of the tool that writes it, where that is known.
 FileCameras read_fields(const Fields& in);

@@ -62,7 +62,7 @@ void set_radial_tangential(Fields& in, const std::vector<double>& d, const std::
 }
 
 void refuse_model(Fields& in, const std::string& field, const std::string& value, const std::string& known) {
-  in.fail(fmt::format("{} is '{}': supported are {}; calibrate with one of these, or rectify the images", field, value,
+  in.fail(fmt::format("{} is '{}', and supported is only {}: calibrate with that, or rectify the images", field, value,
                       known));
 }
 

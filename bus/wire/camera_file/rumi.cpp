@@ -41,7 +41,9 @@ FileCameras read_rumi(Fields in) {
                                                     {"p2", &camera.p2},  {"k3", &camera.k3}, {"k4", &camera.k4},
                                                     {"fps", &camera.fps}};
   for (const auto& [key, value] : others) *value = in.optional_number(key);
-  if (!fisheye && camera.k4 != 0) in.fail(fmt::format("k4 is {:.6g}: only model kannala_brandt has it", camera.k4));
+  if (!fisheye && camera.k4 != 0)
+    in.fail(fmt::format("k4 is {:.6g}, and only the model kannala_brandt has one: correct the model, or remove k4",
+                        camera.k4));
   if (fisheye && (camera.p1 != 0 || camera.p2 != 0)) in.fail("p1 or p2 is not 0: model kannala_brandt has k1 k2 k3 k4");
   return done();
 }

@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   Options options;
   return rumi::run_process(argc, argv,
                            {"test_process", "Answers requests.",
-                            [&](rumi::CommandLine& app) {
+                            [&](rumi::CommandLine& app, std::vector<std::string>*) {
                               app.add_option("INPUT", options.input, "ignored")->type_name("");
                               app.add_option("--end-after", options.end_after, "answers");
                               app.add_flag("--never-finished", options.never_finished, "does not end when asked");
@@ -74,9 +74,6 @@ int main(int argc, char** argv) {
                               table.add("test_process.spare", &options.spare, "", "for experts", 0, 9);
                             },
                             [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); },
-                            [&](rumi::Node& node) -> std::string {
-                              if (options.step == 13) return "step is 13: unlucky";
-                              static_cast<EchoNode&>(node).set(options);
-                              return "";
-                            }});
+                            [&](rumi::Node& node) { static_cast<EchoNode&>(node).set(options); },
+                            [&] { return options.step == 13 ? "step is 13: unlucky" : ""; }});
 }

@@ -94,7 +94,7 @@ TEST_F(CalibrationTest, OfALogTellsWhenItWasTaken) {
   EXPECT_THAT(calibration_to_yaml(calibration, collector_), HasSubstr("images taken 2023-11-14 22:13:2"));
   EXPECT_THAT(collect_from_recording(
                   file, "RIGHT", 1, [] { return true; }, &collector_),
-              HasSubstr("no message on channel 'RIGHT'"));
+              HasSubstr("no image on channel 'RIGHT'"));
 }
 
 TEST_F(CalibrationTest, LooksAtEveryNthImageAndStopsWhenTold) {

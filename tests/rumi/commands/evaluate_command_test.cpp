@@ -78,6 +78,16 @@ TEST_F(EvaluateCommandTest, MeasuresARun) {
   EXPECT_THAT(said.err, IsEmpty());
 }
 
+TEST_F(EvaluateCommandTest, DoubtsATruthInMillimetres) {
+  std::string metres, millimetres;
+  for (int i = 0; i < 40; ++i) {
+    metres += fmt::format("{:.6f} {} {} 0\n", 1.4e9 + 0.1 * i, 0.1 * i, 0.01 * i * i);
+    millimetres += fmt::format("{:.6f} {} {} 0\n", 1.4e9 + 0.1 * i, 100 * i, 10 * i * i);
+  }
+  EXPECT_EQ(evaluate(metres).out.find("millimetres"), std::string::npos);
+  EXPECT_THAT(evaluate(millimetres).out, HasSubstr("if it is in millimetres, divide it by 1000"));
+}
+
 TEST_F(EvaluateCommandTest, RefusesAnotherClockWithBothSpans) {
   const Said said = evaluate(walk(0, 40, 12.5));
   EXPECT_EQ(said.code, 1);

@@ -49,13 +49,14 @@ class SupervisorTest : public testing::Test {
     std::string reason = supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}});
     duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
     restarts_ = supervisor.restarts();
+    not_all_ = supervisor.not_all();
     return reason;
   }
   std::atomic<bool> stop_ = false, at_once_ = false;
   std::vector<std::pair<std::string, std::string>> lines_;
   milliseconds duration_{0};
   int restarts_ = 0;
-  bool before_stop_ = false;
+  bool before_stop_ = false, not_all_ = false;
 };
 
 TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
@@ -68,6 +69,17 @@ TEST_F(SupervisorTest, EndsWithItsSourceAndNamesEveryLine) {
   EXPECT_THAT(lines_, Contains(Pair("server", "bye"))) << "it was asked to end, not killed";
   EXPECT_EQ(restarts_, 0);
   EXPECT_TRUE(before_stop_);
+}
+
+TEST_F(SupervisorTest, RemembersThatTheSourceDidNotGiveAll) {
+  Supervised source = shell("camera", "exit 3");
+  source.source = true;
+  EXPECT_EQ(run({source}), "");
+  EXPECT_TRUE(not_all_);
+  EXPECT_EQ(restarts_, 0);
+  source.command.back() = "exit 0";
+  EXPECT_EQ(run({source}), "");
+  EXPECT_FALSE(not_all_);
 }
 
 TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {

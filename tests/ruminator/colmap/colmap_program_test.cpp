@@ -60,6 +60,16 @@ TEST_F(ColmapProgramTest, ABrokenOneIsToldAndUsedOnceItIsMended) {
   EXPECT_EQ(program.problem(), "");
 }
 
+TEST_F(ColmapProgramTest, ABrokenOneIsToldOnceWhateverElseItSays) {
+  ColmapProgram program(script("echo \"process $$ aborted\" >&2; exit 1"));
+  ::testing::internal::CaptureStdout();  // where a log goes that was not started
+  EXPECT_FALSE(program.ask(0, kNever).ok());
+  EXPECT_FALSE(program.ask(0, kNever).ok());
+  const std::string printed = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(printed.find("COLMAP: "), std::string::npos);
+  EXPECT_EQ(printed.find("COLMAP: "), printed.rfind("COLMAP: ")) << printed;
+}
+
 TEST_F(ColmapProgramTest, OneThatOpensAWindowIsToldAndNotAskedAgain) {
   ColmapProgram program(script("exec sleep 100"), /*idle_limit_s=*/0.1);
   EXPECT_FALSE(program.ask(0, kNever).ok());

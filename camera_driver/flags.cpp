@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/flags.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+
+#include "base/options.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+struct ShortFlag {
+  const char *flag, *key, *type, *help;  // without a type: true if it is given
+};
+
+constexpr std::array kFlags = {
+    ShortFlag{"--camera", "camera_driver.camera_file", "FILE",
+              "the camera's calibration, ours (see config/cameras) or that of another tool (FILE:cam1: one of its "
+              "cameras); without it the one beside the data or in the log"},
+    ShortFlag{"--every", "camera_driver.every", "N", "every Nth image only (1)"},
+    ShortFlag{"--start", "camera_driver.start", "S", "leave out S seconds at the beginning (0)"},
+    ShortFlag{"--duration", "camera_driver.duration", "S", "end after S seconds (0: with the recording)"},
+    ShortFlag{"--rate", "camera_driver.rate", "HZ",
+              "recording: new times at this rate, which images without times need (0: as recorded); camera: the rate "
+              "to ask for (0: fps of the calibration, else 30)"},
+    ShortFlag{"--encoding", "camera_driver.encoding", "FORM",
+              "auto (JPEG files as they are, all else grey), grey, rgb or jpeg (auto)"},
+    ShortFlag{"--log-channel", "camera_driver.log_channel", "NAME",
+              "channel of the images where the input is an lcm log (CAMERA)"},
+    ShortFlag{"--loop", "camera_driver.loop", nullptr, "begin again at the end, for ever; times keep rising"},
+    ShortFlag{"--speed", "camera_driver.speed", "N", "N times faster than the times say (1)"},
+    ShortFlag{"--live-stamps", "camera_driver.live_stamps", nullptr, "the time of an image is when it is published"},
+};
+
+}  // namespace
+
+void add_flags(CommandLine& command, const std::vector<std::string>& flags, std::vector<std::string>* settings) {
+  for (const ShortFlag& flag : kFlags) {
+    if (!flags.empty() && std::find(flags.begin(), flags.end(), flag.flag) == flags.end()) continue;
+    const std::function<void(const std::string&)> take = [flag, settings](const std::string& value) {
+      settings->push_back(by_flag(flag.flag, flag.key, value));
+    };
+    if (flag.type)
+      command.add_option(flag.flag, take, flag.help)->type_name(flag.type);
+    else
+      command.add_flag(
+          flag.flag, [take] { take("true"); }, flag.help);
+  }
+}
+
+}  // namespace rumi::camera_driver
