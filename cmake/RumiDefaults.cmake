@@ -64,7 +64,12 @@ add_custom_target(threaded_tests)   # tests with threads: `make tsan` runs these
 function(rumi_install_needs component file)
   install(CODE "
 if(NOT EXISTS \"${file}\")
-  message(FATAL_ERROR \"${file} is not built yet. First: cmake --build ${CMAKE_BINARY_DIR} --target ${component}\")
+  if(CMAKE_INSTALL_COMPONENT)
+    set(target ${component})
+  else()
+    set(target apps)
+  endif()
+  message(FATAL_ERROR \"${file} is not built yet. First: cmake --build ${CMAKE_BINARY_DIR} --target \${target}\")
 endif()" COMPONENT ${component})
 endfunction()
 

@@ -123,6 +123,18 @@ class Logs(unittest.TestCase):
         events, skipped, _ = self.read(b"garbage" + data)
         self.assertEqual((len(events), skipped), (3, 7))
 
+    def test_any_damage_leaves_events_or_is_refused(self):
+        data, chance = self.write(20), random.Random(4)
+        for _ in range(300):
+            damaged = bytearray(data)
+            for _ in range(chance.randint(1, 30)):
+                damaged[chance.randrange(len(damaged))] = chance.randrange(256)
+            try:
+                events, _, _ = self.read(damaged[:chance.randint(1, len(damaged))])
+                self.assertLessEqual(len(events), 20)
+            except ValueError as error:
+                self.assertIn("not an LCM log", str(error))
+
     def test_what_is_appended_is_read_on(self):
         data = self.write(2)
         self.path.write_bytes(data[:-1])

@@ -52,6 +52,9 @@ for component in programs lcmtypes python; do
   echo $said | grep -q "is not built yet. First: cmake --build $dir/not_built --target $component" || fail "$component: $said"
 done
 
+said=$(cmake --install "$dir/not_built" --prefix "$dir/nowhere" 2>&1) && fail "all of it is installed before it is built"
+echo $said | grep -q "First: cmake --build $dir/not_built --target apps" || fail "all: $said"
+
 cmake -S "$examples" -B "$dir/examples" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$dir/examples"
 command -v python3 >/dev/null || {

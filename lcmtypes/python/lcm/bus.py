@@ -4,7 +4,6 @@ import ipaddress
 import math
 import os
 import re
-import select
 import socket
 import struct
 import time
@@ -144,20 +143,19 @@ class LCM:
         return self._receiver.fileno()
 
     def _handle_before(self, deadline):
+        self.fileno()
         handled, late = False, 0
-        while not handled:
+        while not handled and late <= _MAX_LATE:
             seconds = max(0, deadline - time.monotonic())
             late += seconds == 0  # what is there already is taken, unless it has no end
-            is_there = select.select([self.fileno()], [], [], None if deadline == math.inf else seconds)[0]
-            if not is_there or late > _MAX_LATE:
-                return False
+            self._receiver.settimeout(None if seconds == math.inf else seconds)
             try:
                 datagram, sender = self._receiver.recvfrom(MAX_DATAGRAM)
-            except BlockingIOError:  # its checksum was wrong
-                continue
+            except (TimeoutError, BlockingIOError):
+                break
             message = self._assembler.take(sender, datagram)
             handled = message is not None and self._hand_on(*message)
-        return True
+        return handled
 
     def _hand_on(self, channel, data):
         wanted_by = [s for s in self._subscriptions if s.pattern.fullmatch(channel)]
@@ -186,7 +184,6 @@ class LCM:
             receiver.bind((self._address.group, self._address.port))
             membership = struct.pack("=4sI", socket.inet_aton(self._address.group), socket.INADDR_ANY)
             receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
-            receiver.setblocking(False)
         except OSError as error:
             receiver.close()
             raise self._explained(error) from error

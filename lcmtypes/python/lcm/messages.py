@@ -23,7 +23,7 @@ class _Exact:
 def _type_of(fingerprint):
     package = sys.modules[__package__.rpartition(".")[0]]
     for of_package in vars(package).values():
-        if isinstance(of_package, type) and of_package._get_packed_fingerprint() == fingerprint:
+        if hasattr(of_package, "_get_packed_fingerprint") and of_package._get_packed_fingerprint() == fingerprint:
             return of_package
     raise ValueError(f"the fingerprint {fingerprint.hex()} is of no type of {package.__name__}")
 
