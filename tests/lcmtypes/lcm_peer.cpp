@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // LCM's own library, for what Python says that it writes and reads.
 //   lcm_peer echo            sends what comes on TO_CPP back on FROM_CPP, until something comes on END
+//   lcm_peer url             prints the bus of Rumi's programs
 //   lcm_peer copy LOG TO     reads a log and writes its events into another one
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <string>
+
+#include "bus/process/process.h"
 
 namespace {
 
@@ -47,5 +50,6 @@ int copy(const char* from, const char* to) {
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "echo") return Echo().run();
+  if (what == "url") return std::puts(rumi::kDefaultLcmUrl) < 0;
   return what == "copy" && argc == 4 ? copy(argv[2], argv[3]) : 2;
 }

@@ -222,6 +222,9 @@ class Datagrams(unittest.TestCase):
 
 
 class Urls(unittest.TestCase):
+    def test_rumis_bus_is_that_of_its_programs(self):
+        self.assertEqual(subprocess.run([PEER, "url"], capture_output=True, text=True, check=True).stdout.strip(), rumi.lcm.DEFAULT_URL)
+
     def test_what_cannot_be_a_bus_is_refused_with_a_reason(self):
         for url, reason in (("file:///tmp/a.lcm", "for a log: rumi.lcm.EventLog"), ("tcpq://localhost", "not the URL of a multicast bus"),
                             ("239.255.76.67:7667", "not the URL of a multicast bus"), ("udpm://10.0.0.1:7667", "10.0.0.1 is not a multicast address"),
