@@ -8,7 +8,8 @@
 #   make build     set up and build everything
 #   make tsan      the tests with threads under ThreadSanitizer, and the live system (a walk is rendered for it)
 #   make bench     benchmarks
-#   make install   into PREFIX (default /usr/local): programs, wire types, CMake package, pkg-config file
+#   make install   into PREFIX (default /usr/local), building only that: programs, their configuration, units for systemd, wire types for
+#                  C++, C and Python, examples, pages; after it `cmake --install build --component programs` (or lcmtypes, python) for a part
 #   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
 #   make clean     remove what the above made
 
@@ -71,7 +72,7 @@ bench: dependencies
 	cmake --build $(BENCH_BUILD) -j $(JOBS)
 	@set -e; for b in $(BENCH_BUILD)/bench/*; do if [ -f $$b ] && [ -x $$b ]; then echo "== $$b"; $$b; fi; done
 
-install: build
+install: apps
 	cmake --install $(BUILD) --prefix $(PREFIX)
 
 format:

@@ -51,9 +51,27 @@ string(REPLACE "<FLAGS>" "<FLAGS> -include ${RUMI_EIGEN_ASSERT}" CMAKE_CXX_COMPI
 
 include(Precompiled)
 
-add_custom_target(apps)             # every executable that is installed
+# What is installed has three components, each with a target that builds it.
+add_custom_target(programs)  # the processes and `rumi`, with their configuration, units and pages
+add_custom_target(lcmtypes)  # the wire types for C++ and C
+add_custom_target(python)    # the same for Python, and what reads logs and the bus there
+add_custom_target(apps)      # all of it: what `cmake --install` needs, and no more
+add_dependencies(apps programs lcmtypes python)
 add_custom_target(sanitized_tests)  # tests of the code that messages, files and images reach: `make test-all` sanitizes them
 add_custom_target(threaded_tests)   # tests with threads: `make tsan` runs these under ThreadSanitizer
+
+# rumi_install_needs(COMPONENT FILE): installing says what to build where CMake alone would say what it cannot find.
+function(rumi_install_needs component file)
+  install(CODE "
+if(NOT EXISTS \"${file}\")
+  if(CMAKE_INSTALL_COMPONENT)
+    set(target ${component})
+  else()
+    set(target apps)
+  endif()
+  message(FATAL_ERROR \"${file} is not built yet. First: cmake --build ${CMAKE_BINARY_DIR} --target \${target}\")
+endif()" COMPONENT ${component})
+endfunction()
 
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
@@ -64,14 +82,19 @@ function(rumi_library name)
   rumi_use_precompiled(rumi_${name} rumi_precompiled)
 endfunction()
 
-# rumi_executable(NAME SOURCES... [LINK libs...]): lands in build/bin and is installed.
+# rumi_executable(NAME SOURCES... [LINK libs...] INSTALL_TO folder): lands in build/bin and is installed.
 function(rumi_executable name)
-  cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "INSTALL_TO" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE ${arg_LINK})
-  add_dependencies(apps ${name})
-  install(TARGETS ${name} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  add_dependencies(programs ${name})
+  rumi_install_needs(programs $<TARGET_FILE:${name}>)
+  install(TARGETS ${name} RUNTIME DESTINATION ${arg_INSTALL_TO} COMPONENT programs)
 endfunction()
+
+# Off the PATH: others have programs of these names, too. `rumi up` knows where they are (rumi/run/program_folder.h).
+set(RUMI_INSTALL_PROGRAM_DIR ${CMAKE_INSTALL_LIBEXECDIR}/rumi)
+file(RELATIVE_PATH RUMI_PROGRAMS_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/rumi)
 
 # rumi_component(NAME [EXCEPT sources...] LINK libs...): a folder that is a process: main.cpp, and a library of all else.
 function(rumi_component name)
@@ -79,7 +102,7 @@ function(rumi_component name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp ${arg_EXCEPT})
   rumi_library(${name} SOURCES ${sources} LINK ${arg_LINK})
-  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name})
+  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
 endfunction()
 
 # What tests is not what is tested: compiled quickly.

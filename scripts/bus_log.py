@@ -2,12 +2,9 @@
 """Reads what lcm-logger wrote of a live system, with the Python types that the build makes (BUILD/generated_python)."""
 import importlib
 import pathlib
-import struct
 import sys
 import zlib
 
-_HEADER = struct.Struct(">IqqII")
-_SYNC = 0xEDA1DA01
 _TYPES = {"RUMI_SUBMAP": "chunk_t", "RUMI_SUBMAP_ACK": "chunk_ack_t", "RUMI_TRACK": "track_t",
           "RUMI_STATUS": "process_status_t", "RUMI_MAP_STATUS": "map_status_t", "CAMERA_TO_MAP": "rigid_transform_t"}
 
@@ -23,15 +20,12 @@ def message_type(name):
 def events(log):
     """(seconds since the epoch, channel, message) of all that is known here, as it arrived."""
     types = {channel: message_type(name) for channel, name in _TYPES.items()}
-    with open(log, "rb") as file:
-        while len(header := file.read(_HEADER.size)) == _HEADER.size:
-            sync, _, time_us, channel_size, size = _HEADER.unpack(header)
-            if sync != _SYNC:
-                raise ValueError(f"{log}: no event at {file.tell() - _HEADER.size}")
-            channel = file.read(channel_size).decode()
-            data = file.read(size)
-            if channel in types and len(data) == size:
-                yield time_us * 1e-6, channel, types[channel].decode(data)
+    with importlib.import_module("rumi").lcm.EventLog(log) as file:
+        for event in file:
+            if event.channel in types:
+                yield event.timestamp * 1e-6, event.channel, types[event.channel].decode(event.data)
+        if file.skipped_bytes:
+            raise ValueError(f"{log}: {file.skipped_bytes} bytes in it are no events")
 
 
 class Update:

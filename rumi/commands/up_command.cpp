@@ -24,6 +24,7 @@
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/run/all_options.h"
 #include "rumi/run/other_system.h"
+#include "rumi/run/program_folder.h"
 #include "rumi/run/supervisor.h"
 
 namespace rumi::tool {
@@ -84,8 +85,6 @@ class SharedConfig {
   std::string file_;
 };
 
-fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
 std::vector<std::string> bus_flags(const UpOptions& up) {
   std::vector<std::string> flags;
   if (!up.lcm_url.empty()) flags.insert(flags.end(), {"--lcm-url", up.lcm_url});
@@ -96,9 +95,10 @@ std::vector<std::string> bus_flags(const UpOptions& up) {
 
 // map_server is stopped after the others, so that what they hand on at their end still arrives.
 std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file) {
+  const fs::path folder = program_folder_of(own_folder());
   std::vector<Supervised> children;
   const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
-    Supervised child{name, {(own_folder() / name).string()}, false, stop_stage};
+    Supervised child{name, {(folder / name).string()}, false, stop_stage};
     child.command.insert(child.command.end(), more.begin(), more.end());
     child.command.insert(child.command.end(), {"--config", config_file});
     for (const std::string& flag : bus_flags(up)) child.command.push_back(flag);

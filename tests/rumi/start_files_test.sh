@@ -1,12 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # The files that start Rumi by other means than `rumi up`: that systemd and procman can read them, and that what they say
-# starts five processes that run and end well. Run by tests/run_in_netns.sh.
-#   start_files_test.sh BIN_DIR CONFIG_DIR
+# starts five processes that run and end well. All of it as it is installed. Run by tests/run_in_netns.sh.
+#   start_files_test.sh BUILD_DIR
 set -eu
-bin=$1
-config=$2
+build=$1
 work=$(mktemp -d)
+prefix=$work/prefix
+units=$prefix/lib/systemd/system
+config=$prefix/share/rumi/config
 pids=""
 cleanup() {
   for pid in $pids; do kill -9 "$pid" 2>/dev/null || true; done
@@ -18,17 +20,21 @@ fail() {
   exit 1
 }
 
-# Units as they are where the programs are installed.
-mkdir "$work/units"
-for unit in "$config"/systemd/*; do sed "s|/usr/local/bin/|$bin/|" "$unit" >"$work/units/$(basename "$unit")"; done
+cmake --install "$build" --prefix "$prefix" --component programs >/dev/null
+rumi=$prefix/bin/rumi
+for file in bin/rumi libexec/rumi/map_server share/rumi/config/rumi.yaml share/rumi/config/expert.yaml share/rumi/config/cameras/tum_fr1.yaml \
+  share/doc/rumi/README.md share/doc/rumi/LICENSE share/doc/rumi/docs/wire.md; do
+  [ -s "$prefix/$file" ] || fail "not installed: $file"
+done
+[ "$(ls "$prefix/bin")" = rumi ] || fail "only rumi is to be on the PATH, not: $(ls "$prefix/bin")"
 if command -v systemd-analyze >/dev/null; then
-  said=$(systemd-analyze verify "$work"/units/* 2>&1) || true # what it does not understand is no error to it
+  said=$(systemd-analyze verify "$units"/* 2>&1) || true # what it does not understand is no error to it
   [ -z "$said" ] || fail "systemd-analyze verify: $said"
 else
   echo "SKIPPED: systemd-analyze is missing, so config/systemd was NOT checked by systemd" >&2
 fi
-for name in $(sed -n 's/^\(Wants\|After\|Requires\)=//p' "$work"/units/*); do
-  case $name in rumi*) [ -f "$work/units/$name" ] || fail "there is no $name" ;; esac
+for name in $(sed -n 's/^\(Wants\|After\|Requires\)=//p' "$units"/*); do
+  case $name in rumi*) [ -f "$units/$name" ] || fail "there is no $name" ;; esac
 done
 
 # procman's grammar, a statement in a line; every command has a program and a deputy, and scripts name commands.
@@ -52,9 +58,9 @@ awk '
   END { if (!failed && depth != 0) { print FILENAME ": a } is missing"; exit 1 } }
 ' "$config/procman/rumi.pmd" || fail "config/procman/rumi.pmd"
 
-"$bin/rumi" synth -q -o "$work/sequence" --seconds 2 --size 320x240
+"$rumi" synth -q -o "$work/sequence" --seconds 2 --size 320x240
 sed 's/^  loop: false/  loop: true/' "$config/rumi.yaml" >"$work/rumi.yaml"
-export RUMI_INPUT="$work/sequence" RUMI_CONFIG="$work/rumi.yaml" PATH="$bin:$PATH"
+export RUMI_INPUT="$work/sequence" RUMI_CONFIG="$work/rumi.yaml"
 
 # Starts the commands in FILE, waits until all have told that they run, and ends them, last first: run_all NAME FILE.
 run_all() {
@@ -66,9 +72,9 @@ run_all() {
     pids="$! $pids"
   done <"$2"
   tries=0
-  until [ "$("$bin/rumi" status --json | grep -c '"state": "running"')" -eq 5 ]; do
+  until [ "$("$rumi" status --json | grep -c '"state": "running"')" -eq 5 ]; do
     tries=$((tries + 1))
-    [ "$tries" -lt 30 ] || { cat log && "$bin/rumi" status && fail "$1: not all five run"; }
+    [ "$tries" -lt 30 ] || { cat log && "$rumi" status && fail "$1: not all five run"; }
   done
   for pid in $pids; do
     kill "$pid"
@@ -81,7 +87,17 @@ run_all() {
 }
 sed -n 's/^ *exec = "\(.*\)";$/\1/p' "$config/procman/rumi.pmd" >"$work/procman.commands"
 run_all procman "$work/procman.commands"
-for unit in $(sed -n 's/^Wants=//p' "$work/units/rumi.target"); do
-  sed -n 's/^ExecStart=//p' "$work/units/$unit" | sed "s|/etc/rumi/rumi.yaml|$RUMI_CONFIG|"
+for unit in $(sed -n 's/^Wants=//p' "$units/rumi.target"); do
+  sed -n 's/^ExecStart=//p' "$units/$unit" | sed "s|/etc/rumi/rumi.yaml|$RUMI_CONFIG|"
 done >"$work/systemd.commands"
 run_all systemd "$work/systemd.commands"
+
+# `rumi up` starts its own programs, also where others' of the same names are beside it and on the PATH.
+for name in map_server camera_driver front_tracker ruminator viewer_offscreen; do
+  printf '#!/bin/sh\necho "a stranger is started" >&2\nexit 1\n' >"$prefix/bin/$name"
+  chmod 755 "$prefix/bin/$name"
+done
+mkdir "$work/up" && cd "$work/up"
+PATH="$prefix/bin:$PATH" "$rumi" up "$config/rumi.yaml" "$work/sequence" >log 2>&1 || { cat log && fail "rumi up: exit code $?"; }
+! grep stranger log || fail "rumi up started others' programs"
+[ -f map.db ] || { cat log && fail "rumi up: there is no map"; }

@@ -14,10 +14,9 @@ if [ "$1" != --inside ]; then
   mkdir -p "$work"
   "$2/bin/rumi" synth -q -o "$work/recording" --overwrite --seconds 3 --size 320x180 # a size that vivid has too
   RUMI_QEMU_TIMEOUT_S=${RUMI_QEMU_TIMEOUT_S:-850} exec "$1/tests/virtual_machine/run_in_qemu.sh" --systemd "$work" \
-    "$1/tests/rumi/systemd_test.sh" --inside "$1" "$2"
+    "$1/tests/rumi/systemd_test.sh" --inside "$2"
 fi
-source=$2
-build=$3
+build=$2
 services="rumi-camera-driver rumi-front-tracker rumi-ruminator rumi-viewer rumi-map-server"
 map=/var/lib/rumi/map.db
 limit_s=300  # it only ends what hangs: the machine is emulated, and may be busy
@@ -60,7 +59,7 @@ published() { status processes.camera_driver.detail | sed 's/ images.*//'; }
 number="(utime - 1000000000 + 16666) * 30 / 1000000"
 is_tracked_up_to() { [ -f "$map" ] && [ "$(query "SELECT ifnull(max($number), -1) FROM frames WHERE submap >= 0")" -ge "$1" ]; }
 configure() { # for any input: so little that the machine can do it
-  cp "$source/config/rumi.yaml" /etc/rumi/
+  cp /usr/local/share/rumi/config/rumi.yaml /etc/rumi/
   option camera_file /srv/recording/calibration.yaml
   option keypoints 300
   option init_keypoints 600
@@ -72,7 +71,6 @@ option() { sed -i "s|^  $1: *[^ ]*|  $1: $2|" /etc/rumi/rumi.yaml; }
 say "the machine is up"
 cmake --install "$build" --prefix /usr/local >/run/install.log || { cat /run/install.log && fail "cmake --install"; }
 mkdir -p /etc/rumi
-cp "$source"/config/systemd/rumi* /etc/systemd/system/
 cp -r "$build/tests/virtual_machine/recording" /srv/recording
 configure /srv/recording
 option loop true
