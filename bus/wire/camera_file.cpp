@@ -63,6 +63,15 @@ std::vector<std::string> lenses_of(const FileCameras& all) {
   return lenses;
 }
 
+// Of COLMAP's there may be one an image.
+std::string in_short(const std::vector<std::string>& lenses) {
+  constexpr size_t kMostNamed = 8;
+  const size_t named = std::min(lenses.size(), kMostNamed);
+  const std::string more = lenses.size() > named ? fmt::format(" and {} more", lenses.size() - named) : "";
+  return fmt::format("{}{}", fmt::join(lenses.begin(), lenses.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                     more);
+}
+
 // The camera of this name (any case), or the one of the file that is meant if there is no name.
 CameraFileResult choose(const FileCameras& all, const std::string& file, const std::string& choice) {
   CameraFileResult result;
@@ -75,9 +84,8 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
   const auto chosen = std::find_if(all.cameras.begin(), all.cameras.end(), is_meant);
   const std::vector<std::string> lenses = lenses_of(all);
   if (chosen == all.cameras.end()) {
-    result.error = lenses.size() < 2
-                       ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
-                       : fmt::format("{}: has no camera '{}': it has {}", file, choice, fmt::join(lenses, ", "));
+    result.error = lenses.size() < 2 ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
+                                     : fmt::format("{}: has no camera '{}': it has {}", file, choice, in_short(lenses));
     return result;
   }
   result.camera = chosen->camera, result.error = check(*chosen, file);
@@ -85,8 +93,8 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
   if (!result.ok()) {
     result.camera = Camera();
     if (choice.empty() && lenses.size() > 1)
-      result.error += fmt::format(" (or name another camera of the file, {}, as in {}:{})", fmt::join(lenses, ", "),
-                                  file, lenses[1]);
+      result.error +=
+          fmt::format(" (or name another camera of the file, {}, as in {}:{})", in_short(lenses), file, lenses[1]);
     return result;
   }
   for (const FileCamera& other : all.cameras)
@@ -94,7 +102,7 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
       result.others.push_back({other.name, other.lens, other.camera});
   if (choice.empty() && lenses.size() > 1)
     result.notes.push_back(fmt::format("{}: has {} cameras ({}): {} is taken; {}:{} would name another", file,
-                                       lenses.size(), fmt::join(lenses, ", "), chosen->lens, file, lenses[1]));
+                                       lenses.size(), in_short(lenses), chosen->lens, file, lenses[1]));
   return result;
 }
 

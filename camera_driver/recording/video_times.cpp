@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 extern "C" {
@@ -39,6 +40,16 @@ bool is_bare_stream(std::string_view format) {
   return format.ends_with("_pipe") || std::find(kBare.begin(), kBare.end(), format) != kBare.end();
 }
 
+// Some containers have no time of showing: there the order of decoding is that of showing. Nothing where there is
+// neither, or where it is beyond all times.
+std::optional<int64_t> time_of(const AVPacket& packet, AVRational unit) {
+  constexpr int64_t kMostUs = int64_t{1} << 53;
+  const int64_t time = packet.pts != AV_NOPTS_VALUE ? packet.pts : packet.dts;
+  if (time == AV_NOPTS_VALUE || unit.num <= 0 || unit.den <= 0) return std::nullopt;
+  const int64_t utime_us = av_rescale_q(time, unit, AVRational{1, 1'000'000});
+  return utime_us > -kMostUs && utime_us < kMostUs ? std::optional(utime_us) : std::nullopt;
+}
+
 // The order of showing differs from that of decoding by a few frames. Farther back the clock began anew: that stays.
 void sort_as_shown(std::vector<int64_t>* utimes) {
   constexpr int64_t kBeganAnewUs = 1'000'000;
@@ -69,11 +80,10 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
   while (packet && av_read_frame(format.get(), packet.get()) >= 0) {
     if (packet->stream_index == stream) ++times.stored;
     const bool is_shown = packet->stream_index == stream && (packet->flags & AV_PKT_FLAG_DISCARD) == 0;
-    // Some containers have no time of showing: there the order of decoding is that of showing.
-    const int64_t time = packet->pts != AV_NOPTS_VALUE ? packet->pts : packet->dts;
     if (is_shown) {
-      times.utimes.push_back(time == AV_NOPTS_VALUE ? 0 : av_rescale_q(time, unit, AVRational{1, 1'000'000}));
-      without += time == AV_NOPTS_VALUE ? 1 : 0;
+      const std::optional<int64_t> utime_us = time_of(*packet, unit);
+      times.utimes.push_back(utime_us.value_or(0));
+      without += utime_us ? 0 : 1;
     }
     av_packet_unref(packet.get());
   }

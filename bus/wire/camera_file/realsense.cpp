@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What `rs-enumerate-devices -c` prints: a block for each stream and size, for many people the only calibration.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "bus/wire/camera_file/formats.h"
@@ -22,6 +23,12 @@ struct Block {
 std::string trimmed(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::vector<std::string> words_of(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
 // "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below it.
@@ -51,7 +58,7 @@ std::string yaml_of(const Block& block) {
   std::string yaml;
   for (const auto& [key, value] : block.values) {
     if (key == "Coeffs")
-      yaml += fmt::format("Coeffs: [{}]\n", std::regex_replace(value, std::regex("[ \t,]+"), ", "));
+      yaml += fmt::format("Coeffs: [{}]\n", fmt::join(words_of(value), ", "));
     else if (value.find_first_of("'\n") == std::string::npos)
       yaml += fmt::format("'{}': '{}'\n", key, value);
   }
