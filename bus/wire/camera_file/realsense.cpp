@@ -33,7 +33,7 @@ std::vector<std::string> words_of(std::string text) {
 
 // "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below it.
 std::vector<Block> blocks_of(const std::string& text) {
-  constexpr size_t kMostBlocks = 500;
+  constexpr size_t kMostBlocks = 500, kMostValues = 50;
   constexpr const char* kHead = "Intrinsic of \"";
   std::vector<Block> blocks;
   bool inside = false;
@@ -47,7 +47,7 @@ std::vector<Block> blocks_of(const std::string& text) {
       inside = true;
     } else if (trimmed(line).empty() || colon == std::string::npos) {
       inside = false;
-    } else if (inside) {
+    } else if (inside && blocks.back().values.size() < kMostValues) {
       blocks.back().values[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
     }
   }

@@ -64,6 +64,27 @@ TEST_F(HostileCameraFile, ALineOfAHundredThousandCommasIsRefused) {
   EXPECT_THAT(error_of(listing), HasSubstr("Coeffs has 2 values"));
 }
 
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+TEST_F(HostileCameraFile, GroupsWithinGroupsDoNotOverflowTheStack) {
+  EXPECT_NE(error_of("<?xml version=\"1.0\"?>\n<opencv_storage>\n" + repeated("<a>", 20'000)), "");
+  EXPECT_NE(error_of("<?xml version=\"1.0\"?>\n<opencv_storage>\n" + repeated("<a>", 5'000) + repeated("</a>", 5'000) +
+                     "</opencv_storage>\n"),
+            "");
+  for (const char* opening : {"[", "{", "{a: ", "- ", "? ", "!x ", "&a ", "- - ? "})
+    EXPECT_NE(error_of("fx: 1\nx: " + repeated(opening, 15'000)), "") << opening;
+}
+
+TEST_F(HostileCameraFile, AListingOfManyFieldsIsCutShort) {
+  std::string listing = "Intrinsic of \"Color\" / 64x48\n";
+  for (int i = 0; i < 200'000; ++i) listing += "k" + std::to_string(i) + ": " + std::to_string(i) + "\n";
+  EXPECT_THAT(error_of(listing), HasSubstr("Width is missing"));
+}
+
 // In YAML this byte is the end of the text.
 TEST_F(HostileCameraFile, AnEndOfTransmissionIsRefused) {
   EXPECT_THAT(error_of("1 PINHOLE 64 48 5\x04 50 32 24\n"), HasSubstr("camera"));
