@@ -31,7 +31,7 @@ FileCameras read_text(const std::string& text, const std::string& name) {
   const auto refuse = [&name](const std::string& why) { return FileCameras{"", {}, fmt::format("{}: {}", name, why)}; };
   const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
   if (text.size() > kMaxBytes)
-    return refuse(fmt::format("is {} bytes long: not a camera calibration; {}", text.size(), kExpected));
+    return refuse(fmt::format("is longer than {} bytes: not a camera calibration; {}", kMaxBytes, kExpected));
   if (std::all_of(text.begin(), text.end(), is_space)) return refuse(fmt::format("is empty: {}", kExpected));
   if (const std::string stranger = known_stranger(text); !stranger.empty()) return refuse(stranger);
   if (std::any_of(text.begin(), text.end(), [&](unsigned char c) { return c < 0x20 && !is_space(c); }))
@@ -124,7 +124,8 @@ CameraFileResult read_chosen(const std::string& file, const std::string& choice)
     result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
   } else {
     std::ifstream stream(file, std::ios::binary);
-    std::string text(kMaxListBytes + 1, '\0');
+    const std::uintmax_t size = fs::file_size(file, code);  // a pipe has none
+    std::string text(code ? kMaxListBytes : std::min<std::uintmax_t>(size, kMaxListBytes) + 1, '\0');
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
     if (stream.is_open() && !stream.bad()) return choose(read_file_text(text, file), file, choice);

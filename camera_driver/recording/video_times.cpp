@@ -23,7 +23,8 @@ struct FreePacket {
 using Format = std::unique_ptr<AVFormatContext, CloseFormat>;
 
 Format open(const std::filesystem::path& file) {
-  av_log_set_level(AV_LOG_QUIET);  // what is wrong with the file is said by us
+  // What is wrong with the file is said by us. A level would not do: OpenCV sets another one.
+  av_log_set_callback([](void*, int, const char*, va_list) {});
   AVFormatContext* opened = nullptr;
   // "file:" so that a name with a colon is no protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;

@@ -23,8 +23,8 @@ void run(View input) {
   const std::string file = scratch().write("camera", input);
   CameraFileResult result = read_camera_file(file);
   use(result);
-  for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
   if (result.others.empty()) return;
+  for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
   const CameraFileResult::Other other = result.others.back();
   if (!read_camera_file(file + ":" + other.lens).ok()) throw std::logic_error("a camera is not found by its name");
   advice_on_size(result, other.camera.width, other.camera.height);
