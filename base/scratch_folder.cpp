@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/free_space.h"
 #include "base/log.h"
 
 namespace rumi {
@@ -22,12 +23,8 @@ namespace fs = std::filesystem;
 
 constexpr uintmax_t kRoomBytes = 64'000'000;  // COLMAP's database of a window and its models
 
-// 0 where nobody knows.
-uintmax_t free_bytes(const std::string& folder) {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder, error);
-  return error ? 0 : space.available;
-}
+// What nobody knows counts as none.
+uintmax_t free_bytes(const std::string& folder) { return free_space(folder).value_or(0); }
 
 std::string why_not_chosen(const std::string& folder) {
   const std::string why = why_unusable(folder);

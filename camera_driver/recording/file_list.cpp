@@ -202,10 +202,7 @@ class FileListReader : public FrameReader {
     std::vector<fs::path> files;
     for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
     range_ = sample_grey_range(files);
-    log_info(
-        "{}: pixels of 16 bits: {} to {} become 0 to 255 in all images, the range of some of them; for another one "
-        "give --set camera_driver.grey_range=LOW:HIGH",
-        list_.source.string(), range_->low, range_->high);
+    tell_grey_range(list_.source.string(), *range_);
     return *range_;
   }
 
@@ -262,6 +259,8 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
     understand(&list, lines, folder, found.usual, needs_times(options));
+    if (found.count_within_second)
+      list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());
     return list;
   }
   for (const Line& line : lines) list.entries.push_back({0, folder / line.name, 0});

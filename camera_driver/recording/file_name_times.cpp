@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <ctime>
 #include <functional>
+#include <map>
 #include <optional>
 #include <regex>
 
@@ -69,6 +70,30 @@ TimeUnit unit_of_digits(size_t digits) {
   return digits < 18 ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
 }
 
+// 0, 1, 2 ... or 1, 2, 3 ... behind each second: of at least one second, and of no second anything else.
+bool decimals_count(const std::vector<std::string>& times) {
+  constexpr size_t kLeast = 3;
+  constexpr size_t kMostDigits = 6;
+  std::map<std::string, std::vector<std::string>> seconds;
+  for (const std::string& time : times) {
+    const size_t point = time.find('.');
+    if (point == std::string::npos) continue;
+    if (time.size() - point - 1 > kMostDigits) return false;
+    seconds[time.substr(0, point)].push_back(time.substr(point + 1));
+  }
+  size_t most = 0;
+  for (auto& [second, counts] : seconds) {
+    const bool is_cut = &counts == &seconds.begin()->second;  // the first second may have begun before
+    std::sort(counts.begin(), counts.end());
+    const int first = std::stoi(counts.front());
+    if (first > 1 && !is_cut) return false;
+    for (size_t i = 0; i < counts.size(); ++i)
+      if (std::stoi(counts[i]) != first + static_cast<int>(i)) return false;
+    most = std::max(most, counts.size());
+  }
+  return most >= kLeast;
+}
+
 // Without the ending, which may not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
@@ -90,6 +115,7 @@ FileNameTimes times_in_names(const std::vector<std::string>& names) {
     best.usual = is_whole ? unit_of_digits(first->size()) : TimeUnit::kSeconds;
   }
   if (best.times.empty()) best.times.resize(names.size());
+  best.count_within_second = decimals_count(best.times);
   return best;
 }
 

@@ -12,6 +12,7 @@ namespace rumi::camera_driver {
 struct FileNameTimes {
   std::vector<std::string> times;  // decimal numbers, one a name; empty: the name has none
   TimeUnit usual = TimeUnit::kSeconds;
+  bool count_within_second = false;  // what looks like decimals counts the images of each second (_000, _001 ...)
 };
 
 // Of "1305031102.175304" (seconds, at least three decimals), "1403636579763555584" (seconds to nanoseconds, at least

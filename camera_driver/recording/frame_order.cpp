@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
@@ -30,7 +31,8 @@ class Ordering {
   explicit Ordering(const std::vector<int64_t>& utimes_us) : times_(utimes_us) {}
 
   FrameOrder run() {
-    if (std::string error = check_duplicates(); !error.empty()) return {{}, {}, {}, false, std::move(error)};
+    for (std::string error : {check_duplicates(), check_clocks()})
+      if (!error.empty()) return {{}, {}, {}, false, std::move(error)};
     period_us_ = median_period_us();
     if (is_in_disorder())
       sort_all();
@@ -59,6 +61,44 @@ class Ordering {
                        times_.size(), doubled);
   }
 
+  // Two clocks in turn: each rises, image by image it is mostly the other one, and sorted their images would lie far
+  // from where they are stored.
+  std::string check_clocks() const {
+    std::array<Frames, 2> clocks;
+    size_t last = 0, turns = 0;
+    for (size_t i = 0; i < times_.size(); ++i) {
+      const auto follows = [&](size_t clock) { return clocks[clock].empty() || !earlier(i, clocks[clock].back()); };
+      const auto gap = [&](size_t clock) {
+        return clocks[clock].empty() ? INT64_MAX : time(i) - time(clocks[clock].back());
+      };
+      if (!follows(0) && !follows(1)) return {};
+      const size_t clock = follows(0) && (!follows(1) || gap(0) <= gap(1)) ? 0 : 1;
+      clocks[clock].push_back(i);
+      turns += clock != last ? 1 : 0;
+      last = clock;
+    }
+    if (2 * turns < times_.size() || median_displacement() <= kNearPlaces / 2) return {};
+    return fmt::format(
+        "the times of its images are of two clocks in turn ({:.6f} s and {:.6f} s are those of two images in a row); "
+        "give --rate HZ to make new times",
+        static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6);
+  }
+
+  // Of a frame from where it is stored to where its time is, in frames.
+  size_t median_displacement() const {
+    Frames sorted = all_by_time();
+    std::vector<size_t> displacements;
+    for (size_t i = 0; i < sorted.size(); ++i) displacements.push_back(std::max(i, sorted[i]) - std::min(i, sorted[i]));
+    return median(&displacements);
+  }
+
+  Frames all_by_time() const {
+    Frames all(times_.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::stable_sort(all.begin(), all.end(), [this](size_t a, size_t b) { return earlier(a, b); });
+    return all;
+  }
+
   int64_t median_period_us() const {
     std::vector<int64_t> steps;
     for (size_t i = 1; i < times_.size(); ++i)
@@ -73,11 +113,8 @@ class Ordering {
   }
 
   void sort_all() {
-    Frames all(times_.size());
-    std::iota(all.begin(), all.end(), 0);
-    std::stable_sort(all.begin(), all.end(), [this](size_t a, size_t b) { return earlier(a, b); });
     parts_.emplace_back();
-    for (const size_t frame : all) {
+    for (const size_t frame : all_by_time()) {
       if (!parts_[0].empty() && time(parts_[0].back()) == time(frame))
         order_.duplicates.push_back(frame);
       else

@@ -30,7 +30,7 @@ struct FrameOrder {
 // - Times that go back and rise again from there, for more than a few frames: a new part. More than three
 //   parts whose times do not overlap are put into the order of their times, as one.
 // - Times in disorder: sorted.
-// - Most frames have the time of another one: an error.
+// - Most frames have the time of another one, or of another clock than the one before: an error.
 FrameOrder order_frames(const std::vector<int64_t>& utimes_us);
 
 // As they are stored, at this rate, from `first_us` on. Precondition: rate_hz > 0.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_driver/recording/grey_range.h"
 #include "lcmtypes/rumi/image_t.hpp"
 
 namespace rumi::camera_driver {
@@ -43,8 +44,9 @@ struct OpenedReader {
   std::string error;  // empty, or file, what is wrong, and what to do
 };
 
-// Times are those of the container, in the order of showing.
-OpenedReader open_video(const std::filesystem::path& file);
+// Times are those of the container, in the order of showing. `grey_range`: of pixels of 16 bits; without it that of the
+// recording is measured when the first one is met.
+OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range);
 // image_t messages on one channel.
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel);
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
@@ -69,56 +68,24 @@ cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* erro
     pixels.release();
   }
   if (pixels.empty()) *error = "is corrupt, or not an image";
+  if (const int white = white_in_header(bytes); pixels.depth() == CV_8U && white < 255)
+    pixels.convertTo(pixels, -1, 255.0 / white);
   if (pixels.empty() || pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
   *error = "has pixels that are neither of 8 nor of 16 bits without sign; convert it";
   return {};
 }
 
-cv::Mat to_8_bit(const cv::Mat& pixels, const GreyRange& range) {
-  const double scale = 255.0 / (range.high - range.low);
-  cv::Mat out;
-  pixels.convertTo(out, CV_8U, scale, -range.low * scale);
-  return out;
-}
-
 }  // namespace
 
-std::optional<GreyRange> parse_grey_range(const std::string& text) {
-  constexpr int kMax = 65535;
-  GreyRange range;
-  const char* end = text.data() + text.size();
-  const auto low = std::from_chars(text.data(), end, range.low);
-  if (low.ec != std::errc() || low.ptr == end || *low.ptr != ':') return std::nullopt;
-  const auto high = std::from_chars(low.ptr + 1, end, range.high);
-  if (high.ec != std::errc() || high.ptr != end) return std::nullopt;
-  if (range.low < 0 || range.high > kMax || range.low >= range.high) return std::nullopt;
-  return range;
-}
-
 GreyRange sample_grey_range(const std::vector<fs::path>& files) {
-  constexpr size_t kMostFiles = 16;
-  constexpr double kTail = 0.001;
-  std::vector<int64_t> histogram(65536);
-  int64_t pixels_in_all = 0;
-  const size_t count = std::min(files.size(), kMostFiles);
+  GreyHistogram histogram;
+  const size_t count = std::min(files.size(), GreyHistogram::kMostImages);
   for (size_t i = 0; i < count; ++i) {
     std::string ignored;
     const auto bytes = read_file(files[i * files.size() / count], &ignored);
-    const cv::Mat pixels = bytes && !looks_like_jpeg(*bytes) ? decode(*bytes, /*colour=*/false, &ignored) : cv::Mat();
-    if (pixels.depth() != CV_16U) continue;
-    for (int y = 0; y < pixels.rows; ++y)
-      for (int x = 0; x < pixels.cols; ++x) ++histogram[pixels.ptr<uint16_t>(y)[x]];
-    pixels_in_all += static_cast<int64_t>(pixels.total());
+    if (bytes && !looks_like_jpeg(*bytes)) histogram.add(decode(*bytes, /*colour=*/false, &ignored));
   }
-  if (pixels_in_all == 0) return {};
-  const auto at = [&histogram](int64_t rank) {
-    int value = 0;
-    for (int64_t below = histogram[0]; below <= rank; below += histogram[static_cast<size_t>(value)]) ++value;
-    return value;
-  };
-  const auto tail = static_cast<int64_t>(kTail * static_cast<double>(pixels_in_all));
-  const int low = at(tail), high = at(pixels_in_all - 1 - tail);
-  return {std::min(low, 65534), std::max(high, low + 1)};
+  return histogram.range();
 }
 
 std::optional<image_t> load_image_file(const fs::path& file, bool colour, const std::function<GreyRange()>& range,

@@ -10,19 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "camera_driver/recording/grey_range.h"
 #include "lcmtypes/rumi/image_t.hpp"
 
 namespace rumi::camera_driver {
 
-// Pixels of 16 bits become 8: `low` and less become 0, `high` and more 255, linearly between.
-struct GreyRange {
-  int low = 0, high = 65535;  // low < high
-};
-
-// "LOW:HIGH"; nothing for anything else.
-std::optional<GreyRange> parse_grey_range(const std::string& text);
-// Of all pixels of some of the files, evenly chosen, but for the darkest and the brightest thousandth. All of 16 bits
-// if none of them can be read.
+// Of some of the files, evenly chosen.
 GreyRange sample_grey_range(const std::vector<std::filesystem::path>& files);
 
 // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. `range` is asked when

@@ -111,4 +111,13 @@ std::optional<HeaderSize> size_in_header(File file) {
   return std::nullopt;
 }
 
+int white_in_header(File file) {
+  constexpr int64_t kWhite = 255;
+  if (!has(file, 0, "P5") && !has(file, 0, "P6")) return kWhite;
+  size_t at = 2;
+  std::optional<int64_t> number;
+  for (int i = 0; i < 3; ++i) number = pnm_number(file, &at);  // width, height, white
+  return static_cast<int>(std::clamp(number.value_or(kWhite), int64_t{1}, kWhite));
+}
+
 }  // namespace rumi::camera_driver

@@ -16,4 +16,7 @@ struct HeaderSize {
 // Of PNG, BMP, PGM and PPM (PNM), TIFF and WebP; nothing for anything else, and for a header that is cut short.
 std::optional<HeaderSize> size_in_header(std::span<const uint8_t> file);
 
+// The value of white in a binary PGM or PPM file of 8 bits (P5, P6), which decoders do not look at; 255 in all others.
+int white_in_header(std::span<const uint8_t> file);
+
 }  // namespace rumi::camera_driver

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
+#include <algorithm>
 
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/video_decoder.h"
 #include "camera_driver/recording/video_times.h"
 
 namespace rumi::camera_driver {
@@ -14,57 +13,95 @@ namespace {
 
 class VideoReader : public FrameReader {
  public:
-  explicit VideoReader(std::string file) : file_(std::move(file)), times_(read_video_times(file_)) {
-    // What OpenCV would print about a broken file is said by us.
-    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-    if (!times_.utimes.empty()) open();
+  VideoReader(std::string file, std::optional<GreyRange> range)
+      : file_(std::move(file)), times_(read_video_times(file_)), range_(range) {
+    if (!times_.utimes.empty()) begin();
   }
-  bool opened() const { return video_.isOpened() && !times_.utimes.empty(); }
+  bool opened() const { return decoder_ != nullptr; }
 
   const std::vector<int64_t>& utimes() const override { return times_.utimes; }
   std::string why_no_times() const override { return times_.has_times ? "" : "the images of the video have no times"; }
   std::string where(size_t frame) const override { return fmt::format("{}: frame {}", file_, frame); }
   std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
-    if (frame + 1 < grabbed_) open();
-    while (grabbed_ <= frame && video_.grab()) ++grabbed_;
-    if (grabbed_ <= frame) {
-      *error = fmt::format("{}: it ends after {} of {} images: is it cut off?", file_, grabbed_, times_.utimes.size());
+    if (const std::string problem = go_to(frame); !problem.empty()) {
+      *error = problem;
       return std::nullopt;
     }
-    cv::Mat pixels, grey;
-    if (!video_.retrieve(pixels) || pixels.empty()) {
-      *error = file_ + ": a frame could not be decoded";
+    cv::Mat pixels = decoder_->pixels(colour);
+    if (pixels.empty()) {
+      *error = where(frame) + ": its pixels are of a kind that cannot be converted";
       return std::nullopt;
     }
-    if (pixels.channels() == 1) return make_grey_image(0, pixels);
-    if (colour) return make_rgb_image(0, pixels);
-    cv::cvtColor(pixels, grey, cv::COLOR_BGR2GRAY);
-    return make_grey_image(0, grey);
+    if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
+    return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
   }
   std::vector<std::string> notes() const override {
     constexpr double kTolerable = 0.95;
-    if (static_cast<double>(times_.stored) >= kTolerable * static_cast<double>(times_.promised) - 1) return {};
-    return {fmt::format("ends after {} images, its header promises {}: the file may be cut off", times_.stored,
-                        times_.promised)};
+    std::vector<std::string> notes;
+    if (static_cast<double>(times_.stored) < kTolerable * static_cast<double>(times_.promised) - 1)
+      notes.push_back(fmt::format("ends after {} images, its header promises {}: the file may be cut off",
+                                  times_.stored, times_.promised));
+    if (times_.streams > 1)
+      notes.push_back(fmt::format(
+          "has {} streams of images: the best one is played; for another one take it out first, such as by ffmpeg -i "
+          "FILE -map 0:v:1 -c copy OTHER",
+          times_.streams));
+    return notes;
   }
 
  private:
-  void open() {
-    // Only FFmpeg: other backends take a file for a pattern of image names, or a camera.
-    video_.open(file_, cv::CAP_FFMPEG);
-    grabbed_ = 0;
+  void begin() {
+    decoder_ = VideoDecoder::open(file_);
+    is_at_.reset();
+    next_ = 0;
+  }
+
+  // Decodes up to the frame. Why it cannot be had, or an empty string.
+  std::string go_to(size_t frame) {
+    if (is_at_ && *is_at_ > frame && frame < begin_of_gap_) begin();
+    while (decoder_ && (!is_at_ || *is_at_ < frame)) {
+      if (!decoder_->next())
+        return fmt::format("{}: it ends after {} of {} images: is it cut off?", file_, next_, times_.utimes.size());
+      begin_of_gap_ = next_;
+      is_at_ = number_of_picture();
+      next_ = *is_at_ + 1;
+    }
+    return is_at_ == frame ? "" : where(frame) + ": could not be decoded";
+  }
+
+  // Where the decoder is: some before it may be missing. Without times they count.
+  size_t number_of_picture() const {
+    const std::optional<int64_t> stamp = decoder_->stamp();
+    const auto from = times_.stamps.begin() + static_cast<std::ptrdiff_t>(std::min(next_, times_.stamps.size()));
+    const auto at = stamp ? std::find(from, times_.stamps.end(), *stamp) : times_.stamps.end();
+    return at == times_.stamps.end() ? next_ : static_cast<size_t>(at - times_.stamps.begin());
+  }
+
+  GreyRange range() {
+    if (range_) return *range_;
+    GreyHistogram histogram;
+    const size_t step = std::max<size_t>(1, times_.utimes.size() / GreyHistogram::kMostImages);
+    const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file_);
+    for (size_t i = 0; decoder && decoder->next(); ++i)
+      if (i % step == 0) histogram.add(decoder->pixels(/*colour=*/false));
+    range_ = histogram.range();
+    tell_grey_range(file_, *range_);
+    return *range_;
   }
 
   std::string file_;
   VideoTimes times_;
-  cv::VideoCapture video_;
-  size_t grabbed_ = 0;  // frames
+  std::optional<GreyRange> range_;
+  std::unique_ptr<VideoDecoder> decoder_;
+  std::optional<size_t> is_at_;  // the picture that the decoder has
+  size_t begin_of_gap_ = 0;      // this one to is_at_ could not be decoded
+  size_t next_ = 0;
 };
 
 }  // namespace
 
-OpenedReader open_video(const std::filesystem::path& file) {
-  auto reader = std::make_unique<VideoReader>(file.string());
+OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range) {
+  auto reader = std::make_unique<VideoReader>(file.string(), grey_range);
   if (!reader->opened())
     return {nullptr, fmt::format("{}: is neither an lcm log nor a video that can be decoded; give a dataset folder, an "
                                  "image folder, a video or an lcm log",

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A video: its times, and its first frames. Byte 0 chooses whether there is a rate. FFmpeg's own faults are its own:
-// what is looked for is what becomes of the numbers that it hands over.
-#include <opencv2/videoio.hpp>
-
+// A video: its times, and its first frames. Byte 0 chooses whether there is a rate. What goes wrong inside FFmpeg is
+// its own: what is looked for is what becomes of the numbers and pixels that it hands over.
 #include "bus/wire/camera_file.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/recording/video_times.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 #include "tests/camera_driver/write_video.h"
@@ -27,34 +24,33 @@ void run(View input) {
   }
 }
 
-// Files of a few kilobytes.
-std::vector<std::string> videos() {
-  std::vector<std::string> files;
-  testing::VideoOptions options;
-  options.frames = 6;
-  for (const int b_frames : {0, 2}) {
-    options.b_frames = b_frames;
-    files.push_back(scratch() / ("seed" + std::to_string(b_frames) + ".mp4"));
-    testing::write_video(files.back(), options);
-  }
-  options.has_times = false;
-  files.push_back(scratch() / "seed.h264");
-  testing::write_video(files.back(), options);
-  for (const char* name : {"seed.avi", "seed.mkv", "seed.mov"}) {
-    files.push_back(scratch() / name);
-    cv::VideoWriter writer(files.back(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20,
-                           cv::Size(kWidth, kHeight));
-    for (int i = 0; writer.isOpened() && i < 3; ++i) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar(9 * i)));
-  }
-  return files;
-}
+struct Kind {
+  const char* container;
+  AVCodecID codec = AV_CODEC_ID_H264;
+  AVPixelFormat pixels = AV_PIX_FMT_YUV420P;
+  int b_frames = 0;
+};
+constexpr Kind kKinds[] = {{"mp4"},
+                           {"mp4", AV_CODEC_ID_H264, AV_PIX_FMT_YUV420P, 2},
+                           {"h264"},
+                           {"matroska"},
+                           {"mpegts"},
+                           {"flv"},
+                           {"avi", AV_CODEC_ID_MPEG4},
+                           {"nut", AV_CODEC_ID_FFV1, AV_PIX_FMT_GRAY16LE},
+                           {"matroska", AV_CODEC_ID_VP8}};
 
 std::vector<Bytes> seeds() {
   std::vector<Bytes> all;
-  for (const std::string& file : videos()) {
-    const std::string bytes = testing::read_file(file);
-    if (bytes.empty()) continue;  // this FFmpeg cannot write such a video
-    all.push_back(to_bytes(std::string(1, file.ends_with(".h264") ? '\1' : '\0') + bytes));
+  const std::string file = scratch() / "seed";
+  for (const Kind& kind : kKinds) {
+    testing::VideoOptions options;
+    options.frames = 6;
+    options.container = kind.container, options.codec = kind.codec, options.pixels = kind.pixels;
+    options.b_frames = kind.b_frames;
+    if (!testing::write_video(file, options)) continue;  // this FFmpeg cannot
+    all.push_back(
+        to_bytes(std::string(1, options.container == std::string("h264") ? '\1' : '\0') + testing::read_file(file)));
   }
   all.push_back(to_bytes(std::string(1, '\0') + "YUV4MPEG2 W64 H48 F30:1 Ip A1:1 C420\nFRAME\n"));
   return all;

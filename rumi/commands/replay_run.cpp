@@ -135,6 +135,16 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   return missing;
 }
 
+// A folder in which nothing was written is not left behind.
+std::string reserve_outputs(const std::string& out, int64_t images, ReservedSpace* reserved) {
+  const std::string doubt = doubt_about_space(out, images);
+  const std::string error = reserved->take(out, images);
+  std::error_code not_empty;
+  if (!error.empty()) fs::remove(out, not_empty);
+  if (error.empty() && !doubt.empty()) log_warning("{}", doubt);
+  return error;
+}
+
 std::string begin_log(const ReplayRun& run, Replay* replay) {
   if (run.log.empty()) return {};
   std::error_code none;
@@ -173,14 +183,13 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   options.ruminator.scratch = run.out;
   Replay replay(options, run.input, windows.hooks());
   std::string& error = outcome.error;
-  error = prepare_output_folder(run.out);
+  ReservedSpace reserved;
+  error = check_output_folder(run.out);
+  if (error.empty()) error = reserve_outputs(run.out, replay.progress().total, &reserved);
+  if (error.empty()) error = prepare_output_folder(run.out);
   if (error.empty()) error = begin_log(run, &replay);
   if (error.empty()) error = windows.prepare();
-  ReservedSpace reserved;
-  const std::string doubt = error.empty() ? doubt_about_space(run.out, replay.progress().total) : "";
-  if (error.empty()) error = reserved.take(run.out, replay.progress().total);
   if (error.empty()) {
-    if (!doubt.empty()) log_warning("{}", doubt);
     play(run, &replay, &outcome);
     reserved.release();
     const std::vector<std::string> missing = write_everything(replay, windows, run.out);

@@ -110,6 +110,44 @@ bool are_matrices_over_lines(const TruthTable& table) {
   return table.columns == 4 && 5 * static_cast<size_t>(rows) >= table.lines.size() && rows > 0;
 }
 
+bool is_whole(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// The column of whole seconds if that of nanoseconds follows it, as ROS has them: by their names, or else the first two
+// of whole numbers since 1970 and below a billion.
+std::optional<size_t> column_of_seconds(const TruthTable& table) {
+  for (size_t i = 0; i + 1 < table.names.size() && table.names.size() == table.columns; ++i)
+    if (holds(table.names[i], {"sec"}) && holds(table.names[i + 1], {"nsec", "nanosec"})) return i;
+  constexpr size_t kDigitsOfSeconds = 10, kMostDigits = 9, kLeastColumns = 5;
+  if (!table.names.empty() || table.columns < kLeastColumns) return std::nullopt;
+  size_t fitting = 0, long_ones = 0;
+  for (const TruthLine& line : table.lines) {
+    if (line.fields.size() != table.columns || !is_whole(line.fields[0]) || !is_whole(line.fields[1])) continue;
+    fitting += line.fields[0].size() == kDigitsOfSeconds && line.fields[1].size() <= kMostDigits;
+    long_ones += line.fields[1].size() + 1 >= kMostDigits;
+  }
+  return 10 * fitting > 9 * table.lines.size() && 2 * long_ones > table.lines.size() ? std::optional(size_t{0})
+                                                                                     : std::nullopt;
+}
+
+// So that each line has one field for its time.
+void join_seconds(TruthTable* table) {
+  const std::optional<size_t> seconds = column_of_seconds(*table);
+  if (!seconds) return;
+  for (TruthLine& line : table->lines) {
+    if (line.fields.size() != table->columns) continue;
+    const std::string nanoseconds = line.fields[*seconds + 1];
+    if (nanoseconds.size() <= 9) line.fields[*seconds] += "." + std::string(9 - nanoseconds.size(), '0') + nanoseconds;
+    line.fields.erase(line.fields.begin() + static_cast<std::ptrdiff_t>(*seconds) + 1);
+  }
+  if (!table->names.empty()) {
+    table->names[*seconds] = "time";
+    table->names.erase(table->names.begin() + static_cast<std::ptrdiff_t>(*seconds) + 1);
+  }
+  --table->columns;
+}
+
 std::optional<TruthColumns> columns_by_number(const TruthTable& table, bool is_euroc) {
   const size_t n = table.columns;
   TruthColumns columns;
@@ -168,6 +206,7 @@ std::optional<TruthTable> read_truth_table(const std::string& file) {
     if (table.columns == 0 || lines > counts[table.columns]) table.columns = columns;
   // What stands in a comment names the columns if there are as many.
   if (table.names.empty() && comment.size() == table.columns) table.names = comment;
+  join_seconds(&table);
   return table;
 }
 

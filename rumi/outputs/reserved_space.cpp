@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 
+#include "base/free_space.h"
 #include "base/whole_file.h"
 
 namespace rumi::tool {
@@ -26,20 +26,13 @@ int64_t bytes_for(int64_t images, int64_t fixed, int64_t per_image) {
   return fixed + per_image * (images < 0 ? kImagesOfUnknownLength : images);
 }
 
-double mb(int64_t bytes) { return 1e-6 * static_cast<double>(bytes); }
-
-// -1 where nobody knows.
-int64_t free_bytes(const std::string& folder) {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder, error);
-  return error ? -1 : static_cast<int64_t>(std::min<uintmax_t>(space.available, INT64_MAX));
-}
+double mb(double bytes) { return 1e-6 * bytes; }
 
 }  // namespace
 
 std::string ReservedSpace::take(const std::string& folder, int64_t images) {
   const int64_t wanted = bytes_for(images, kBytes, kBytesPerImage);
-  const int64_t free = free_bytes(folder);
+  const auto free = static_cast<double>(free_space(folder).value_or(0));
   const std::string name = temporary_name((fs::path(folder) / "reserved").string());
   file_ = FileDescriptor(open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   unlink(name.c_str());
@@ -49,14 +42,15 @@ std::string ReservedSpace::take(const std::string& folder, int64_t images) {
   return fmt::format(
       "{}: its disk has {:.1f} MB free, and the outputs of a run need {:.1f} MB and more: make room, or choose another "
       "folder",
-      folder, mb(std::max<int64_t>(0, free)), mb(wanted));
+      folder, mb(free), mb(static_cast<double>(wanted)));
 }
 
 std::string doubt_about_space(const std::string& folder, int64_t images) {
-  const int64_t free = free_bytes(folder), wanted = bytes_for(images, kMapBytes, kMapBytesPerImage);
-  if (free < 0 || free >= wanted) return {};
+  const std::optional<uintmax_t> free = free_space(folder);
+  const auto wanted = static_cast<double>(bytes_for(images, kMapBytes, kMapBytesPerImage));
+  if (!free || static_cast<double>(*free) >= wanted) return {};
   return fmt::format("{}: its disk has {:.1f} MB free; the map and the windows of such a run may take {:.0f} MB",
-                     folder, mb(free), mb(wanted));
+                     folder, mb(static_cast<double>(*free)), mb(wanted));
 }
 
 }  // namespace rumi::tool

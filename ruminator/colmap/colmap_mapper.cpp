@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/free_space.h"
 #include "ruminator/colmap/colmap_environment.h"
 
 namespace rumi::ruminator {
@@ -123,11 +124,7 @@ bool tells_of_full_disk(std::string_view text) {
 }
 
 // COLMAP does not look whether what it writes arrives: on a full disk it ends well and leaves files cut short.
-bool is_full(const std::string& folder) {
-  std::error_code error;
-  const fs::space_info space = fs::space(folder, error);
-  return !error && space.available < kFullDiskBytes;
-}
+bool is_full(const std::string& folder) { return free_space(folder).value_or(kFullDiskBytes) < kFullDiskBytes; }
 
 bool is_from_outside(int signal) {
   return signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP || signal == SIGQUIT;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/file_name_times.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 namespace rumi::camera_driver {
@@ -46,6 +47,20 @@ TEST(FileNameTimes, NumbersAreNone) {
 TEST(FileNameTimes, WhatMostHave) {
   const FileNameTimes found = times_in_names({"12.5000.png", "12.6000.png", "1403636579763555584.png", "x.png"});
   EXPECT_THAT(found.times, ::testing::ElementsAre("12.5000", "12.6000", "", ""));
+}
+
+TEST(FileNameTimes, ACountBehindTheSecondIsNoPartOfIt) {
+  std::vector<std::string> names;
+  for (const char* second : {"101459", "101500", "101501"})
+    for (int i = 0; i < 15; ++i) names.push_back(fmt::format("20260302_{}_{:03}.jpg", second, i));
+  EXPECT_TRUE(times_in_names(names).count_within_second);
+  names.erase(names.begin(), names.begin() + 9);
+  EXPECT_TRUE(times_in_names(names).count_within_second);
+
+  std::vector<std::string> milliseconds;
+  for (int i = 0; i < 60; ++i) milliseconds.push_back(fmt::format("20260302_1015{:02}_{:03}.jpg", i / 30, i % 30 * 33));
+  EXPECT_FALSE(times_in_names(milliseconds).count_within_second);
+  EXPECT_FALSE(times_in_names({"20260302_101500.jpg", "20260302_101501.jpg"}).count_within_second);
 }
 
 }  // namespace

@@ -198,5 +198,24 @@ TEST(FrameOrder, AtARate) {
   EXPECT_EQ(order.frames[3].elapsed_us, 100'000);
 }
 
+// Such as that of the camera and that of the computer; whichever is ahead, or a little more often.
+TEST(FrameOrder, TwoClocksInTurnAreRefused) {
+  for (const int64_t offset_us :
+       {-1'400'000'000'000'000ll, -20'000'000ll, -1'000'000ll, 1'000'000ll, 3'600'000'000ll}) {
+    std::vector<int64_t> times = even_times(200);
+    for (size_t i = 0; i < times.size(); ++i)
+      if (i % 2 == 1 || i % 7 == 0) times[i] += offset_us;
+    EXPECT_THAT(order_frames(times).error, HasSubstr("two clocks in turn")) << offset_us;
+  }
+}
+
+TEST(FrameOrder, ImagesSwappedInPairsAreNoTwoClocks) {
+  std::vector<int64_t> times = even_times(200);
+  for (size_t i = 0; i + 1 < times.size(); i += 2) std::swap(times[i], times[i + 1]);
+  const FrameOrder order = order_frames(times);
+  EXPECT_EQ(order.error, "");
+  EXPECT_EQ(order.frames.size(), 200u);
+}
+
 }  // namespace
 }  // namespace rumi::camera_driver

@@ -12,6 +12,8 @@ namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
+using namespace std::string_literals;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 cv::Mat deep(const cv::Mat& grey, double scale, double offset) {
@@ -70,6 +72,19 @@ TEST(ImageFile, OtherDepthsAreRefusedByName) {
   EXPECT_FALSE(load_image_file(
       folder / "float.tiff", false, [] { return GreyRange(); }, &error));
   EXPECT_THAT(error, HasSubstr("neither of 8 nor of 16 bits"));
+}
+
+TEST(ImageFile, WhiteOfAPgmIsWhatItsHeaderSays) {
+  const TemporaryFolder folder;
+  for (const std::string& pgm :
+       {"P5\n# 4 bits\n2 2\n15\n\x00\x05\x0A\x0F"s, "P2\n2 2\n15\n0 5 10 15\n"s, "P5\n2 2\n255\n\x00\x55\xAA\xFF"s}) {
+    write(folder / "a.pgm", pgm);
+    std::string error;
+    const auto image = load_image_file(
+        folder / "a.pgm", false, [] { return GreyRange(); }, &error);
+    ASSERT_TRUE(image) << error;
+    EXPECT_THAT(image->data, ElementsAre(0, 85, 170, 255));
+  }
 }
 
 TEST(ImageFile, BytesAfterTheEndOfAJpegAreNotOfTheImage) {

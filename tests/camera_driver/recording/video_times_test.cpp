@@ -54,7 +54,7 @@ TEST_F(VideoTimesTest, AreThoseOfShowingWhateverTheOrderOfDecoding) {
 
 TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
   VideoOptions options;
-  options.has_times = false;
+  options.container = "h264";
   write("v.h264", options);
   EXPECT_THAT(open_image_source(folder_ / "v.h264", {}).error, HasSubstr("no times; give --rate HZ"));
   CameraOptions at_rate;
@@ -74,22 +74,6 @@ TEST_F(VideoTimesTest, OfBareImagesOneAfterTheOtherAreNone) {
   testing::write(folder_ / "v.mjpeg", jpegs);
   const VideoTimes times = read_video_times(folder_ / "v.mjpeg");
   EXPECT_EQ(times.utimes.size(), 30u);
-  EXPECT_FALSE(times.has_times);
-}
-
-// Nobody could calculate with them, and no message could hold them.
-TEST_F(VideoTimesTest, OfThousandsOfYearsAreNone) {
-  write("v.mp4", {});
-  std::string bytes = read(folder_ / "v.mp4");
-  const auto put = [&bytes](const char* box, size_t offset, const std::string& value) {
-    bytes.replace(bytes.find(box) + 4 + offset, value.size(), value);
-  };
-  bytes.replace(bytes.find("edts"), 4, "free");         // which would leave out what is beyond the length
-  put("mdhd", 12, std::string("\0\0\0\1", 4));          // units per second
-  put("stts", 12, std::string("\x3F\xFF\xFF\xFF", 4));  // from frame to frame
-  testing::write(folder_ / "v.mp4", bytes);
-  const VideoTimes times = read_video_times(folder_ / "v.mp4");
-  EXPECT_EQ(times.utimes, std::vector<int64_t>(30));
   EXPECT_FALSE(times.has_times);
 }
 

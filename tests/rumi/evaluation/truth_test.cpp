@@ -78,6 +78,20 @@ TEST_F(TruthTest, IsReadByTheNamesOfItsColumns) {
   EXPECT_THAT(read("time,latitude,longitude,altitude\n1400000000.0,49,8,110\n").error, HasSubstr("latitudes"));
 }
 
+TEST_F(TruthTest, MayHaveSecondsAndNanosecondsApart) {
+  for (const char* heading : {"", "sec,nsec,x,y,z,qx,qy,qz,qw\n", "secs nsecs tx ty tz qx qy qz qw\n",
+                              "# stamp.sec stamp.nanosec tx ty tz qx qy qz qw\n"}) {
+    std::string text = heading;
+    for (const char* nanoseconds : {"0", "50000000", "100000000", "150000000"})
+      text += fmt::format("1400000000 {} 1 2 3 0 0.6 0 0.8\n", nanoseconds);
+    const TruthFile result = read(text);
+    expect_the_pose(result);
+    ASSERT_EQ(result.poses.size(), 4u) << heading;
+    EXPECT_EQ(result.poses[1].utime_us, kStart_us + 50'000) << heading;
+    EXPECT_EQ(result.poses[3].utime_us, kStart_us + 150'000) << heading;
+  }
+}
+
 TEST_F(TruthTest, TellsWhichLinesAreNoPoses) {
   const TruthFile result = read(
       "1400000000 1 2 3 nan nan nan nan\n1400000000.1 1 2 3 0 0 0 1\n1400000000.2 1 2 3 0 0 0\n1400000000.3 1 2 3 0 0 "
