@@ -83,7 +83,7 @@ TEST_F(VideoTimesTest, WhatFfmpegThinksOfADamagedVideoIsNotPrinted) {
   for (size_t i = bytes.find("mdat") + 60; i < bytes.find("moov") - 4; i += 7) bytes[i] ^= 0x5a;
   testing::write(folder_ / "v.mp4", bytes);
   ::testing::internal::CaptureStderr();
-  const OpenedReader opened = open_video(folder_ / "v.mp4");
+  const OpenedReader opened = open_video(folder_ / "v.mp4", std::nullopt);
   ASSERT_EQ(opened.error, "");
   std::string ignored;
   for (size_t i = 0; i < opened.reader->utimes().size(); ++i) opened.reader->load(i, false, &ignored);
