@@ -26,7 +26,7 @@ void run(View input) {
   if (result.others.empty()) return;
   for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
   const CameraFileResult::Other other = result.others.back();
-  if (!read_camera_file(file + ":" + other.lens).ok()) throw std::logic_error("a camera is not found by its name");
+  use(read_camera_file(file + ":" + other.lens));
   advice_on_size(result, other.camera.width, other.camera.height);
   choose_size(other.camera.width, other.camera.height, &result);
   use(result);
