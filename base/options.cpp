@@ -70,14 +70,27 @@ struct FlatValue {
   int line = 0;
 };
 
+// By an anchor a group may hold itself, and a few lines be a billion.
+struct Extent {
+  static constexpr int kDeepest = 50;
+  static constexpr int kMostNodes = 100'000;
+  int depth = 0, nodes = 0;
+  bool is_too_large() const { return depth > kDeepest || nodes > kMostNodes; }
+};
+
 // a: {b: {c: 1}} -> a.b.c = 1. Returns what is wrong, or an empty string.
-std::string flatten(const YAML::Node& node, const std::string& key, std::vector<FlatValue>* out) {
+std::string flatten(const YAML::Node& node, const std::string& key, Extent* extent, std::vector<FlatValue>* out) {
   const int line = node.Mark().line + 1;
+  ++extent->nodes;
+  if (extent->is_too_large())
+    return fmt::format("line {}: groups within groups without end; remove the anchors (&name, *name)", line);
   if (node.IsMap()) {
     for (const auto& item : node) {
       if (!item.first.IsScalar()) return fmt::format("line {}: a key must be a plain word", line);
       const std::string name = item.first.Scalar();
-      const std::string problem = flatten(item.second, key.empty() ? name : key + "." + name, out);
+      ++extent->depth;
+      const std::string problem = flatten(item.second, key.empty() ? name : key + "." + name, extent, out);
+      --extent->depth;
       if (!problem.empty()) return problem;
     }
     return "";
@@ -202,7 +215,8 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
   try {
     const YAML::Node root = YAML::Load(text);
     if (root.IsNull()) return "";
-    const std::string problem = flatten(root, "", &values);
+    Extent extent;
+    const std::string problem = flatten(root, "", &extent, &values);
     if (!problem.empty()) return name_for_errors + ": " + problem;
   } catch (const YAML::Exception& e) {
     return fmt::format("{}:{}: not valid YAML: {}", name_for_errors, e.mark.line + 1, e.msg);

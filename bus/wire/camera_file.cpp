@@ -32,7 +32,7 @@ FileCameras read_text(const std::string& text, const std::string& name) {
   const auto refuse = [&name](const std::string& why) { return FileCameras{"", {}, fmt::format("{}: {}", name, why)}; };
   const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
   if (text.size() > kMaxBytes)
-    return refuse(fmt::format("is {} bytes long: not a camera calibration; {}", text.size(), kExpected));
+    return refuse(fmt::format("is longer than {} bytes: not a camera calibration; {}", kMaxBytes, kExpected));
   if (std::all_of(text.begin(), text.end(), is_space)) return refuse(fmt::format("is empty: {}", kExpected));
   if (const std::string stranger = known_stranger(text); !stranger.empty()) return refuse(stranger);
   if (std::any_of(text.begin(), text.end(), [&](unsigned char c) { return c < 0x20 && !is_space(c); }))
@@ -64,6 +64,15 @@ std::vector<std::string> lenses_of(const FileCameras& all) {
   return lenses;
 }
 
+// Of COLMAP's there may be one an image.
+std::string in_short(const std::vector<std::string>& lenses) {
+  constexpr size_t kMostNamed = 8;
+  const size_t named = std::min(lenses.size(), kMostNamed);
+  const std::string more = lenses.size() > named ? fmt::format(" and {} more", lenses.size() - named) : "";
+  return fmt::format("{}{}", fmt::join(lenses.begin(), lenses.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                     more);
+}
+
 // The camera of this name (any case), or the one of the file that is meant if there is no name.
 CameraFileResult choose(const FileCameras& all, const std::string& file, const std::string& choice) {
   CameraFileResult result;
@@ -76,9 +85,8 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
   const auto chosen = std::find_if(all.cameras.begin(), all.cameras.end(), is_meant);
   const std::vector<std::string> lenses = lenses_of(all);
   if (chosen == all.cameras.end()) {
-    result.error = lenses.size() < 2
-                       ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
-                       : fmt::format("{}: has no camera '{}': it has {}", file, choice, fmt::join(lenses, ", "));
+    result.error = lenses.size() < 2 ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
+                                     : fmt::format("{}: has no camera '{}': it has {}", file, choice, in_short(lenses));
     return result;
   }
   result.camera = chosen->camera, result.error = check(*chosen, file);
@@ -86,8 +94,8 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
   if (!result.ok()) {
     result.camera = Camera();
     if (choice.empty() && lenses.size() > 1)
-      result.error += fmt::format(" (or name another camera of the file, {}, as in {}:{})", fmt::join(lenses, ", "),
-                                  file, lenses[1]);
+      result.error +=
+          fmt::format(" (or name another camera of the file, {}, as in {}:{})", in_short(lenses), file, lenses[1]);
     return result;
   }
   for (const FileCamera& other : all.cameras)
@@ -95,7 +103,7 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
       result.others.push_back({other.name, other.lens, other.camera});
   if (choice.empty() && lenses.size() > 1)
     result.notes.push_back(fmt::format("{}: has {} cameras ({}): {} is taken; {}:{} would name another", file,
-                                       lenses.size(), fmt::join(lenses, ", "), chosen->lens, file, lenses[1]));
+                                       lenses.size(), in_short(lenses), chosen->lens, file, lenses[1]));
   return result;
 }
 
@@ -118,7 +126,8 @@ CameraFileResult read_chosen(const std::string& file, const std::string& choice)
     result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
   } else {
     std::ifstream stream(file, std::ios::binary);
-    std::string text(kMaxListBytes + 1, '\0');
+    const std::uintmax_t size = fs::file_size(file, code);  // a pipe has none
+    std::string text(code ? kMaxListBytes : std::min<std::uintmax_t>(size, kMaxListBytes) + 1, '\0');
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
     if (stream.is_open() && !stream.bad()) return choose(read_file_text(text, file), file, choice);

@@ -53,6 +53,9 @@ std::string no_name_after(const std::string& time) {
   return fmt::format("time is '{}': must be a number", printable(time));
 }
 
+// Longer than any path: no line of a list, whatever the file is.
+constexpr size_t kLongestLine = 10'000;
+
 // The names of the columns, without the mark of a comment.
 bool is_heading(const std::string& time) {
   return !time.empty() && std::all_of(time.begin(), time.end(), [](unsigned char c) {
@@ -152,7 +155,8 @@ std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
     if (content.empty() || content[0] == '#') continue;
     Line line;
     line.number = number;
-    const std::string problem = parse(content, &line);
+    const bool is_too_long = content.size() > kLongestLine;
+    const std::string problem = is_too_long ? "is too long for a line of a list" : parse(content, &line);
     if (lines.empty() && list->malformed.count == 0 && is_heading(line.time)) continue;
     if (!problem.empty())
       add_malformed(list, number, problem);

@@ -86,7 +86,8 @@ Name take_apart(const std::string& name) {
     const bool is_only = parts.form.find(kNumber) == std::string::npos &&
                          std::none_of(name.begin() + static_cast<std::ptrdiff_t>(end), name.end(), is_digit);
     if (end == i) {
-      parts.form += name[i++];
+      parts.form += name[i] == kNumber ? '?' : name[i];  // as patterns, both fit it
+      ++i;
       continue;
     }
     if (!is_only && end - i <= 2 && names_a_camera(parts.form)) {

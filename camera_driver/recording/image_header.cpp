@@ -68,7 +68,7 @@ std::optional<HeaderSize> pnm_size(File file) {
 
 // Of the first picture in the file. A tag that is there twice counts with its larger value.
 std::optional<HeaderSize> tiff_size(File file, uint32_t (*number)(File, size_t, int)) {
-  constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3;
+  constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3, kLong = 4;
   constexpr size_t kEntryBytes = 12;
   if (file.size() < 8) return std::nullopt;
   const size_t directory = number(file, 4, 4);
@@ -78,9 +78,11 @@ std::optional<HeaderSize> tiff_size(File file, uint32_t (*number)(File, size_t, 
   HeaderSize size;
   for (size_t i = 0; i < entries; ++i) {
     const size_t at = directory + 2 + i * kEntryBytes;
-    const int64_t value = number(file, at + 8, number(file, at + 2, 2) == kShort ? 2 : 4);
-    if (number(file, at, 2) == kWidthTag) size.width = std::max(size.width, value);
-    if (number(file, at, 2) == kHeightTag) size.height = std::max(size.height, value);
+    const uint32_t tag = number(file, at, 2), type = number(file, at + 2, 2);
+    if (tag != kWidthTag && tag != kHeightTag) continue;
+    if (type != kShort && type != kLong) return std::nullopt;  // libtiff reads others elsewhere
+    int64_t& side = tag == kWidthTag ? size.width : size.height;
+    side = std::max<int64_t>(side, number(file, at + 8, type == kShort ? 2 : 4));
   }
   return size;
 }

@@ -26,8 +26,11 @@ std::unique_ptr<VideoStream> VideoStream::open(const std::filesystem::path& file
 }
 
 const AVPacket* VideoStream::next() {
-  while (packet_ && av_read_frame(format_.get(), packet_.get()) >= 0)
+  while (packet_) {
+    av_packet_unref(packet_.get());  // FFmpeg would leave what it holds
+    if (av_read_frame(format_.get(), packet_.get()) < 0) return nullptr;
     if (packet_->stream_index == index_) return packet_.get();
+  }
   return nullptr;
 }
 

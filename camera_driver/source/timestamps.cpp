@@ -3,14 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int64_t kMaxUs = 100'000'000'000'000'000;  // 1e11 s
+constexpr int64_t kMaxUs = int64_t{1} << 53;  // what a message may have: the year 2255
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -72,13 +71,6 @@ std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit) {
   if (!decimal) return std::nullopt;
   decimal->exponent += kExponents.at(static_cast<size_t>(unit));
   return round_decimal(*decimal);
-}
-
-std::optional<int64_t> parse_seconds_us(std::string_view text) { return parse_time_us(text, TimeUnit::kSeconds); }
-
-std::optional<int64_t> parse_nanoseconds_us(std::string_view text) {
-  if (text.empty() || !std::all_of(text.begin(), text.end(), is_digit)) return std::nullopt;
-  return parse_time_us(text, TimeUnit::kNanoseconds);
 }
 
 std::string format_seconds(int64_t utime_us) {

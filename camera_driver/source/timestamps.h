@@ -17,13 +17,9 @@ enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 const char* name_of(TimeUnit unit);  // "seconds"
 
 // A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
-// Nothing for anything else, negative numbers, and 1e11 s and above.
+// Nothing for anything else, negative numbers, and 2^53 us (the year 2255) and above.
 std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
-// Decimal seconds, "1305031102.175304".
-std::optional<int64_t> parse_seconds_us(std::string_view text);
-// Whole nanoseconds, "1403636579763555584".
-std::optional<int64_t> parse_nanoseconds_us(std::string_view text);
-// "1305031102.175304": what parse_seconds_us reads back. Precondition: not negative.
+// "1305031102.175304": what parse_time_us reads back. Precondition: not negative.
 std::string format_seconds(int64_t utime_us);
 
 }  // namespace rumi::camera_driver

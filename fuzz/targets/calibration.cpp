@@ -1,20 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The text of a camera calibration, of any of the kinds that are read; what is good is used and written again.
+// A camera calibration of any of the kinds that are read, as a file and as the text that comes with images; what is
+// good is used and written again, and so are the file's other cameras, by their names.
 #include "bus/wire/camera_file.h"
 #include "bus/wire/working_image.h"
 #include "fuzz/good_messages.h"
+#include "fuzz/scratch.h"
 
 namespace rumi::fuzz {
 namespace {
 
-void run(View input) {
-  const CameraFileResult result = parse_camera(to_text(input), "input");
+void use(const CameraFileResult& result) {
   if (!result.ok()) return;
   const Camera& camera = result.camera;
   if (!parse_camera(camera_to_yaml(camera), "again").ok()) throw std::logic_error("a camera is not read back");
   camera.undistort({0, 0});
   camera.project({0.1, 0.2, 1});
   working_camera(camera, 640);
+}
+
+void run(View input) {
+  use(parse_camera(to_text(input), "input"));
+  const std::string file = scratch().write("camera", input);
+  CameraFileResult result = read_camera_file(file);
+  use(result);
+  if (result.others.empty()) return;
+  for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
+  const CameraFileResult::Other other = result.others.back();
+  use(read_camera_file(file + ":" + other.lens));
+  advice_on_size(result, other.camera.width, other.camera.height);
+  choose_size(other.camera.width, other.camera.height, &result);
+  use(result);
 }
 
 std::string matrix(const std::string& name, int rows, int columns, const std::string& data, bool is_opencv) {
@@ -55,7 +70,32 @@ std::vector<Bytes> seeds() {
       "{\"cameraData\": [[0, {\"distortionCoeff\": [0, 0, 0, 0], \"height\": 48, \"width\": 64, \"intrinsicMatrix\": "
       "[[50, 0, "
       "32], [0, 51, 24], [0, 0, 1]]}]]}";
-  return {to_bytes(stella),
+  const std::string block =
+      "  Width: 64\n  Height: 48\n  PPX: 32\n  PPY: 24\n  Fx: 50\n  Fy: 51\n  Distortion: Brown Conrady\n"
+      "  Coeffs: 0.1 0.2 0 0 0\n  FOV (deg): 65 x 50\n\n";
+  const std::string realsense = "Device info:\n Name : RealSense\n Intrinsic of \"Color\" / 64x48 / {RGB8}\n" + block +
+                                " Intrinsic of \"Infrared 1\" / 64x48 / {Y8}\n" + block;
+  const std::string colmap =
+      "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS\n1 PINHOLE 64 48 50 51 32 24\n2 SIMPLE_RADIAL 64 48 50 32 24 0.1\n"
+      "3 OPENCV_FISHEYE 64 48 50 51 32 24 0.1 0 0 0\n4 FULL_OPENCV 64 48 50 51 32 24 0.1 0 0 0 0 0 0 0\n";
+  const auto xml_matrix = [](const std::string& name, const std::string& form, const std::string& data) {
+    return "<" + name + " type_id=\"opencv-matrix\">" + form + "<dt>d</dt><data>" + data + "</data></" + name + ">\n";
+  };
+  const std::string xml =
+      "<?xml version=\"1.0\"?>\n<opencv_storage>\n<image_Width>64</image_Width>\n" +
+      xml_matrix("Camera_Matrix", "<rows>3</rows><cols>3</cols>", "50. 0. 32. 0. 51. 24. 0. 0. 1.") +
+      xml_matrix("Distortion_Coefficients", "<rows>5</rows><cols>1</cols>", "0.1 0.2 0. 0. 0.") +
+      "<image_Height>64</image_Height>\n</opencv_storage>\n";
+  const std::string two =
+      "cam0: &c {camera_model: pinhole, intrinsics: [50, 51, 32, 24], resolution: [64, 48]}\ncam1: *c\n";
+  const std::string groups = "left:\n  image_width: 64\n  image_height: 48\n  camera_matrix: [" + k +
+                             "]\n  dist_coeffs: [" + d + "]\nright: {camera_matrix: [1]}\n";
+  return {to_bytes(realsense),
+          to_bytes(colmap),
+          to_bytes(xml),
+          to_bytes(two),
+          to_bytes(groups),
+          to_bytes(stella),
           to_bytes(message),
           to_bytes(vins),
           to_bytes(basalt),

@@ -50,6 +50,8 @@ void run(View input) {
   options.every = 1 + (input[0] >> 4) % 3;
   options.start_s = input[0] & 8 ? 0.5 : 0;
   options.duration_s = input[0] & 8 ? 1 : 0;
+  options.rate_hz = input[0] & 128 ? 30 : 0;
+  options.files = input[0] & 64 ? "a*" : "";
   open(folder, options);
 }
 
@@ -57,6 +59,8 @@ std::vector<Bytes> seeds() {
   const std::string first(1, '\0'), second(1, '\1'), third(1, '\2');
   return {to_bytes(first + "# times\n1.5 a.jpg\n1.6e0 a.jpg\n2 b.jpg\n"),
           to_bytes(second + "#timestamp,name\n1403636579763555584,a.jpg\n1403636579813555456,a.jpg\n"),
+          to_bytes(first + "1.5 a.jpg 1.51 depth/a.png\n1.6 a.jpg 1.61 depth/b.png\n"),
+          to_bytes("\xC0# names\na.jpg\nb.jpg\n1400000000000.0,a.jpg\n"),
           to_bytes(third + "1403636579763555584.jpg"), to_bytes(third + "12.5000.png")};
 }
 

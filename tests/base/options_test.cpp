@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/options.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -129,6 +130,18 @@ TEST_F(OptionsTest, OddYamlIsAnErrorAndNoCrash) {
                            "just text", "tracker: {keypoints: 70", "tracker: {? [a] : 1}", "tracker: {keypoints: }",
                            "tracker: {keypoints: 70, keypoints: 80}", "\"\\xZZ\"", "tracker: 5", "a: *nowhere"})
     EXPECT_NE(load(text), "") << text;
+}
+
+TEST_F(OptionsTest, AnchorsDoNotMakeAFileEndless) {
+  EXPECT_THAT(load("viewer: &a\n  \"\": *a\n"), AllOf(HasSubstr("x.yaml: line"), HasSubstr("anchors")));
+  std::string groups = "a0: &a0 {x: 1}\n";
+  for (int level = 1; level < 20; ++level) {
+    groups += fmt::format("a{}: &a{} {{", level, level);
+    for (int i = 0; i < 10; ++i) groups += fmt::format("{}: *a{}, ", i, level - 1);
+    groups += "}\n";
+  }
+  EXPECT_THAT(load(groups), HasSubstr("anchors"));
+  EXPECT_EQ(load("others: &a {x: 1}\nmore: *a\ntracker: {keypoints: 70}\n"), "");
 }
 
 TEST_F(OptionsTest, UnreadableFilesAreNamed) {

@@ -274,6 +274,16 @@ TEST(ImageSource, NumbersOfImagesAreNoTimesAndARepeatedLineIsNoImage) {
   EXPECT_EQ(opened.source->skipped().total(), 0);
 }
 
+// A binary file by the name of a list: every letter of a name is looked at more than once.
+TEST(ImageSource, ALineOfAMegabyteIsNoImage) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 3);
+  write(folder / "rgb.txt", read(folder / "rgb.txt") + "1001 rgb/" + std::string(1 << 20, 'x') + ".png\n");
+  const OpenedSource opened = open_image_source(folder.path().string(), {});
+  EXPECT_EQ(times(*opened.source).size(), 3u);
+  EXPECT_EQ(opened.source->skipped().malformed, 1);
+}
+
 TEST(ImageSource, WithARateTimesNeedNotBeThere) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 3);

@@ -13,7 +13,7 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kMostCameras = 1000;
+constexpr size_t kMostLines = 1000;
 
 // What the parameters of a model are, in their order.
 const std::map<std::string, std::vector<std::string>>& parameters() {
@@ -89,7 +89,7 @@ bool is_colmap_list(const std::string& text) {
 FileCameras read_colmap(const std::string& text, const std::string& file) {
   FileCameras all{"COLMAP", {}, ""};
   std::istringstream in(text);
-  for (std::string line; std::getline(in, line) && all.cameras.size() < kMostCameras;)
+  for (std::string line; std::getline(in, line) && all.cameras.size() < kMostLines;)
     if (const std::vector<std::string> words = words_of(line); is_camera_line(words))
       all.cameras.push_back(read_line(words, file));
   if (all.cameras.size() == 1) all.cameras[0].name = all.cameras[0].lens = "";

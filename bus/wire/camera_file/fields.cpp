@@ -14,9 +14,11 @@ namespace rumi {
 namespace {
 
 constexpr int kDeepest = 8;
-constexpr size_t kMostFields = 5000;  // anchors can make a few bytes of YAML as long as they like
+constexpr size_t kMostFields = 5000;
+constexpr size_t kMostNodes = 65536;  // anchors can make a few bytes of YAML as long as they like, or endless
 constexpr size_t kMostValues = 64;    // of a list: the longest real one has 16
 constexpr size_t kMostNamed = 8;
+constexpr const char* kTooManyFields = "has too many fields for a camera calibration";
 
 std::optional<double> parse_number(const std::string& text) {
   const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
@@ -31,6 +33,16 @@ std::string quoted_node(const YAML::Node& node) {
   if (!node.IsScalar()) return node.IsMap() ? "a group" : node.IsSequence() ? "a list" : "empty";
   const std::string& text = node.Scalar();
   return text.size() > 40 ? fmt::format("'{}...'", text.substr(0, 40)) : fmt::format("'{}'", text);
+}
+
+// Counts down, as far as anything here looks into the file.
+bool has_more_nodes_than(size_t* left, const YAML::Node& node, int depth) {
+  if (*left == 0) return true;
+  --*left;
+  if (depth > 2 * kDeepest + 2 || (!node.IsMap() && !node.IsSequence())) return false;
+  return std::any_of(node.begin(), node.end(), [left, depth, is_map = node.IsMap()](const auto& entry) {
+    return has_more_nodes_than(left, is_map ? entry.second : entry, depth + 1);
+  });
 }
 
 bool holds_groups(const YAML::Node& list, int depth) {
@@ -74,7 +86,15 @@ YAML::Node load_yaml(std::string text) {
   return YAML::Load(text);
 }
 
-Fields::Fields(const YAML::Node& root, std::string file) : file_(std::move(file)) { flatten(root, "", 0); }
+bool is_side(double value) { return value == std::floor(value) && std::abs(value) <= 1e6; }
+
+Fields::Fields(const YAML::Node& root, std::string file) : file_(std::move(file)) {
+  size_t left = kMostNodes;
+  if (has_more_nodes_than(&left, root, 0))
+    fail(kTooManyFields);
+  else
+    flatten(root, "", 0);
+}
 
 void Fields::add(const std::string& name, const YAML::Node& node) {
   if (!values_.emplace(name, node).second)
@@ -84,7 +104,7 @@ void Fields::add(const std::string& name, const YAML::Node& node) {
 }
 
 void Fields::flatten(const YAML::Node& node, const std::string& name, int depth) {
-  if (order_.size() > kMostFields) return fail("has too many fields for a camera calibration");
+  if (order_.size() > kMostFields) return fail(kTooManyFields);
   if (depth <= kDeepest && node.IsMap()) {
     for (const auto& entry : node) {
       const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
@@ -154,7 +174,7 @@ double Fields::optional_number(const std::string& key) {
 
 int Fields::size(const std::string& key) {
   const double value = number(key, "pixels");
-  if (value == std::floor(value) && std::abs(value) <= 1e6) return static_cast<int>(value);
+  if (is_side(value)) return static_cast<int>(value);
   fail(fmt::format("{} is {}: must be a whole number of pixels", full(key), quoted(key)));
   return 0;
 }

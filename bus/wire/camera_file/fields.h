@@ -18,6 +18,9 @@ namespace rumi {
 // A list of "key: value"; throws YAML::Exception. OpenCV's "%YAML:1.0", a byte order mark and JSON are taken for YAML.
 YAML::Node load_yaml(std::string text);
 
+// A whole number of pixels, and no more than any image has.
+bool is_side(double value);
+
 class Fields {
  public:
   Fields(const YAML::Node& root, std::string file);

@@ -68,6 +68,7 @@ FileCameras read_groups(const Fields& in) {
     const bool is_known = std::any_of(all.cameras.begin(), all.cameras.end(),
                                       [&group](const FileCamera& camera) { return camera.name == group; });
     if (is_known || group == name || !in.has_any(group + ".camera_matrix")) continue;
+    if (all.cameras.size() >= kMostCameras) return too_many_cameras(in);
     FileCameras one = read_one(in.group(group + "."));
     all.format = one.format;
     for (FileCamera& camera : one.cameras) {
@@ -124,10 +125,14 @@ FileCameras read_one(const Fields& in) {
 
 }  // namespace
 
+FileCameras too_many_cameras(const Fields& in) {
+  return {"", {}, fmt::format("{}: has more than {} cameras: keep the one that you use", in.file(), kMostCameras)};
+}
+
 FileCameras read_fields(const Fields& in) {
   if (!in.error().empty()) return {"", {}, in.error()};
   const FileCameras groups = read_groups(in);
-  return groups.cameras.empty() ? read_one(in) : groups;
+  return groups.cameras.empty() && groups.error.empty() ? read_one(in) : groups;
 }
 
 std::string known_stranger(const std::string& text) {

@@ -26,6 +26,10 @@ struct FileCameras {
   std::string error;                // of the whole file
 };
 
+// Of a file that has each as a group of its own.
+inline constexpr size_t kMostCameras = 64;
+FileCameras too_many_cameras(const Fields& in);
+
 // What a reader of one camera found.
 FileCamera file_camera(const std::string& name, const Camera& camera, Fields& in);
 

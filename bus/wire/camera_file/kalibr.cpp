@@ -54,6 +54,7 @@ FileCameras read_kalibr(const Fields& in) {
         camera.starts_with("cam") && camera.size() > 3 && name.size() > camera.size() &&
         std::all_of(camera.begin() + 3, camera.end(), [](unsigned char c) { return std::isdigit(c); });
     if (is_camera && std::find(names.begin(), names.end(), camera) == names.end()) names.push_back(camera);
+    if (names.size() > kMostCameras) return too_many_cameras(in);
   }
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) {

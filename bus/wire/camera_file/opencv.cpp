@@ -23,8 +23,9 @@ void read_image_size(Fields& in, Camera* camera) {
   const std::string both = in.spelling({"image_size", "imageSize", "img_size", "size", "resolution"});
   if (in.has(both)) {
     const std::vector<double> size = in.list(both, "width, height", 2);
+    for (const double side : size)
+      if (!is_side(side)) return in.fail(both + ": must be whole numbers of pixels");
     camera->width = static_cast<int>(size[0]), camera->height = static_cast<int>(size[1]);
-    if (camera->width != size[0] || camera->height != size[1]) in.fail(both + ": must be whole numbers of pixels");
     return;
   }
   camera->width = in.size(in.spelling({"image_width", "image_Width", "imageWidth", "width", "ImageWidth"}));

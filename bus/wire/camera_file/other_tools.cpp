@@ -8,7 +8,7 @@
 namespace rumi {
 namespace {
 
-constexpr int kMostCameras = 16;
+constexpr int kMostSockets = 16;
 
 void read_intrinsics(Fields& in, const std::string& prefix, Camera* camera) {
   set_intrinsics({in.number(prefix + "fx", "pixels"), in.number(prefix + "fy", "pixels"),
@@ -59,10 +59,10 @@ Camera read_depthai_camera(Fields& in) {
 
 FileCameras read_basalt(const Fields& in) {
   FileCameras all{"Basalt", {}, in.error()};
-  for (int i = 0; i < kMostCameras && in.has_any(fmt::format("value0.intrinsics[{}].", i)); ++i) {
+  for (int i = 0; i < kMostSockets && in.has_any(fmt::format("value0.intrinsics[{}].", i)); ++i) {
     Fields fields = in.group("value0.");
     const Camera camera = read_basalt_camera(fields, i);
-    for (int other = 0; other < kMostCameras; ++other)
+    for (int other = 0; other < kMostSockets; ++other)
       if (other != i) fields.pass_over({fmt::format("intrinsics[{}].", other).c_str()});
     all.cameras.push_back(file_camera(fmt::format("cam{}", i), camera, fields));
     all.cameras.back().notes.clear();  // vignettes, the IMU and the other cameras
@@ -118,16 +118,16 @@ FileCameras read_camodocal(Fields in) {
 
 FileCameras read_depthai(const Fields& in) {
   FileCameras all{"DepthAI", {}, in.error()};
-  for (int i = 0; i < kMostCameras; ++i) {
+  for (int i = 0; i < kMostSockets; ++i) {
     const std::string prefix = fmt::format("cameraData[{}][1].", i);
     if (!in.has(prefix + "intrinsicMatrix")) continue;
     Fields fields = in;
-    const int socket = static_cast<int>(fields.optional_number(fmt::format("cameraData[{}][0]", i)));
+    const double socket = fields.optional_number(fmt::format("cameraData[{}][0]", i));
     fields = in.group(prefix);
     const Camera camera = read_depthai_camera(fields);
     const bool is_letter = socket >= 0 && socket < 26;
-    all.cameras.push_back(
-        file_camera(is_letter ? fmt::format("CAM_{}", static_cast<char>('A' + socket)) : "CAM", camera, fields));
+    all.cameras.push_back(file_camera(
+        is_letter ? fmt::format("CAM_{}", static_cast<char>('A' + static_cast<int>(socket))) : "CAM", camera, fields));
     all.cameras.back().notes.clear();  // how it lies to the others
   }
   return all;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What `rs-enumerate-devices -c` prints: a block for each stream and size, for many people the only calibration.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
-#include <regex>
 #include <sstream>
 
 #include "bus/wire/camera_file/formats.h"
@@ -24,9 +25,15 @@ std::string trimmed(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
+std::vector<std::string> words_of(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
 // "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below it.
 std::vector<Block> blocks_of(const std::string& text) {
-  constexpr size_t kMostBlocks = 500;
+  constexpr size_t kMostBlocks = 500, kMostValues = 50;
   constexpr const char* kHead = "Intrinsic of \"";
   std::vector<Block> blocks;
   bool inside = false;
@@ -40,7 +47,7 @@ std::vector<Block> blocks_of(const std::string& text) {
       inside = true;
     } else if (trimmed(line).empty() || colon == std::string::npos) {
       inside = false;
-    } else if (inside) {
+    } else if (inside && blocks.back().values.size() < kMostValues) {
       blocks.back().values[trimmed(line.substr(0, colon))] = trimmed(line.substr(colon + 1));
     }
   }
@@ -51,7 +58,7 @@ std::string yaml_of(const Block& block) {
   std::string yaml;
   for (const auto& [key, value] : block.values) {
     if (key == "Coeffs")
-      yaml += fmt::format("Coeffs: [{}]\n", std::regex_replace(value, std::regex("[ \t,]+"), ", "));
+      yaml += fmt::format("Coeffs: [{}]\n", fmt::join(words_of(value), ", "));
     else if (value.find_first_of("'\n") == std::string::npos)
       yaml += fmt::format("'{}': '{}'\n", key, value);
   }

@@ -97,6 +97,12 @@ TEST(ImageChoice, APictureWithoutANumberIsNoFrame) {
   EXPECT_EQ(kept(names), numbered("{:05}.png", 20));
 }
 
+TEST(ImageChoice, AStarInANameIsALetter) {
+  const Names stars = {"a*1b2.png", "a*1b3.png", "a*2b2.png"};
+  EXPECT_EQ(kept(stars), stars);
+  EXPECT_EQ(kept({"a*.png", "a1.png", "a2.png"}), (Names{"a1.png", "a2.png"}));
+}
+
 TEST(ImageChoice, APatternDecides) {
   const Names names = together(numbered("in/left{:04}.jpg", 6), numbered("in/right{:04}.jpg", 6));
   EXPECT_EQ(kept(names, "right*"), numbered("in/right{:04}.jpg", 6));

@@ -34,6 +34,17 @@ TEST(ImageHeader, TellsTheSizeOfEveryFormat) {
   EXPECT_FALSE(size_in_header(encoded(".jpg", true)));
 }
 
+// libtiff looks for a width of 64 bits elsewhere in the file, where it may be anything.
+TEST(ImageHeader, ATiffWithASizeOfAnotherTypeIsRefused) {
+  std::vector<uint8_t> tiff = encoded(".tiff", true);
+  const uint8_t width[] = {0, 1, 3, 0};  // its tag and type
+  const auto at = std::search(tiff.begin(), tiff.end(), std::begin(width), std::end(width));
+  ASSERT_NE(at, tiff.end());
+  ASSERT_TRUE(size_in_header(tiff));
+  at[2] = 16;
+  EXPECT_FALSE(size_in_header(tiff));
+}
+
 // OpenCV would make room for it before it finds that there are no pixels.
 TEST(ImageHeader, AnImageOfGigabytesIsRefusedByItsHeader) {
   const TemporaryFolder folder;
