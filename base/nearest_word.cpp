@@ -2,6 +2,7 @@
 #include "base/nearest_word.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace rumi {
@@ -23,10 +24,14 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  const auto nearest = std::min_element(words.begin(), words.end(), [&](const std::string& a, const std::string& b) {
-    return edit_distance(a, word) < edit_distance(b, word);
-  });
-  return nearest == words.end() ? "" : *nearest;
+  constexpr size_t kMostLetters = 100;  // of a word that someone spelt; the time goes with the length
+  const std::string beginning = word.substr(0, kMostLetters);
+  std::string nearest;
+  size_t least = SIZE_MAX;
+  for (const std::string& candidate : words)
+    if (const size_t distance = edit_distance(candidate, beginning); distance < least)
+      least = distance, nearest = candidate;
+  return nearest;
 }
 
 std::string similar_word(const std::string& word, const std::vector<std::string>& words) {

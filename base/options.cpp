@@ -192,11 +192,14 @@ std::string OptionTable::assign_to(const Field& to, const Entry& entry, const st
 std::string OptionTable::unknown(const std::string& key) const {
   std::vector<std::string> keys;
   for (const Entry& entry : entries_) keys.push_back(entry.key);
-  if (keys.empty()) return fmt::format("{}: unknown option; this program has none", key);
+  constexpr size_t kMostLetters = 100;
+  const std::string shown = fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
+  if (keys.empty()) return fmt::format("{}: unknown option; this program has none", shown);
   const auto without_section =
       std::find_if(keys.begin(), keys.end(), [&key](const std::string& known) { return known.ends_with("." + key); });
-  if (without_section != keys.end()) return fmt::format("{}: unknown option; did you mean {}?", key, *without_section);
-  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", key, nearest_word(key, keys));
+  if (without_section != keys.end())
+    return fmt::format("{}: unknown option; did you mean {}?", shown, *without_section);
+  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", shown, nearest_word(key, keys));
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {

@@ -109,9 +109,13 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
 
 // Files that are more than YAML of a few kB.
 FileCameras read_file_text(const std::string& text, const std::string& name) {
-  if (is_realsense_listing(text)) return read_realsense(text, name);
-  if (is_nerf_list(text)) return read_nerf_list(text, name);
-  if (is_colmap_list(text)) return read_colmap(text, name);
+  try {
+    if (is_realsense_listing(text)) return read_realsense(text, name);
+    if (is_nerf_list(text)) return read_nerf_list(text, name);
+    if (is_colmap_list(text)) return read_colmap(text, name);
+  } catch (const YAML::Exception& e) {  // their lines become YAML
+    return {"", {}, fmt::format("{}: cannot be read ({}): {}", name, e.msg, kExpected)};
+  }
   const std::string yaml = text.size() <= kMaxBytes ? yaml_of_opencv_xml(text) : "";
   return read_text(yaml.empty() ? text : yaml, name);
 }

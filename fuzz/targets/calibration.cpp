@@ -86,12 +86,18 @@ std::vector<Bytes> seeds() {
       xml_matrix("Camera_Matrix", "<rows>3</rows><cols>3</cols>", "50. 0. 32. 0. 51. 24. 0. 0. 1.") +
       xml_matrix("Distortion_Coefficients", "<rows>5</rows><cols>1</cols>", "0.1 0.2 0. 0. 0.") +
       "<image_Height>64</image_Height>\n</opencv_storage>\n";
+  const std::string nerf =
+      "{\"camera_model\": \"OPENCV\", \"frames\": [{\"file_path\": \"a.png\", \"fl_x\": 50, \"fl_y\": 51, \"cx\": 32, "
+      "\"cy\": 24, \"w\": 64, \"h\": 48, \"k1\": 0.1, \"transform_matrix\": [[1, 0, 0, 0]]}]}";
+  const std::string angle = "{\"camera_angle_x\": 1.2, \"w\": 64, \"h\": 48, \"frames\": []}";
   const std::string two =
       "cam0: &c {camera_model: pinhole, intrinsics: [50, 51, 32, 24], resolution: [64, 48]}\ncam1: *c\n";
   const std::string groups = "left:\n  image_width: 64\n  image_height: 48\n  camera_matrix: [" + k +
                              "]\n  dist_coeffs: [" + d + "]\nright: {camera_matrix: [1]}\n";
   return {to_bytes(realsense),
           to_bytes(colmap),
+          to_bytes(nerf),
+          to_bytes(angle),
           to_bytes(xml),
           to_bytes(two),
           to_bytes(groups),

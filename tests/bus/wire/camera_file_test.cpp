@@ -117,7 +117,7 @@ TEST(CameraFile, BadTextIsRefused) {
   EXPECT_THAT(error_of(std::string("\x00\x01\x02\xff\xd8", 5)), HasSubstr("not a text file"));
   EXPECT_THAT(error_of("fx: [1, 2"), HasSubstr("not correct YAML"));
   EXPECT_THAT(error_of(std::string(60000, '[')), HasSubstr("c.yaml"));
-  EXPECT_THAT(error_of(std::string(100000, 'x')), HasSubstr("100000 bytes"));
+  EXPECT_THAT(error_of(std::string(100000, 'x')), HasSubstr("longer than 65536 bytes"));
   EXPECT_THAT(error_of("just words"), HasSubstr("key: value"));
   EXPECT_THAT(read_camera_file("/nowhere/c.yaml").error,
               AllOf(HasSubstr("/nowhere/c.yaml"), HasSubstr("no such file")));

@@ -79,6 +79,14 @@ TEST_F(HostileCameraFile, GroupsWithinGroupsDoNotOverflowTheStack) {
     EXPECT_NE(error_of("fx: 1\nx: " + repeated(opening, 15'000)), "") << opening;
 }
 
+TEST_F(HostileCameraFile, AListOfPosesOfADeepKindOrWithLongNamesIsRefused) {
+  const std::string deep = repeated("[", 500'000) + repeated("]", 500'000);
+  for (const std::string& text : {"{\"fl_x\": 1, \"frames\": " + deep + "}", "{\"frames\": [], \"fl_x\": " + deep + "}",
+                                  "{\"frames\": [{\"fl_x\": " + deep + "}, {\"fl_x\": " + deep + "}]}",
+                                  "{\"frames\": [], \"fl_x\": 1, \"" + std::string(3000, 'k') + "\": 1}"})
+    EXPECT_THAT(error_of(text), HasSubstr("camera")) << text.substr(0, 40);
+}
+
 TEST_F(HostileCameraFile, AListingOfManyFieldsIsCutShort) {
   std::string listing = "Intrinsic of \"Color\" / 64x48\n";
   for (int i = 0; i < 200'000; ++i) listing += "k" + std::to_string(i) + ": " + std::to_string(i) + "\n";
