@@ -281,6 +281,7 @@ void FrontTrackerNode::publish_withdrawn() {
 }
 
 void FrontTrackerNode::on_map_status(const map_status_t& status) {
+  if (!map_states_.take(status.utime, bus_.now_us())) return;
   map_.take(status);
   places_.clear();
   for (const auto& [key, summary] : map_.submaps()) {

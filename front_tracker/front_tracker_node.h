@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/failures.h"
+#include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "front_tracker/back_submap_fetcher.h"
 #include "front_tracker/options.h"
@@ -66,6 +67,7 @@ class FrontTrackerNode : public Node {
   void refuse(const std::string& kind, const std::string& problem);
 
   Bus& bus_;
+  NewestSender map_states_{"RUMI_MAP_STATUS", kLateUs};
   FrontTrackerOptions options_;
   std::optional<Camera> camera_from_file_;
   Camera image_camera_;              // of the session's images; the tracker's may be smaller

@@ -113,6 +113,10 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     return {.ok = false, .reason = fmt::format("payload of kind {} is no submap update", payload.kind)};
   }
   const SubmapKey key{update.session, update.submap_id};
+  if (is_of_older_run(update, payload.sender)) {
+    ++rejected_;
+    return {.ok = false, .reason = fmt::format("session {} is of an older run than the one on this bus", key.session)};
+  }
   if (update.kind == submap_update_t::FRONT && !fixed_.contains(key)) atlas_.note_present(key.session);
   std::string reason =
       fixed_.contains(key)
@@ -135,11 +139,21 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
   return {.ok = reason.empty(), .reason = reason, .revision = store_.stored_revision(key)};
 }
 
+// A front_tracker that goes on may still have submaps of its last session to send; a log that is played beside it has
+// others. Back submaps may be of any session: their windows wait in the spool.
+bool MapServerNode::is_of_older_run(const submap_update_t& update, const std::string& sender) {
+  if (update.kind != submap_update_t::FRONT || front_senders_.contains(sender)) return false;
+  if (sessions_.is_older(update.session, bus_.now_us())) return true;
+  front_senders_.insert(sender);
+  return false;
+}
+
 void MapServerNode::on_track(const track_t& track) {
   if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST) {
     ++rejected_;
     return;
   }
+  if (!sessions_.take(track.session, bus_.now_us())) return;
   atlas_.note_present(track.session);
   const FrameRecord record{
       .session = track.session, .state = static_cast<TrackingState>(track.state), .submap_id = track.submap_id};

@@ -8,10 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/submap_update_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
 #include "map_server/map_status_pages.h"
@@ -45,6 +47,7 @@ class MapServerNode : public Node {
   void fix_map();         // localize_only
   void go_on_from_map();  // of an earlier session
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  bool is_of_older_run(const submap_update_t& update, const std::string& sender);
   void on_track(const track_t& track);
   void merge(int64_t now_us);
   void absorb(MergeResult result);
@@ -83,8 +86,10 @@ class MapServerNode : public Node {
   MapStatusPages status_pages_;
   ChunkSender sender_;
   ChunkReceiver receiver_;
-  std::set<SubmapKey> fixed_;      // submaps of earlier sessions, with localize_only
-  std::vector<Link> fixed_links_;  // between them
+  NewestSender sessions_{"RUMI_TRACK"};
+  std::set<std::string> front_senders_;  // of front submaps, so far
+  std::set<SubmapKey> fixed_;            // submaps of earlier sessions, with localize_only
+  std::vector<Link> fixed_links_;        // between them
   std::set<ImageId> unsaved_frames_;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way

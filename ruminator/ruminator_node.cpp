@@ -66,6 +66,7 @@ void RuminatorNode::on_track(const track_t& track) {
     ++rejected_;
     return;
   }
+  if (!sessions_.take(track.session, bus_.now_us())) return;
   pending_.push_back({track, bus_.now_us()});
   process_pending(bus_.now_us(), false);
 }

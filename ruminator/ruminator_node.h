@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/image_t.hpp"
@@ -67,6 +68,7 @@ class RuminatorNode : public Node {
   void announce(const RuminationWindow& window, int8_t state);
 
   Bus& bus_;
+  NewestSender sessions_{"RUMI_TRACK"};
   RuminatorOptions options_;
   RuminatorHooks hooks_;
   std::optional<Camera> camera_from_file_;

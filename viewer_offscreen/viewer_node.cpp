@@ -49,6 +49,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
 }
 
 void ViewerNode::on_track(const track_t& track) {
+  if (!sessions_.take(track.session, bus_.now_us())) return;
   note_frame(track);
   images_.add(track);
   last_utime_us_ = std::max(last_utime_us_, track.utime);
@@ -71,6 +72,7 @@ void ViewerNode::note_frame(const track_t& track) {
 }
 
 void ViewerNode::on_map_status(const map_status_t& status) {
+  if (!map_states_.take(status.utime, bus_.now_us())) return;
   map_.take(status);
   if (phase_ == Phase::kFinishing) since_finish_.take(status);
   std::map<SubmapKey, Copy> listed;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "bus/wire/map_overview.h"
@@ -64,6 +65,7 @@ class ViewerNode : public Node {
   void report(const std::string& trouble);
 
   Bus& bus_;
+  NewestSender sessions_{"RUMI_TRACK"}, map_states_{"RUMI_MAP_STATUS", kLateUs};
   ViewerOptions options_;
   std::string name_;
   ChunkReceiver receiver_;

@@ -77,10 +77,15 @@ std::unique_ptr<VideoDecoder> VideoDecoder::open(const std::filesystem::path& fi
 }
 
 bool VideoDecoder::next() {
-  while (frame_) {
+  constexpr int kMostErrors = 64;  // in a row, behind the last packet
+  for (int errors = 0; frame_ && errors < kMostErrors;) {
     const int got = avcodec_receive_frame(codec_.get(), frame_.get());
     if (got >= 0) return true;
-    if (got == AVERROR_EOF || is_flushed_) return false;
+    if (got == AVERROR_EOF || (is_flushed_ && got == AVERROR(EAGAIN))) return false;
+    if (is_flushed_) {
+      ++errors;
+      continue;
+    }
     const AVPacket* packet = stream_->next();
     is_flushed_ = packet == nullptr;
     // A packet that it does not take is damaged: the next one may be better.

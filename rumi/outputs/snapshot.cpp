@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/process_name.h"
+#include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -23,6 +24,8 @@ constexpr int kDispatchMs = 20;
 SnapshotResult request_snapshot(Bus& bus, double timeout_s, double listen_s) {
   SnapshotResult result;
   bool answered = false;
+  std::map<std::string, NewestSender> states;  // by process: computers need not agree on the time
+  NewestSender map_states("", kLateUs);
   const std::string name = unique_process_name("rumi");
   const int32_t request_id = 1;
   ChunkReceiver receiver(bus, channels::kMapChunk, channels::kMapAck, name, /*accept_unaddressed=*/false,
@@ -37,11 +40,14 @@ SnapshotResult request_snapshot(Bus& bus, double timeout_s, double listen_s) {
                            }
                            return {};
                          });
-  bus.subscribe<process_status_t>(channels::kStatus, {},
-                                  [&](const process_status_t& status) { result.processes[status.process] = status; });
+  bus.subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& status) {
+    const auto of_process = states.try_emplace(status.process, "", kLateUs).first;
+    if (of_process->second.take(status.utime, bus.now_us())) result.processes[status.process] = status;
+  });
   int64_t last_news_us = bus.now_us();
   // It answers when all that it knows is one map, which may take a while.
   bus.subscribe<map_status_t>(channels::kMapStatus, {}, [&](const map_status_t& status) {
+    if (!map_states.take(status.utime, bus.now_us())) return;
     result.localized_after_s = status.localized_after_s;
     if (status.merging) last_news_us = bus.now_us();
   });

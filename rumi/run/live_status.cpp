@@ -71,13 +71,16 @@ std::string stages_text(const Json& cpu_ms) {
 LiveStatus::LiveStatus(Bus& bus) : bus_(bus) {
   bus.subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) { on_status(m); });
   bus.subscribe<track_t>(channels::kTrack, {}, [this](const track_t& m) { on_track(m); });
-  bus.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& m) { map_ = m; });
+  bus.subscribe<map_status_t>(channels::kMapStatus, {}, [this](const map_status_t& m) {
+    if (map_states_.take(m.utime, bus_.now_us())) map_ = m;
+  });
   bus.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& m) { windows_[{m.session, m.window_id}] = m; });
 }
 
 void LiveStatus::on_status(const process_status_t& status) {
   if (!is_possible(status)) return;
   Process& process = processes_[status.process];
+  if (!process.states.take(status.utime, bus_.now_us())) return;
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
   if (same_run) process.before = std::move(process.latest);
   if (!same_run) {
@@ -90,7 +93,7 @@ void LiveStatus::on_status(const process_status_t& status) {
 }
 
 void LiveStatus::on_track(const track_t& track) {
-  if (!is_count(track.sequence)) return;
+  if (!is_count(track.sequence) || !sessions_.take(track.session, bus_.now_us())) return;
   const bool told_again = !tracks_.empty() && track.session == tracks_.back().track.session &&
                           track.sequence <= tracks_.back().track.sequence;
   if (told_again) return;

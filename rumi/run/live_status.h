@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "bus/process/newest_sender.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
@@ -29,6 +30,7 @@ class LiveStatus {
 
  private:
   struct Process {
+    NewestSender states{"", kLateUs};
     process_status_t latest;
     std::optional<process_status_t> before;
     // When this run of it was heard of first: its status, and frames that had been tracked.
@@ -45,6 +47,7 @@ class LiveStatus {
   nlohmann::ordered_json windows_json() const;
 
   Bus& bus_;
+  NewestSender sessions_{""}, map_states_{"", kLateUs};
   std::map<std::string, Process> processes_;
   struct Heard {
     int64_t at_us = 0;

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bus/process/newest_sender.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/log.h"
+
+namespace rumi {
+namespace {
+
+constexpr int64_t kSilentUs = 5'000'000;
+
+}  // namespace
+
+// A clock that went back, such as a log's that begins again, is no reason to wait for ever.
+bool NewestSender::is_older(int64_t number, int64_t now_us) const {
+  return is_lower(number) && now_us >= heard_us_ && now_us - heard_us_ <= kSilentUs;
+}
+
+bool NewestSender::take(int64_t number, int64_t now_us) {
+  if (!is_older(number, now_us)) {
+    newest_ = is_lower(number) ? number : std::max(newest_, number);
+    heard_us_ = now_us;
+    return true;
+  }
+  ++refused_;
+  if (!std::exchange(told_, true) && !what_.empty())
+    log_warning(
+        "{} of another, older run comes in beside the present one: it is not used. Is a log played with all its "
+        "channels? Then play CAMERA alone, or on a bus of its own",
+        what_);
+  return false;
+}
+
+}  // namespace rumi
