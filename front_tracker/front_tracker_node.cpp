@@ -16,6 +16,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
+#include "lcmtypes/rumi/map_pose_t.hpp"
 #include "bus/wire/working_image.h"
 
 namespace rumi::front_tracker {
@@ -226,10 +227,25 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   without_pose_.clear();
   remember(track, kMostRetoldFrames, &with_pose_);
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
-  const auto map_from_submap = map_from_submap_.find({session_, r.submap_id});
-  if (map_from_submap == map_from_submap_.end()) return;
-  const SE3 cam_from_map = map_from_submap->second.transform_camera(r.cam_from_submap);
-  bus_.publish(channels::kCameraToMap, to_wire(r.utime_us, cam_from_map.inverse()));
+  publish_in_map(r);
+}
+
+void FrontTrackerNode::publish_in_map(const TrackResult& r) {
+  const auto place = places_.find({session_, r.submap_id});
+  if (place == places_.end()) return;
+  const Sim3& map_from_submap = place->second.map_from_submap;
+  const SE3 map_from_cam = map_from_submap.transform_camera(r.cam_from_submap).inverse();
+  bus_.publish(channels::kCameraToMap, to_wire(r.utime_us, map_from_cam));
+  map_pose_t pose;
+  pose.utime = r.utime_us;
+  pose.stream = session_stream_;
+  pose.session = session_;
+  pose.submap_id = r.submap_id;
+  pose.placement_revision = place->second.revision;
+  pose.map_revision = map_.map_revision();
+  pose.map_from_cam = to_wire(map_from_cam);
+  put_sigmas(scaled(r.sigmas, map_from_submap.scale), &pose);
+  bus_.publish(channels::kMapPose, pose);
 }
 
 void FrontTrackerNode::remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told) {
@@ -266,10 +282,10 @@ void FrontTrackerNode::publish_withdrawn() {
 
 void FrontTrackerNode::on_map_status(const map_status_t& status) {
   map_.take(status);
-  map_from_submap_.clear();
+  places_.clear();
   for (const auto& [key, summary] : map_.submaps()) {
     const auto map_from_submap = from_wire(summary.map_from_submap);
-    if (summary.in_map && map_from_submap) map_from_submap_[key] = *map_from_submap;
+    if (summary.in_map && map_from_submap) places_[key] = {*map_from_submap, summary.placement_revision};
   }
   if (back_submaps_ && tracker_) back_submaps_->on_map(map_);
 }

@@ -19,7 +19,7 @@
 
 namespace rumi::front_tracker {
 
-// CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_SUBMAP and
+// CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_MAP_POSE, RUMI_SUBMAP and
 // RUMI_MAP_REQUEST out. The calibration comes
 // with the images unless an option names a file; a camera_file that cannot be read throws std::runtime_error.
 class FrontTrackerNode : public Node {
@@ -57,6 +57,7 @@ class FrontTrackerNode : public Node {
   bool is_of_another_stream(const image_t& image) const;
   void begin_session(const Camera& camera, const image_t& image);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
+  void publish_in_map(const TrackResult& r);
   void publish_posed_afterwards();
   void publish_withdrawn();
   static void remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told);
@@ -75,7 +76,11 @@ class FrontTrackerNode : public Node {
   SubmapPublisher publisher_;
   std::optional<BackSubmapFetcher> back_submaps_;  // unless none are to be kept
   MapOverview map_;
-  std::map<SubmapKey, Sim3> map_from_submap_;  // of the submaps in the served map
+  struct PlaceInMap {
+    Sim3 map_from_submap;
+    int64_t revision = 0;
+  };
+  std::map<SubmapKey, PlaceInMap> places_;  // of the submaps in the served map
   int64_t session_ = 0;
   int64_t sequence_ = 0;
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime

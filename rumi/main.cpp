@@ -12,9 +12,6 @@
 int main(int argc, char** argv) {
   rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
   app.set_version(rumi::version());
-  app.footer(
-      "`rumi COMMAND --help` explains a command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 "
-      "wrong options; 3 done, but not with all of the recording.");
   std::function<int()> chosen;
   rumi::tool::add_demo_command(app, &chosen);
   rumi::tool::add_replay_command(app, &chosen);
@@ -34,6 +31,10 @@ int main(int argc, char** argv) {
   rumi::tool::add_export_command(app, &chosen);
   rumi::tool::add_import_command(app, &chosen);
   rumi::tool::add_config_command(app, &chosen);
+  // Behind the commands, which would take it over.
+  app.footer(
+      "`rumi COMMAND --help` explains a command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 "
+      "wrong options; 3 done, but not with all of the recording.");
   try {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;

@@ -110,6 +110,7 @@ inline constexpr const char* kCamera = "CAMERA";
 inline constexpr const char* kTrack = "RUMI_TRACK";
 inline constexpr const char* kCameraToSubmap = "CAMERA_TO_SUBMAP";
 inline constexpr const char* kCameraToMap = "CAMERA_TO_MAP";
+inline constexpr const char* kMapPose = "RUMI_MAP_POSE";
 inline constexpr const char* kSubmap = "RUMI_SUBMAP";         // chunk_t towards map_server
 inline constexpr const char* kSubmapAck = "RUMI_SUBMAP_ACK";  // chunk_ack_t from map_server
 inline constexpr const char* kWindow = "RUMI_WINDOW";

@@ -16,6 +16,7 @@ class MapOverview {
   void take(const map_status_t& status);
 
   const std::map<SubmapKey, submap_summary_t>& submaps() const { return submaps_; }
+  int64_t map_revision() const { return map_revision_; }
   const std::map<int64_t, link_t>& links() const { return links_; }  // by their number
   // All that there is has been told.
   bool complete() const { return heard_ && submaps_.size() >= submaps_in_all_ && links_.size() >= links_in_all_; }

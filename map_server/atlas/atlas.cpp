@@ -237,10 +237,10 @@ std::set<SubmapKey> Atlas::in_map() const {
   return keys;
 }
 
-const Atlas::Counted& Atlas::count(const AtlasSubmap& owner, const std::vector<const Submap*>& earlier) const {
+const Atlas::Counted& Atlas::count(const AtlasSubmap& owner, const std::vector<const Submap*>& before) const {
   std::vector<const Submap*> beside;
   std::vector<std::pair<SubmapKey, int64_t>> of{{owner.submap.key, owner.submap.revision}};
-  for (const Submap* other : earlier)
+  for (const Submap* other : before)
     if (overlap_in_time(*other, owner.submap)) {
       beside.push_back(other);
       of.emplace_back(other->key, other->revision);
@@ -258,12 +258,14 @@ Atlas::FrameCounts Atlas::count_frames() const {
   FrameCounts counts;
   for (const auto& [session, frames] : frames_of_)
     (present_.contains(session) ? counts.present : counts.earlier) += frames;
-  std::vector<const Submap*> earlier;
-  for (const auto& [key, owner] : submaps_) {
-    if (!owner.in_map) continue;
-    (present_.contains(key.session) ? counts.present_in_map : counts.earlier_in_map) += count(owner, earlier).frames;
-    earlier.push_back(&owner.submap);
-  }
+  // A recording that is played again has the same images: they are of the session that goes on, as frames_of_ has it.
+  std::vector<const Submap*> counted;
+  for (const bool present : {true, false})
+    for (const auto& [key, owner] : submaps_) {
+      if (!owner.in_map || present_.contains(key.session) != present) continue;
+      (present ? counts.present_in_map : counts.earlier_in_map) += count(owner, counted).frames;
+      counted.push_back(&owner.submap);
+    }
   return counts;
 }
 

@@ -124,7 +124,7 @@ class Atlas {
   bool choose_map();       // true if the served map is now made of other submaps than before
   bool has_present_in_map() const;
   std::set<SubmapKey> to_be_kept(const std::set<SubmapKey>& map) const;
-  const Counted& count(const AtlasSubmap& owner, const std::vector<const Submap*>& earlier) const;
+  const Counted& count(const AtlasSubmap& owner, const std::vector<const Submap*>& before) const;
 
   std::map<SubmapKey, AtlasSubmap> submaps_;
   std::map<ImageId, FrameRecord> frames_;

@@ -62,7 +62,9 @@ void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command =
       app.add_command("cut-window", "Make a window of chosen frames of a recording, for `rumi ruminate`");
   command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
-  command->add_option("-o,--output", arguments->file, "the window file, by custom *.window")->type_name("FILE").required();
+  command->add_option("-o,--output", arguments->file, "the window file, by custom *.window")
+      ->type_name("FILE")
+      .required();
   const std::string form = "FIRST..LAST[:STRIDE]";
   command->add_option("--gap", arguments->gap, "the frames that shall be rebuilt, counted from 0")
       ->type_name(form)

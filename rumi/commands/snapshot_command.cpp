@@ -25,7 +25,7 @@ struct Arguments {
   std::string out, lcm_url = kDefaultLcmUrl;
   ChannelNames names;
   double timeout_s = 10;
-  bool update = false;
+  bool update = false, quiet = false;
   uint64_t since_us = 0;
 };
 
@@ -106,7 +106,11 @@ std::string take_snapshot(const Arguments& arguments) {
   const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
   if (!bus) return error;
   const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
-  if (!snapshot.error.empty()) return snapshot.error;
+  if (!snapshot.error.empty()) {
+    std::error_code not_empty;
+    std::filesystem::remove(arguments.out, not_empty);
+    return snapshot.error;
+  }
   const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
   std::string copy_problem;
   const map_server::Atlas atlas =
@@ -119,7 +123,7 @@ std::string take_snapshot(const Arguments& arguments) {
   const std::string all_missing = note_missing(missing, arguments.out, &run);
   error = write_run_json(arguments.out, run);
   if (error.empty()) error = all_missing;
-  if (error.empty()) {
+  if (error.empty() && !arguments.quiet) {
     print_summary(counts, describe_localization(counts, snapshot.localized_after_s), left_out(atlas, before),
                   arguments.out);
     print_processes(processes);
@@ -153,6 +157,7 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
                       "put before every channel name (several robots on one bus)");
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
   command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
+  command->add_flag("-q,--quiet", arguments->quiet, "say only what went wrong");
   command->add_option("--since", arguments->since_us,
                       "frames of sessions that began since then, in us since 1970; default: since the first of the "
                       "processes that run was started");

@@ -23,6 +23,7 @@
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/run/all_options.h"
+#include "rumi/run/map_before.h"
 #include "rumi/run/other_system.h"
 #include "rumi/run/program_folder.h"
 #include "rumi/run/supervisor.h"
@@ -33,9 +34,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Arguments {
-  std::string config, input, lcm_url, snapshot;
+  std::string first, second;  // CONFIG, INPUT, or one of them
+  std::string config, input, snapshot;
+  UpOptions up;  // what flags say; empty: nothing
   std::vector<std::string> settings;
   std::vector<std::string> camera_settings;  // by flags, for a camera_driver
+  bool fresh = false, verbose = false, quiet = false;
 };
 
 constexpr std::chrono::milliseconds kListen{500};  // for others; all of them answer at once
@@ -85,6 +89,8 @@ class SharedConfig {
   std::string file_;
 };
 
+void say(const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); }
+
 std::vector<std::string> bus_flags(const UpOptions& up) {
   std::vector<std::string> flags;
   if (!up.lcm_url.empty()) flags.insert(flags.end(), {"--lcm-url", up.lcm_url});
@@ -94,7 +100,7 @@ std::vector<std::string> bus_flags(const UpOptions& up) {
 }
 
 // map_server is stopped after the others, so that what they hand on at their end still arrives.
-std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file) {
+std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file, const Arguments& arguments) {
   const fs::path folder = program_folder_of(own_folder());
   std::vector<Supervised> children;
   const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
@@ -102,6 +108,8 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
     child.command.insert(child.command.end(), more.begin(), more.end());
     child.command.insert(child.command.end(), {"--config", config_file});
     for (const std::string& flag : bus_flags(up)) child.command.push_back(flag);
+    if (arguments.verbose) child.command.push_back("--verbose");
+    if (arguments.quiet) child.command.push_back("--quiet");
     children.push_back(std::move(child));
   };
   // Listeners first, the source last.
@@ -118,12 +126,33 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
   return children;
 }
 
-Supervised snapshot_process(const UpOptions& up, const std::string& out, bool update) {
+// The last one tells what it wrote; --update: what an earlier one knew stays.
+Supervised snapshot_process(const UpOptions& up, const std::string& out, int64_t since_us, bool is_last) {
   std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
-  if (update) command.push_back("--update");
+  command.insert(command.end(), {"--since", std::to_string(since_us), is_last ? "--update" : "--quiet"});
   if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
   if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
   return {"snapshot", command};
+}
+
+bool is_file(const std::string& database) { return !database.empty() && database != map_server::kInMemory; }
+
+// The first thing that is said, and --fresh. Throws std::runtime_error with a message for the user.
+void tell_of_map(const AllOptions& options, bool fresh) {
+  const std::string& database = options.map_server.database;
+  if (!is_file(database)) return;
+  const std::optional<std::string> before = describe_map_before(database);
+  if (options.map_server.localize_only && before) {
+    say("rumi", fmt::format("map: {}, {}, stays as it is", database, *before));
+  } else if (fresh) {
+    const std::string aside = set_aside(database, options.ruminator.spool);
+    say("rumi", fmt::format("map: {}, a new one{}", database,
+                            aside.empty() ? "" : fmt::format("; that of before is {} now", aside)));
+  } else if (before) {
+    say("rumi", fmt::format("map: {} goes on, {}; --fresh begins anew", database, *before));
+  } else {
+    say("rumi", fmt::format("map: {}, a new one", database));
+  }
 }
 
 // What would end all again soon after its start, and disturb others meanwhile. Returns it for a person, or an empty
@@ -131,8 +160,7 @@ Supervised snapshot_process(const UpOptions& up, const std::string& out, bool up
 std::string why_not_here(const AllOptions& options) {
   const UpOptions& up = options.up;
   const std::string& database = options.map_server.database;
-  const bool is_file = !database.empty() && database != map_server::kInMemory;
-  if (is_file && !options.map_server.localize_only) const map_server::FileLock is_free(database + ".lock");
+  if (is_file(database) && !options.map_server.localize_only) const map_server::FileLock is_free(database + ".lock");
   ChannelNames names;
   names.prefix = up.channel_prefix;
   names.camera = up.channel;
@@ -150,13 +178,45 @@ void warn_of_little_space(const std::string& database) {
   if (const std::string doubt = doubt_about_space(folder.string(), kImages); !doubt.empty()) log_warning("{}", doubt);
 }
 
+bool is_yaml(const std::string& name) {
+  const std::string extension = fs::path(name).extension().string();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+// CONFIG and INPUT, of which each may be left out. What is wrong, or an empty string.
+std::string sort_out(Arguments* arguments) {
+  for (const std::string& name : {arguments->first, arguments->second}) {
+    if (name.empty()) continue;
+    std::string& meant = is_yaml(name) ? arguments->config : arguments->input;
+    if (!meant.empty())
+      return fmt::format("{} and {}: give one INPUT, and one CONFIG, whose name ends in .yaml", meant, name);
+    meant = name;
+  }
+  return {};
+}
+
+void take(const std::string& flag, std::string* option) {
+  if (!flag.empty()) *option = flag;
+}
+
 // What is wrong with them, or an empty string.
 std::string read_options(const Arguments& arguments, AllOptions* options, OptionTable* table) {
   describe(*table, *options);
   std::vector<std::string> settings = arguments.settings;
   settings.insert(settings.end(), arguments.camera_settings.begin(), arguments.camera_settings.end());
   const std::string problem = load_options(*table, arguments.config, settings);
-  return problem.empty() ? check(options->camera_driver) : problem;
+  if (!problem.empty()) return problem;
+  take(arguments.input, &options->up.input);
+  take(arguments.up.lcm_url, &options->up.lcm_url);
+  take(arguments.up.channel_prefix, &options->up.channel_prefix);
+  take(arguments.up.channel, &options->up.channel);
+  if (arguments.fresh && options->map_server.localize_only)
+    return "--fresh: there would be no map to localize in (map_server.localize_only)";
+  if (options->up.input.empty() && !arguments.camera_settings.empty()) {
+    const std::string& first = arguments.camera_settings[0];
+    return fmt::format("{}: there is no INPUT that this could be meant for", first.substr(0, first.find(' ')));
+  }
+  return check(options->camera_driver);
 }
 
 // On SIGUSR2. True if the shared options are new.
@@ -169,20 +229,13 @@ bool read_again(const Arguments& arguments, const SharedConfig& config) {
   return error.empty();
 }
 
-int up(const Arguments& arguments) {
+int up(Arguments& arguments) {
   AllOptions options;
   OptionTable table;
-  std::string error = read_options(arguments, &options, &table);
+  std::string error = sort_out(&arguments);
+  if (error.empty()) error = read_options(arguments, &options, &table);
   if (!error.empty()) {
     fmt::print(stderr, "rumi up: {}\n", error);
-    return 2;
-  }
-  if (!arguments.input.empty()) options.up.input = arguments.input;
-  if (!arguments.lcm_url.empty()) options.up.lcm_url = arguments.lcm_url;
-  if (options.up.input.empty() && !arguments.camera_settings.empty()) {
-    const std::string& first = arguments.camera_settings[0];
-    fmt::print(stderr, "rumi up: {}: there is no INPUT that this could be meant for\n",
-               first.substr(0, first.find(' ')));
     return 2;
   }
   bool not_all = false;
@@ -190,19 +243,21 @@ int up(const Arguments& arguments) {
   start_logging("rumi", false, /*quiet=*/true);
   try {
     if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
+    tell_of_map(options, arguments.fresh);
     warn_of_little_space(options.map_server.database);
+    const auto begin = std::chrono::system_clock::now().time_since_epoch();
+    const int64_t begin_us = std::chrono::duration_cast<std::chrono::microseconds>(begin).count();
     const SharedConfig config(table.to_yaml(OptionTable::Which::kAll));
     SupervisorOptions supervision;
     supervision.settle = std::chrono::milliseconds(std::llround(options.up.settle_s * 1e3));
-    Supervisor supervisor(
-        processes(options.up, config.file()), supervision,
-        [](const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); });
+    Supervisor supervisor(processes(options.up, config.file(), arguments), supervision, say);
     // Once while everybody can still say how it went, and once when the last poses have arrived.
     Supervisor::Hooks hooks;
     hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
     std::string snapshot_error = arguments.snapshot.empty() ? "" : "no snapshot was written, as all was to end at once";
-    const auto snapshot = [&](bool update) {
-      snapshot_error = supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, update), g_at_once);
+    const auto snapshot = [&](bool is_last) {
+      snapshot_error =
+          supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, begin_us, is_last), g_at_once);
     };
     if (!arguments.snapshot.empty()) {
       hooks.before_stop = [&] { snapshot(false); };
@@ -226,18 +281,31 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("up", "Run the five processes on LCM and watch over them until the input ends");
-  command->add_option("CONFIG", arguments->config, "YAML file such as config/rumi.yaml")->type_name("FILE").required();
+  command
+      ->add_option("CONFIG", arguments->first,
+                   "YAML file with options such as config/rumi.yaml (its name ends in .yaml); may be left out")
+      ->type_name("FILE");
   command->add_option(
-      "INPUT", arguments->input,
+      "INPUT", arguments->second,
       "for camera_driver: a camera or a recording; without it up.input of CONFIG, or images from elsewhere "
       "(lcm-logplayer)");
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL; wins over up.lcm_url")->type_name("URL");
+  command->add_option("--config", arguments->config, "the same as CONFIG")->type_name("FILE");
+  command->add_option("-l,--lcm-url", arguments->up.lcm_url, "LCM URL; wins over up.lcm_url")->type_name("URL");
+  command->add_option("--channel-prefix", arguments->up.channel_prefix,
+                      "put before every channel name (several robots on one bus); wins over up.channel_prefix");
+  command->add_option("-c,--channel", arguments->up.channel, "channel of the camera images; wins over up.channel");
   command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over CONFIG")
       ->type_name("KEY=VALUE")
       .one_each();
   command
-      ->add_option("--snapshot", arguments->snapshot, "write the outputs of `rumi replay` into this folder at the end")
+      ->add_option("-o,--output,--snapshot", arguments->snapshot,
+                   "write the outputs of `rumi replay` into this folder at the end")
       ->type_name("FOLDER");
+  command->add_flag("--fresh", arguments->fresh,
+                    "begin with an empty map: the one that is there, and its spool, get other names");
+  command->add_flag("-v,--verbose", arguments->verbose, "all processes log more");
+  command->add_flag("-q,--quiet", arguments->quiet, "all processes log warnings and errors only");
+  arguments->up.channel.clear();
   camera_driver::add_flags(*command, {}, &arguments->camera_settings);
   command->footer(
       "Exit codes: 0 the recording was played, or it was ended by Ctrl-C; 1 it broke off, or --snapshot could not be "

@@ -100,8 +100,9 @@ AtlasCounts count(const map_server::Atlas& atlas, int64_t after) {
     if (!is_earlier) counts.tracked_frames += located.has_value();
   }
   counts.earlier_sessions = static_cast<int>(earlier.size());
-  counts.submaps = static_cast<int>(atlas.submaps().size());
   for (const auto& [key, owner] : atlas.submaps()) {
+    if (key.session <= after && !owner.in_map) continue;
+    ++counts.submaps;
     counts.keyframes += static_cast<int>(owner.submap.keyframes.size());
     counts.landmarks += static_cast<int>(owner.submap.landmarks.size());
     if (owner.submap.kind != SubmapKind::kFront) continue;

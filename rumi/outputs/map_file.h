@@ -43,7 +43,7 @@ struct AtlasCounts {
   int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;  // of sessions after the one given
   int64_t earlier_frames = 0, earlier_in_map = 0;             // of the others
   int earlier_sessions = 0;
-  int submaps = 0, keyframes = 0, landmarks = 0;  // of all
+  int submaps = 0, keyframes = 0, landmarks = 0;  // of those sessions, and of the map
   int front_submaps = 0, front_submaps_in_map = 0;
 };
 AtlasCounts count(const map_server::Atlas& atlas, int64_t after = map_server::kNoSession);

@@ -13,6 +13,9 @@
 #include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
+#include "lcmtypes/rumi/map_pose_t.hpp"
+#include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/synth/sequence_renderer.h"
 #include "tests/front_tracker/rendered_walk.h"
@@ -225,6 +228,47 @@ TEST_F(Fixture, ACameraFileThatIsNoGoodStopsItAtTheStart) {
   FrontTrackerOptions options;
   options.camera_file = "/nonexistent/camera.yaml";
   EXPECT_THROW(FrontTrackerNode(bus_, options), std::runtime_error);
+}
+
+// What a listener of CAMERA_TO_MAP needs to know to notice that the map has moved.
+TEST_F(Fixture, APoseInTheMapNamesTheSubmapAndItsPlace) {
+  std::vector<map_pose_t> poses;
+  std::vector<rigid_transform_t> transforms;
+  bus_.subscribe<map_pose_t>(channels::kMapPose, {}, [&](const map_pose_t& p) { poses.push_back(p); });
+  bus_.subscribe<rigid_transform_t>(channels::kCameraToMap, {}, [&](const auto& t) { transforms.push_back(t); });
+  tool::SynthOptions options;
+  options.seconds = 1.5;
+  options.rate_hz = 20;
+  options.grey = true;
+  options.camera = camera_;
+  options.exposure_s = 0;
+  tool::SequenceRenderer renderer(options);
+  const Sim3 map_from_submap(2, Eigen::Quaterniond::Identity(), Eigen::Vector3d(1, 2, 3));
+  for (int i = 0; i < renderer.frames(); ++i) {
+    give(image(renderer.utime_us(i), renderer.render(i)));
+    const track_t& track = tracks_.back();
+    if (track.submap_id == kNoSubmap || i % 10 != 0) continue;
+    map_status_t status{};
+    status.map_revision = 100 + i;
+    status.front_submaps = status.submaps_in_map = status.nsubmaps = 1;
+    status.submaps.resize(1);
+    status.submaps[0].session = track.session;
+    status.submaps[0].submap_id = track.submap_id;
+    status.submaps[0].in_map = true;
+    status.submaps[0].placement_revision = i;
+    status.submaps[0].map_from_submap = to_wire(map_from_submap);
+    bus_.publish(channels::kMapStatus, status);
+    bus_.dispatch();
+  }
+  ASSERT_GE(poses.size(), 10u);
+  ASSERT_EQ(transforms.size(), poses.size());
+  EXPECT_EQ(transforms.back().utime, poses.back().utime);
+  EXPECT_EQ(transforms.back().trans[0], poses.back().map_from_cam.trans[0]);
+  EXPECT_EQ(poses.back().session, tracks_.back().session);
+  EXPECT_EQ(poses.back().submap_id, tracks_.back().submap_id);
+  EXPECT_EQ(poses.back().map_revision, poses.back().placement_revision + 100);
+  EXPECT_GT(poses.back().placement_revision, poses.front().placement_revision);
+  EXPECT_FLOAT_EQ(poses.back().position_sigma, 2 * tracks_.back().position_sigma);
 }
 
 TEST_F(Fixture, TheServersCopyIsComplete) {

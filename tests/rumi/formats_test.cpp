@@ -76,39 +76,50 @@ void write_images(const fs::path& folder, const std::vector<std::string>& names)
 
 using MakeRecording = std::function<fs::path(const fs::path&)>;  // in this folder; what is then given
 
-const std::map<std::string, MakeRecording>& recordings() {
-  static const std::map<std::string, MakeRecording> kRecordings = {
+struct Recording {
+  const char* in_docs;  // its name in docs/recordings.md
+  MakeRecording make;
+};
+
+// By the names of the README.
+const std::map<std::string, Recording>& recordings() {
+  static const std::map<std::string, Recording> kRecordings = {
       {"a folder with `rgb.txt`",
-       [](const fs::path& folder) {
-         write_tum(folder, 3);
-         return folder;
-       }},
+       {"TUM RGB-D",
+        [](const fs::path& folder) {
+          write_tum(folder, 3);
+          return folder;
+        }}},
       {"a folder with `mav0/cam0/data.csv`",
-       [](const fs::path& folder) {
-         write_images(folder / "mav0/cam0/data", {"1.png", "2.png"});
-         write(folder / "mav0/cam0/data.csv", "#timestamp [ns],filename\n1000000000,1.png\n1050000000,2.png\n");
-         return folder;
-       }},
+       {"EuRoC, TUM-VI",
+        [](const fs::path& folder) {
+          write_images(folder / "mav0/cam0/data", {"1.png", "2.png"});
+          write(folder / "mav0/cam0/data.csv", "#timestamp [ns],filename\n1000000000,1.png\n1050000000,2.png\n");
+          return folder;
+        }}},
       {"a folder of images",
-       [](const fs::path& folder) {
-         write_images(folder, {"1000.0000.png", "1000.0500.png"});
-         return folder;
-       }},
+       {"images",
+        [](const fs::path& folder) {
+          write_images(folder, {"1000.0000.png", "1000.0500.png"});
+          return folder;
+        }}},
       {"a video",
-       [](const fs::path& folder) {
-         const fs::path file = folder / "v.avi";
-         cv::VideoWriter video(file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, cv::Size(64, 48));
-         for (int i = 0; i < 3; ++i) video.write(picture(i, 64, 48, true));
-         return file;
-       }},
+       {"video",
+        [](const fs::path& folder) {
+          const fs::path file = folder / "v.avi";
+          cv::VideoWriter video(file.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, cv::Size(64, 48));
+          for (int i = 0; i < 3; ++i) video.write(picture(i, 64, 48, true));
+          return file;
+        }}},
       {"an lcm log with images on `CAMERA`",
-       [](const fs::path& folder) {
-         const fs::path file = folder / "l.lcm";
-         LogWriter log(file.string());
-         for (int i = 1; i < 4; ++i)
-           log.write(100'000 * i, "CAMERA", encode_message(make_grey_image(100'000 * i, picture(i))));
-         return file;
-       }},
+       {"lcm log",
+        [](const fs::path& folder) {
+          const fs::path file = folder / "l.lcm";
+          LogWriter log(file.string());
+          for (int i = 1; i < 4; ++i)
+            log.write(100'000 * i, "CAMERA", encode_message(make_grey_image(100'000 * i, picture(i))));
+          return file;
+        }}},
   };
   return kRecordings;
 }
@@ -161,6 +172,19 @@ std::set<std::string> list(std::string text, const std::set<std::string>& known)
   return names;
 }
 
+// The first column of the table there, without its heading and remarks in brackets.
+std::set<std::string> rows_between(const std::string& text, const std::string& begin, const std::string& end) {
+  const size_t from = text.find(begin), to = text.find(end, from);
+  EXPECT_NE(to, std::string::npos) << begin << " ... " << end;
+  if (from == std::string::npos || to == std::string::npos) return {};
+  const std::string part = text.substr(from, to - from);
+  const std::regex row(R"(\n\| ([^|]+?)(?: \([^|)]*\))? \|)");
+  std::set<std::string> names;
+  for (std::sregex_iterator it(part.begin(), part.end(), row), last; it != last; ++it) names.insert((*it)[1]);
+  names.erase("what");
+  return names;
+}
+
 TEST(FormatsOfTheReadme, CameraFilesAreRead) {
   const std::set<std::string> known = names_of(camera_files());
   const std::string readme = documentation("README.md");
@@ -177,18 +201,15 @@ TEST(FormatsOfTheReadme, CameraFilesAreRead) {
 }
 
 TEST(FormatsOfTheReadme, RecordingsAreRead) {
-  const std::string table = documentation("README.md");
-  std::set<std::string> rows;
-  const std::string part =
-      table.substr(table.find("`RECORDING` is one of"), table.find("Odd times") - table.find("`RECORDING` is one of"));
-  const std::regex row(R"(\n\| ([^|]+?)(?: \([^|)]*\))? \|)");
-  for (std::sregex_iterator it(part.begin(), part.end(), row), end; it != end; ++it) rows.insert((*it)[1]);
-  rows.erase("what");
-  EXPECT_EQ(rows, names_of(recordings()));
-  for (const auto& [name, make] : recordings()) {
+  EXPECT_EQ(rows_between(documentation("README.md"), "`RECORDING` is one of", "Odd times"), names_of(recordings()));
+  std::set<std::string> in_docs;
+  for (const auto& [name, recording] : recordings()) in_docs.insert(recording.in_docs);
+  EXPECT_EQ(rows_between(documentation("docs/recordings.md"), "# Recordings", "ROS bags"), in_docs);
+  for (const auto& [name, recording] : recordings()) {
     const TemporaryFolder folder;
     write(folder / "calibration.yaml", kCalibration);
-    const camera_driver::OpenedSource opened = camera_driver::open_recording(make(folder.path()).string(), {});
+    const camera_driver::OpenedSource opened =
+        camera_driver::open_recording(recording.make(folder.path()).string(), {});
     ASSERT_EQ(opened.error, "") << name;
     EXPECT_TRUE(opened.source->next()) << name;
   }

@@ -59,9 +59,10 @@ bool is_nerf_list(const std::string& text) {
 }
 
 FileCameras read_nerf_list(const std::string& text, const std::string& file) {
-  constexpr int kDeepest = 10;  // what is deeper would be copied, and written, by as many calls within calls
-  const auto is_wanted = [](int depth, json::parse_event_t, const json&) { return depth <= kDeepest; };
-  json root = json::parse(text, is_wanted, /*allow_exceptions=*/false);
+  // A value within values within values would be copied and written by as many calls within calls.
+  constexpr int kDeepest = 8;
+  const auto is_shallow = [](int depth, json::parse_event_t, const json&) { return depth <= kDeepest; };
+  json root = json::parse(text, is_shallow, /*allow_exceptions=*/false);
   const auto refuse = [&file](const std::string& why) { return FileCameras{"", {}, fmt::format("{}: {}", file, why)}; };
   if (!root.is_object()) return refuse("is a transforms.json that is no correct JSON: is it cut off?");
   const json frames = root.value("frames", json::array());

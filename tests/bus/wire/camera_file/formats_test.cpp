@@ -428,6 +428,13 @@ TEST_F(CameraFiles, OfNerfAreReadWithoutTheirFrames) {
   EXPECT_EQ(read_camera_file(write("fisheye.json", text)).camera.k4, .4);
 }
 
+TEST_F(CameraFiles, OfNerfMayBeNestedAsDeepAsTheyLike) {
+  const std::string deep = std::string(500'000, '[') + std::string(500'000, ']');
+  const CameraFileResult read = read_camera_file(write("deep.json", with(kTransforms, "\"srgb\"", deep)));
+  EXPECT_EQ(read.error, "");
+  EXPECT_EQ(read.camera.fx, 50);
+}
+
 TEST_F(CameraFiles, OfNerfMayHaveOnlyAnAngle) {
   const std::string frames = R"("frames": [{"file_path": "r_0"}]})";
   const std::string angle = R"({"camera_angle_x": 1.5707963267948966, )" + frames;
