@@ -8,6 +8,7 @@
 #include "lcmtypes/rumi/chunk_ack_t.hpp"
 #include "lcmtypes/rumi/chunk_t.hpp"
 #include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/map_pose_t.hpp"
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
@@ -50,7 +51,8 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(region_landmark_t, 0x7727a9f260872891u);
   PIN(region_keyframe_t, 0x54927c4600a883b2u);
   PIN(map_region_t, 0xa84f598e98ae44ecu);
-  PIN(map_status_t, 0xfc294214f3312b35u);
+  PIN(map_status_t, 0x47bbe47c29d5c74du);
+  PIN(map_pose_t, 0xa9c2f74d5fba016u);
   PIN(map_request_t, 0x5ec708767f84a2acu);
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);
