@@ -13,6 +13,7 @@
 
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/exit_codes.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
@@ -243,6 +244,19 @@ void MapServerNode::note_localization() {
   if (counts.earlier_in_map > 0 && counts.present_in_map > 0 && !localized_us_) localized_us_ = last_utime_us_;
 }
 
+void MapServerNode::tell_of_localization() const {
+  const Atlas::FrameCounts counts = atlas_.count_frames();
+  if (!options_.localize_only || counts.present == 0) return;
+  if (localized_us_)
+    log_info("localized: {} of {} frames of this run in {}", counts.present_in_map, counts.present, options_.database);
+  else
+    log_warning("not localized: nothing that came looks like {}", options_.database);
+}
+
+int MapServerNode::exit_code() const {
+  return options_.localize_only && !localized_us_ && atlas_.count_frames().present > 0 ? kNotAll : 0;
+}
+
 std::optional<double> MapServerNode::localized_after_s() const {
   if (!first_submap_us_ || !localized_us_) return std::nullopt;
   return 1e-6 * static_cast<double>(*localized_us_ - *first_submap_us_);
@@ -308,10 +322,15 @@ void MapServerNode::finish() {
   finishing_ = true;
   merger_.hurry();
   merge(bus_.now_us());
-  stop();
+  write_all();
 }
 
 void MapServerNode::stop() {
+  write_all();
+  tell_of_localization();
+}
+
+void MapServerNode::write_all() {
   save(/*whole=*/true);
   tell_all();
   if (options_.snapshot_s <= 0) return;

@@ -35,6 +35,7 @@ class MapServerNode : public Node {
   void finish() override;
   void stop() override;
   bool finished() const override;
+  int exit_code() const override;  // kNotAll: nothing that came was found in the map (localize_only)
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
@@ -53,6 +54,8 @@ class MapServerNode : public Node {
   void absorb(MergeResult result);
   void serve_present();
   void note_localization();
+  void tell_of_localization() const;
+  void write_all();
   void tell_of_map(const std::set<SubmapKey>& before) const;
   void cull_some();  // of to_cull_
   void cull(SubmapKey key, const Submap& left);

@@ -271,7 +271,7 @@ int up(Arguments& arguments) {
   }
   if (!error.empty()) fmt::print(stderr, "rumi up: {}\n", error);
   if (not_all)
-    fmt::print(stderr, "rumi up: not all of the recording was played: camera_driver says above what is missing\n");
+    fmt::print(stderr, "rumi up: not all of the recording is in the result: what is missing is said above\n");
   return !error.empty() ? 1 : not_all ? kNotAll : 0;
 }
 

@@ -24,7 +24,8 @@ constexpr milliseconds kAskToFinish{500};  // so often, and not before it has ha
 constexpr size_t kLongestLine = 16384;     // a longer one is cut
 constexpr int kNotAgain = 2;               // exit code of all Rumi processes: starting again would not help
 
-bool ended_well(const ChildEnd& end) { return end.exited() && end.exit_code() == 0; }
+bool is_not_all(const ChildEnd& end) { return end.exited() && end.exit_code() == kNotAll; }
+bool ended_well(const ChildEnd& end) { return end.exited() && (end.exit_code() == 0 || is_not_all(end)); }
 
 // True if a thread of the process has a CPU, waits for one, or for a disk; on a busy machine work may get little CPU
 // time.
@@ -130,6 +131,7 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
   if (!process.partial.empty()) on_line_(process.what.name, process.partial);
   process.partial.clear();
   process.child.reset();
+  not_all_ |= is_not_all(end);
   return end;
 }
 
@@ -155,10 +157,8 @@ std::string Supervisor::watch(bool* source_ended) {
   for (Process& process : processes_) {
     if (process.is_beside) continue;
     if (const std::optional<ChildEnd> end = reap(process)) {
-      const bool not_all = end->exited() && end->exit_code() == kNotAll;
-      if (process.what.source && (ended_well(*end) || not_all)) {
+      if (process.what.source && ended_well(*end)) {
         *source_ended = process.finished = true;
-        not_all_ |= not_all;
         continue;
       }
       if (finishing_ && process.what.finishes && ended_well(*end)) {

@@ -64,7 +64,7 @@ class Supervisor {
   std::string run_beside(const Supervised& what, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
-  // The source said that it did not give all of its input (kNotAll).
+  // A process said at its end that it has not done all (kNotAll): the input was not all played, or not localized.
   bool not_all() const { return not_all_; }
 
  private:

@@ -121,9 +121,14 @@ TEST_F(ReplayTest, LocalizesInTheMapOfAnEarlierRun) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_TRUE(read_file(map) == bytes);
   const auto figures = evaluate(second, sequence_ / "groundtruth.txt");
-  EXPECT_GE(figures["tracked_frames"], 0.95 * 240) << "old and new";
+  EXPECT_EQ(figures["frames"], 150) << "those of this run";
+  EXPECT_GE(figures["tracked_frames"], 0.95 * 150);
   EXPECT_GE(figures["true_rate"], 0.9);
   EXPECT_LE(figures["ate_rmse_m"], 0.05);
+  EXPECT_THAT(outcome.output, HasSubstr("of 150 frames of this run in the map of before"));
+  const auto run = read_json_file(second / "run.json");
+  EXPECT_EQ(run["counts"]["localized_frames"], figures["tracked_frames"]);
+  EXPECT_GE(run["localized_after_s"], 0);
 
   const Outcome absent = replay(sequence_, second, flags + "absent.db");
   EXPECT_EQ(absent.exit_code, 1);
@@ -153,8 +158,21 @@ TEST_F(ReplayTest, AFolderIsLocalizedInTheMapOfAnotherFolder) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, testing::Not(HasSubstr("not everything could be handed on")));
   const auto counts = read_json_file(localized / "run.json")["counts"];
-  EXPECT_EQ(counts["frames"], 130 + 120);
-  EXPECT_GE(counts["frames_in_map"], 225);
+  EXPECT_EQ(counts["earlier_frames"], 130);
+  EXPECT_EQ(counts["frames"], 120);
+  EXPECT_GE(counts["frames_in_map"], 108);
+}
+
+TEST_F(ReplayTest, WhereNothingLooksLikeTheMapItIsSaid) {
+  const fs::path map = work_->path / "map_of_one_room", out = work_->path / "not_found";
+  const fs::path other = render(*work_, "--seconds 3 --seed 9");
+  ASSERT_EQ(replay(sequence_, map, "--duration 3").exit_code, 0);
+  const Outcome outcome = replay(
+      other, out, "--set map_server.localize_only=true --set map_server.database='" + (map / "map.db").string() + "'");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("not localized: nothing in this recording looks like"));
+  EXPECT_EQ(fs::file_size(out / "trajectory.txt"), 0);
+  EXPECT_GE(read_json_file(out / "run.json")["counts"]["tracked_frames"], 60) << "in a submap of their own";
 }
 
 TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
