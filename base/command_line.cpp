@@ -17,6 +17,7 @@ namespace rumi {
 
 Flag& Flag::required() { return option_->required(), *this; }
 Flag& Flag::show_default() { return option_->capture_default_str(), *this; }
+Flag& Flag::shown_default(const std::string& value) { return option_->default_str(value), *this; }
 Flag& Flag::type_name(const std::string& name) { return option_->type_name(name), *this; }
 Flag& Flag::envname(const std::string& name) { return option_->envname(name), *this; }
 Flag& Flag::one_each() { return option_->allow_extra_args(false), *this; }

@@ -24,6 +24,8 @@ class Flag {
   Flag& required();
   // --help shows the value that the variable has now.
   Flag& show_default();
+  // --help shows this one: of a value that is not in a variable.
+  Flag& shown_default(const std::string& value);
   // How --help names the value: "FILE".
   Flag& type_name(const std::string& name);
   // Where the flag is not given, this environment variable is.
