@@ -170,8 +170,10 @@ std::string CommandLine::misspelt(int argc, char** argv) const {
     const bool is_flag = word.size() > 1 && word[0] == '-' && !is_number(word);
     if (!is_flag) {
       if (app != app_ || commands.empty()) continue;
-      if (std::find(commands.begin(), commands.end(), word) == commands.end())
+      if (std::find(commands.begin(), commands.end(), word) == commands.end()) {
+        commands.insert(commands.end(), other_commands_.begin(), other_commands_.end());
         return no_such("command", word, commands);
+      }
       app = app_->get_subcommand(word);
       add_names(*app, &known);
       continue;

@@ -66,6 +66,8 @@ class CommandLine {
 
   // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
   CommandLine* add_command(const std::string& name, const std::string& summary);
+  // One that is not read here: its name is known where a command is misspelt.
+  void add_other_command(const std::string& name) { other_commands_.push_back(name); }
   void on_chosen(std::function<void()> chosen);
 
   struct Result {
@@ -81,6 +83,7 @@ class CommandLine {
   std::unique_ptr<CLI::App> own_;  // of a program
   CLI::App* app_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
+  std::vector<std::string> other_commands_;
 };
 
 }  // namespace rumi

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rumi`: the one command of the user.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <exception>
 
@@ -8,13 +9,19 @@
 #include "base/failures.h"
 #include "base/process_name.h"
 #include "rumi/commands/commands.h"
+#include "rumi/run/program_folder.h"
 
 int main(int argc, char** argv) {
+  if (const std::string problem = rumi::tool::become_program(argv); !problem.empty()) {
+    fmt::print(stderr, "rumi: {}\n", problem);
+    return 1;
+  }
   rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
   app.set_version(rumi::version());
-  app.footer(
+  const std::string ends =
       "`rumi COMMAND --help` explains a command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 "
-      "wrong options; 3 done, but not with all of the recording.");
+      "wrong options; 3 done, but not with all of the recording.";
+  app.footer(ends);  // of every command
   std::function<int()> chosen;
   rumi::tool::add_demo_command(app, &chosen);
   rumi::tool::add_replay_command(app, &chosen);
@@ -34,6 +41,9 @@ int main(int argc, char** argv) {
   rumi::tool::add_export_command(app, &chosen);
   rumi::tool::add_import_command(app, &chosen);
   rumi::tool::add_config_command(app, &chosen);
+  for (const char* program : rumi::tool::kPrograms) app.add_other_command(program);
+  app.footer(fmt::format("`rumi {} ...` runs one of the processes that `rumi up` starts.\n{}",
+                         fmt::join(rumi::tool::kPrograms, "|"), ends));
   try {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;
