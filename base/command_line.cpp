@@ -115,6 +115,10 @@ CommandLine* CommandLine::add_command(const std::string& name, const std::string
   return commands_.back().get();
 }
 
+bool CommandLine::has_command(const std::string& name) const {
+  return !app_->get_subcommands([&](const CLI::App* command) { return command->get_name() == name; }).empty();
+}
+
 void CommandLine::on_chosen(std::function<void()> chosen) { app_->callback(std::move(chosen)); }
 
 namespace {

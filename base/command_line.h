@@ -66,6 +66,7 @@ class CommandLine {
 
   // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
   CommandLine* add_command(const std::string& name, const std::string& summary);
+  bool has_command(const std::string& name) const;
   // One that is not read here: its name is known where a command is misspelt.
   void add_other_command(const std::string& name) { other_commands_.push_back(name); }
   void on_chosen(std::function<void()> chosen);

@@ -48,7 +48,8 @@ int main(int argc, char** argv) {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;
     if (!parsed.error.empty()) {
-      fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", parsed.error);
+      const std::string command = argc > 1 && app.has_command(argv[1]) ? std::string(" ") + argv[1] : "";
+      fmt::print(stderr, "rumi{0}: {1}\nTry `rumi{0} --help`.\n", command, parsed.error);
       return 2;
     }
     return chosen();

@@ -201,7 +201,7 @@ TEST_F(Messages, OfOptions) {
   std::vector<Case> cases = {
       {"rumi", 2, {"a command is missing", "rumi --help"}},
       {"rumi relpay tum", 2, {"relpay: there is no such command; did you mean replay?"}},
-      {"rumi replay tum", 2, {"--output is required"}},
+      {"rumi replay tum", 2, {"rumi replay: --output is required", "Try `rumi replay --help`"}},
       {"rumi replay tum -o out --evry 2", 2, {"--evry: there is no such flag; did you mean --every?"}},
       {"rumi replay tum -o out --config nowhere.yaml", 2, {"nowhere.yaml", "give the YAML file"}},
       {"rumi replay tum -o out --config bad.yaml", 2, {"bad.yaml:2: camera_driver.every = \"none\"", "expected"}},
