@@ -105,9 +105,10 @@ void add_export_map_command(CommandLine& app, std::function<int()>* chosen) {
   command
       ->add_option("--images", arguments->images,
                    "the recording that the map was made of: landmarks get the colours of its images (without: a colour "
-                   "for each submap)")
+                   "for each submap); where it was played with --rate, give that again, with --every and --start")
       ->type_name("RECORDING");
-  camera_driver::add_flags(*command, {"--camera", "--rate", "--log-channel"}, &arguments->settings);
+  camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--rate", "--log-channel"},
+                           &arguments->settings);
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 
