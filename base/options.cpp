@@ -63,6 +63,7 @@ std::string name_of(const std::string& key) { return key.substr(key.rfind('.') +
 // The key of the same name in another section, else the one that is spelt most like it; empty if none is.
 std::string key_meant_by(const std::string& key, const std::vector<std::string>& keys) {
   std::vector<std::string> names;
+  names.reserve(keys.size());
   for (const std::string& known : keys) names.push_back(name_of(known));
   const auto key_of = [&](const std::string& name) {
     const auto at = std::find(names.begin(), names.end(), name);

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "base/cpu_clock.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/whole_file.h"
 #include "camera_driver/source/image_source.h"
@@ -133,8 +134,11 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   const std::string& out = run.out;
   std::vector<std::string> missing = {replay.close_log(), windows.finish()};
   map_server::LandmarkColours colours;
-  if (run.colours_of_videos || replay.recording().plays_few_quickly())
-    colours = landmark_colours(replay.atlas(), replay.recording()).colours;
+  if (run.colours_of_videos || replay.recording().plays_few_quickly()) {
+    const std::string thrown =
+        thrown_by([&] { colours = landmark_colours(replay.atlas(), replay.recording()).colours; });
+    if (!thrown.empty()) missing.push_back("colours of map.ply: " + thrown);
+  }
   for (const std::string& problem : write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours))
     missing.push_back(problem);
   missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));

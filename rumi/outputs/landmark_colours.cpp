@@ -15,7 +15,6 @@
 namespace rumi::tool {
 namespace {
 
-using map_server::AtlasSubmap;
 using map_server::Colour;
 using map_server::LandmarkRef;
 
@@ -75,6 +74,7 @@ Colour colour_at(const cv::Mat& bgr, const Eigen::Vector2f& pixel, const Camera&
 Colour median_colour(const std::vector<Colour>& colours) {
   const auto middle = [&](uint8_t Colour::*channel) {
     std::vector<uint8_t> values;
+    values.reserve(colours.size());
     for (const Colour& colour : colours) values.push_back(colour.*channel);
     return median(&values);
   };
