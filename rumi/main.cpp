@@ -9,7 +9,7 @@
 #include "base/failures.h"
 #include "base/process_name.h"
 #include "rumi/commands/commands.h"
-#include "rumi/run/program_folder.h"
+#include "rumi/commands/programs.h"
 
 int main(int argc, char** argv) {
   if (const std::string problem = rumi::tool::become_program(argv); !problem.empty()) {

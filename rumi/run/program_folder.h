@@ -3,9 +3,7 @@
 // camera_driver are others', too (ROS has them).
 #pragma once
 
-#include <array>
 #include <filesystem>
-#include <string>
 
 namespace rumi::tool {
 
@@ -15,12 +13,5 @@ std::filesystem::path program_folder_of(const std::filesystem::path& bin);
 
 // The folder of the `rumi` that runs.
 std::filesystem::path own_folder();
-
-inline constexpr std::array kPrograms = {"camera_driver", "front_tracker", "ruminator", "map_server",
-                                         "viewer_offscreen"};
-
-// `rumi camera_driver ARGUMENTS...`: this process becomes that program where argv[1] names one, with all that follows.
-// Returns where it does not: why that could not be started, or nothing where argv[1] is no program.
-std::string become_program(char** argv);
 
 }  // namespace rumi::tool
