@@ -17,6 +17,7 @@ namespace rumi {
 
 Flag& Flag::required() { return option_->required(), *this; }
 Flag& Flag::show_default() { return option_->capture_default_str(), *this; }
+Flag& Flag::shown_default(const std::string& value) { return option_->default_str(value), *this; }
 Flag& Flag::type_name(const std::string& name) { return option_->type_name(name), *this; }
 Flag& Flag::envname(const std::string& name) { return option_->envname(name), *this; }
 Flag& Flag::one_each() { return option_->allow_extra_args(false), *this; }
@@ -114,6 +115,10 @@ CommandLine* CommandLine::add_command(const std::string& name, const std::string
   return commands_.back().get();
 }
 
+bool CommandLine::has_command(const std::string& name) const {
+  return !app_->get_subcommands([&](const CLI::App* command) { return command->get_name() == name; }).empty();
+}
+
 void CommandLine::on_chosen(std::function<void()> chosen) { app_->callback(std::move(chosen)); }
 
 namespace {
@@ -169,8 +174,10 @@ std::string CommandLine::misspelt(int argc, char** argv) const {
     const bool is_flag = word.size() > 1 && word[0] == '-' && !is_number(word);
     if (!is_flag) {
       if (app != app_ || commands.empty()) continue;
-      if (std::find(commands.begin(), commands.end(), word) == commands.end())
+      if (std::find(commands.begin(), commands.end(), word) == commands.end()) {
+        commands.insert(commands.end(), other_commands_.begin(), other_commands_.end());
         return no_such("command", word, commands);
+      }
       app = app_->get_subcommand(word);
       add_names(*app, &known);
       continue;

@@ -24,6 +24,8 @@ class Flag {
   Flag& required();
   // --help shows the value that the variable has now.
   Flag& show_default();
+  // --help shows this one: of a value that is not in a variable.
+  Flag& shown_default(const std::string& value);
   // How --help names the value: "FILE".
   Flag& type_name(const std::string& name);
   // Where the flag is not given, this environment variable is.
@@ -64,6 +66,9 @@ class CommandLine {
 
   // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
   CommandLine* add_command(const std::string& name, const std::string& summary);
+  bool has_command(const std::string& name) const;
+  // One that is not read here: its name is known where a command is misspelt.
+  void add_other_command(const std::string& name) { other_commands_.push_back(name); }
   void on_chosen(std::function<void()> chosen);
 
   struct Result {
@@ -79,6 +84,7 @@ class CommandLine {
   std::unique_ptr<CLI::App> own_;  // of a program
   CLI::App* app_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
+  std::vector<std::string> other_commands_;
 };
 
 }  // namespace rumi

@@ -58,6 +58,22 @@ std::string value_text(const std::variant<int*, double*, bool*, std::string*>& f
       field);
 }
 
+std::string name_of(const std::string& key) { return key.substr(key.rfind('.') + 1); }
+
+// The key of the same name in another section, else the one that is spelt most like it; empty if none is.
+std::string key_meant_by(const std::string& key, const std::vector<std::string>& keys) {
+  std::vector<std::string> names;
+  names.reserve(keys.size());
+  for (const std::string& known : keys) names.push_back(name_of(known));
+  const auto key_of = [&](const std::string& name) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    return at == names.end() ? "" : keys[static_cast<size_t>(at - names.begin())];
+  };
+  if (const std::string elsewhere = key_of(name_of(key)); !elsewhere.empty()) return elsewhere;
+  const bool has_section = key.find('.') != std::string::npos;
+  return has_section ? similar_word(key, keys) : key_of(similar_word(key, names));
+}
+
 template <class Entries>
 auto* find_in(Entries& entries, const std::string& key) {
   const auto it = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.key == key; });
@@ -195,11 +211,9 @@ std::string OptionTable::unknown(const std::string& key) const {
   constexpr size_t kMostLetters = 100;
   const std::string shown = fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
   if (keys.empty()) return fmt::format("{}: unknown option; this program has none", shown);
-  const auto without_section =
-      std::find_if(keys.begin(), keys.end(), [&key](const std::string& known) { return known.ends_with("." + key); });
-  if (without_section != keys.end())
-    return fmt::format("{}: unknown option; did you mean {}?", shown, *without_section);
-  return fmt::format("{}: unknown option; did you mean {}? (--help-expert lists all)", shown, nearest_word(key, keys));
+  const std::string meant = key_meant_by(key, keys);
+  if (meant.empty()) return fmt::format("{}: unknown option (`rumi config` and `rumi config --expert` list all)", shown);
+  return fmt::format("{}: unknown option; did you mean {}?", shown, meant);
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {

@@ -29,6 +29,8 @@ class CameraNode : public Node {
   void publish_next();
 
   const ImageSource& source() const { return *source_; }
+  // After the replay: to look at its images again.
+  ImageSource& source() { return *source_; }
   void set_controls(const CameraControls& controls) { source_->set_controls(controls); }
 
  private:

@@ -11,26 +11,27 @@ namespace rumi::camera_driver {
 namespace {
 
 struct ShortFlag {
-  const char *flag, *key, *type, *help;  // without a type: true if it is given
+  const char *flag, *key, *type, *value, *help;  // without a type: true if it is given; value: the default
 };
 
 constexpr std::array kFlags = {
-    ShortFlag{"--camera", "camera_driver.camera_file", "FILE",
+    ShortFlag{"--camera", "camera_driver.camera_file", "FILE", nullptr,
               "the camera's calibration, ours (see config/cameras) or that of another tool (FILE:cam1: one of its "
               "cameras); without it the one beside the data or in the log"},
-    ShortFlag{"--every", "camera_driver.every", "N", "every Nth image only (1)"},
-    ShortFlag{"--start", "camera_driver.start", "S", "leave out S seconds at the beginning (0)"},
-    ShortFlag{"--duration", "camera_driver.duration", "S", "end after S seconds (0: with the recording)"},
-    ShortFlag{"--rate", "camera_driver.rate", "HZ",
+    ShortFlag{"--every", "camera_driver.every", "N", "1", "every Nth image only"},
+    ShortFlag{"--start", "camera_driver.start", "S", "0", "leave out S seconds at the beginning"},
+    ShortFlag{"--duration", "camera_driver.duration", "S", "0", "end after S seconds; 0: with the recording"},
+    ShortFlag{"--rate", "camera_driver.rate", "HZ", "0",
               "recording: new times at this rate, which images without times need (0: as recorded); camera: the rate "
               "to ask for (0: fps of the calibration, else 30)"},
-    ShortFlag{"--encoding", "camera_driver.encoding", "FORM",
-              "auto (JPEG files as they are, all else grey), grey, rgb or jpeg (auto)"},
-    ShortFlag{"--log-channel", "camera_driver.log_channel", "NAME",
-              "channel of the images where the input is an lcm log (CAMERA)"},
-    ShortFlag{"--loop", "camera_driver.loop", nullptr, "begin again at the end, for ever; times keep rising"},
-    ShortFlag{"--speed", "camera_driver.speed", "N", "N times faster than the times say (1)"},
-    ShortFlag{"--live-stamps", "camera_driver.live_stamps", nullptr, "the time of an image is when it is published"},
+    ShortFlag{"--encoding", "camera_driver.encoding", "FORM", "auto",
+              "auto (JPEG files as they are, all else grey), grey, rgb or jpeg"},
+    ShortFlag{"--log-channel", "camera_driver.log_channel", "NAME", "CAMERA",
+              "channel of the images where the input is an lcm log"},
+    ShortFlag{"--loop", "camera_driver.loop", nullptr, nullptr, "begin again at the end, for ever; times keep rising"},
+    ShortFlag{"--speed", "camera_driver.speed", "N", "1", "N times faster than the times say"},
+    ShortFlag{"--live-stamps", "camera_driver.live_stamps", nullptr, nullptr,
+              "the time of an image is when it is published"},
 };
 
 }  // namespace
@@ -41,11 +42,14 @@ void add_flags(CommandLine& command, const std::vector<std::string>& flags, std:
     const std::function<void(const std::string&)> take = [flag, settings](const std::string& value) {
       settings->push_back(by_flag(flag.flag, flag.key, value));
     };
-    if (flag.type)
-      command.add_option(flag.flag, take, flag.help)->type_name(flag.type);
-    else
+    if (!flag.type) {
       command.add_flag(
           flag.flag, [take] { take("true"); }, flag.help);
+      continue;
+    }
+    Flag option = command.add_option(flag.flag, take, flag.help);
+    option.type_name(flag.type);
+    if (flag.value) option.shown_default(flag.value);
   }
 }
 

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kWhatToGive = "give a dataset folder (TUM, EuRoC), an image folder, a video or an lcm log";
-constexpr const char* kHowToRecord = "make one with camera_driver and lcm-logger";
+constexpr const char* kHowToRecord = "make one with `rumi camera_driver` and lcm-logger";
 
 // A trailing slash would make parent_path() the folder itself.
 fs::path without_slash(const std::string& input) {
@@ -150,7 +150,8 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   const bool log = is_lcm_log(file.string());
-  OpenedReader opened = log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
+  OpenedReader opened =
+      log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
   if (!opened.error.empty()) return {std::move(opened), {}};
   // A calibration's fps is that of the camera, and need not be that of a video.
   if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)

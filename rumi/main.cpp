@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `rumi`: the one command of the user.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <exception>
 
@@ -8,8 +9,13 @@
 #include "base/failures.h"
 #include "base/process_name.h"
 #include "rumi/commands/commands.h"
+#include "rumi/commands/programs.h"
 
 int main(int argc, char** argv) {
+  if (const std::string problem = rumi::tool::become_program(argv); !problem.empty()) {
+    fmt::print(stderr, "rumi: {}\n", problem);
+    return 1;
+  }
   rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
   app.set_version(rumi::version());
   std::function<int()> chosen;
@@ -31,15 +37,19 @@ int main(int argc, char** argv) {
   rumi::tool::add_export_command(app, &chosen);
   rumi::tool::add_import_command(app, &chosen);
   rumi::tool::add_config_command(app, &chosen);
+  for (const char* program : rumi::tool::kPrograms) app.add_other_command(program);
   // Behind the commands, which would take it over.
   app.footer(
-      "`rumi COMMAND --help` explains a command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 "
-      "wrong options; 3 done, but not with all of the recording.");
+      fmt::format("`rumi {} ...` runs one of the processes that `rumi up` starts.\n`rumi COMMAND --help` explains a "
+                  "command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 wrong options; 3 done, "
+                  "but not with all of the recording.",
+                  fmt::join(rumi::tool::kPrograms, "|")));
   try {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;
     if (!parsed.error.empty()) {
-      fmt::print(stderr, "rumi: {}\nTry `rumi --help` or `rumi COMMAND --help`.\n", parsed.error);
+      const std::string command = argc > 1 && app.has_command(argv[1]) ? std::string(" ") + argv[1] : "";
+      fmt::print(stderr, "rumi{0}: {1}\nTry `rumi{0} --help`.\n", command, parsed.error);
       return 2;
     }
     return chosen();

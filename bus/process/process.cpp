@@ -197,7 +197,8 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   const CommandLine::Result parsed = app.parse(argc, argv);
   if (parsed.done) return kOk;
   if (!parsed.error.empty())
-    return wrong_command_line(description.name, fmt::format("{}\nTry `{} --help`.", parsed.error, description.name));
+    return wrong_command_line(description.name,
+                              fmt::format("{}\nTry `rumi {} --help`.", parsed.error, description.name));
   if (const std::string problem = read_options(flags, description, &table); !problem.empty())
     return wrong_command_line(description.name, problem);
 

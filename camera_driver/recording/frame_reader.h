@@ -32,6 +32,8 @@ class FrameReader {
   // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. Quickest in rising
   // order. Nothing, and why in *error, if it cannot be read.
   virtual std::optional<image_t> load(size_t frame, bool colour, std::string* error) = 0;
+  // False where a frame can be had only by decoding those before it.
+  virtual bool loads_any_frame_alone() const { return true; }
   // Entries that are no frames: broken lines, broken messages.
   virtual Malformed malformed() const { return {}; }
   // What the user should know of how the recording is read, a line each.

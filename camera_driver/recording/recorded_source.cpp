@@ -132,6 +132,7 @@ std::optional<image_t> RecordedSource::fetch() {
     const OrderedFrame& frame = frames_[next_++];
     // Before loading: an unreadable image leaves a gap, it does not shift the others' times.
     const int64_t utime_us = new_time(frame);
+    if (only_ && !only_->contains(utime_us)) continue;
     std::optional<image_t> image = load_checked(frame.frame);
     if (!image && starting_ && skipped_.wrong_size > 0) return std::nullopt;
     if (!image) continue;
@@ -160,6 +161,16 @@ bool RecordedSource::begin_next_pass() {
   ++pass_;
   next_ = 0;
   return true;
+}
+
+void RecordedSource::play_again(const std::set<int64_t>& utimes_us) {
+  only_ = utimes_us;
+  options_.encoding = "rgb";
+  options_.loop = have_ahead_ = false;
+  next_ = 0;
+  taken_ = offset_us_ = 0;
+  ++pass_;
+  reported_ = true;
 }
 
 int64_t RecordedSource::new_time(const OrderedFrame& frame) {

@@ -23,6 +23,8 @@ class RecordedSource : public ImageSource {
   const std::string& name() const override { return name_; }
   int64_t total() const override { return options_.loop ? -1 : static_cast<int64_t>(frames_.size()); }
   const SkippedFrames& skipped() const override { return skipped_; }
+  void play_again(const std::set<int64_t>& utimes_us) override;
+  bool plays_few_quickly() const override { return reader_->loads_any_frame_alone(); }
 
  private:
   std::string plan();
@@ -45,7 +47,8 @@ class RecordedSource : public ImageSource {
   size_t next_ = 0;                   // of frames_
   std::vector<int64_t> streams_;      // of each part
   std::optional<image_t> ahead_;
-  bool starting_ = false;  // the first image decides whether the calibration fits
+  std::optional<std::set<int64_t>> only_;  // images of these times; all
+  bool starting_ = false;                  // the first image decides whether the calibration fits
   bool have_ahead_ = false, reported_ = false;
   std::string first_problem_;
   SkippedFrames skipped_;

@@ -35,6 +35,7 @@ class VideoReader : public FrameReader {
     if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
     return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
   }
+  bool loads_any_frame_alone() const override { return false; }
   std::vector<std::string> notes() const override {
     constexpr double kTolerable = 0.95;
     std::vector<std::string> notes;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,11 @@ class ImageSource {
   // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
   // yet, unless it has ended; utime is when the image was taken, on the system clock.
   virtual const LiveState* live() const { return nullptr; }
+  // A recording hands out its images once more, from the beginning: those of these times only, in colour where they
+  // have any. Nothing more is counted or logged of what is skipped.
+  virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
+  // Whether playing few images again costs little: a video is decoded from its beginning on.
+  virtual bool plays_few_quickly() const { return true; }
   // A camera's controls are from now on these.
   virtual void set_controls(const CameraControls& /*controls*/) {}
 };

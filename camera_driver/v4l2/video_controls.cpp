@@ -85,7 +85,8 @@ class Setter {
   void set_named(const std::string& name, int64_t value) {
     for (const VideoControl& control : controls_)
       if (control.name == name) return set(control, value, "controls");
-    problems.push_back(fmt::format("controls: the camera has no '{}' (camera_driver --list shows what it has)", name));
+    problems.push_back(
+        fmt::format("controls: the camera has no '{}' (`rumi camera_driver --list` shows what it has)", name));
   }
   std::vector<std::string> problems;
 

@@ -30,8 +30,8 @@ std::string why_not_opened(VideoSystem& system, const std::string& path, int err
     case ENOENT:
     case ENODEV:
     case ENXIO:
-      return fmt::format("{}: there is no such camera; there {}{}. Is it plugged in? (camera_driver --list)", path,
-                         devices.empty() ? "is none at all" : "are ", devices);
+      return fmt::format("{}: there is no such camera; there {}{}. Is it plugged in? (`rumi camera_driver --list`)",
+                         path, devices.empty() ? "is none at all" : "are ", devices);
     case EACCES:
     case EPERM:
       return fmt::format(
@@ -79,8 +79,8 @@ OpenedDevice open_video_device(VideoSystem& system, const std::string& path) {
         fmt::format("{}: '{}' has only the multi-planar interface, which is not supported", path, opened.identity.card);
   else if (!(can & V4L2_CAP_VIDEO_CAPTURE))
     opened.error = fmt::format(
-        "{}: '{}' gives no images (a camera may have several devices; camera_driver --list shows those that do)", path,
-        opened.identity.card);
+        "{}: '{}' gives no images (a camera may have several devices; `rumi camera_driver --list` shows those that do)",
+        path, opened.identity.card);
   else if (!(can & V4L2_CAP_STREAMING))
     opened.error = fmt::format("{}: '{}' cannot stream into memory, which is needed", path, opened.identity.card);
   opened.is_camera = opened.error.empty();

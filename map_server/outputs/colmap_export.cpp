@@ -96,12 +96,19 @@ double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   return count > 0 ? sum / count : 0;
 }
 
-void add_point(const MapModel& map, const MapModel::Point& point, ColmapExport* model) {
+// A point is several landmarks where submaps overlap.
+Colour colour_of_point(const MapModel::Point& point, const LandmarkColours& colours) {
+  for (const LandmarkRef& landmark : point.landmarks)
+    if (const auto seen = colours.find(landmark); seen != colours.end()) return seen->second;
+  return submap_colour(point.landmarks.front().submap);
+}
+
+void add_point(const MapModel& map, const MapModel::Point& point, const LandmarkColours& colours, ColmapExport* model) {
   if (point.observations.size() < 2) return;
   ColmapPoint& out = model->points.emplace_back();
   out.id = static_cast<int64_t>(model->points.size());
   out.position = point.position;
-  out.colour = submap_colour(point.landmarks.front().submap);
+  out.colour = colour_of_point(point, colours);
   out.error_px = mean_error_px(map, point);
   for (const MapModel::Observation& o : point.observations) {
     out.track.emplace_back(static_cast<uint32_t>(o.view + 1), static_cast<uint32_t>(o.keypoint));
@@ -115,7 +122,7 @@ std::string image_name(const ImageId& image, bool of_several_streams) {
   return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
 }
 
-ColmapExport make_model(const Atlas& atlas) {
+ColmapExport make_model(const Atlas& atlas, const LandmarkColours& colours) {
   std::map<SubmapKey, PlacedSubmap> placed;
   for (const auto& [key, owner] : atlas.submaps())
     if (owner.in_map) placed[key] = {&owner.submap, owner.placement};
@@ -133,7 +140,7 @@ ColmapExport make_model(const Atlas& atlas) {
     for (const Keypoint& keypoint : view.features->keypoints)
       image.points.emplace_back(keypoint.pixel.cast<double>().array() + kPixelShift, kNoPoint);
   }
-  for (const MapModel::Point& point : map.points) add_point(map, point, &model);
+  for (const MapModel::Point& point : map.points) add_point(map, point, colours, &model);
   return model;
 }
 
@@ -218,22 +225,22 @@ std::string write_binary(const ColmapExport& model, const fs::path& folder) {
   return {};
 }
 
-std::string with_folder(const std::string& folder, const Atlas& atlas,
+std::string with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
                         std::string (*write)(const ColmapExport&, const fs::path&)) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fmt::format("cannot create {}: {}", folder, error.message());
-  return write(make_model(atlas), folder);
+  return write(make_model(atlas, colours), folder);
 }
 
 }  // namespace
 
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder) {
-  return with_folder(folder, atlas, write_text);
+std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours) {
+  return with_folder(folder, atlas, colours, write_text);
 }
 
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder) {
-  return with_folder(folder, atlas, write_binary);
+std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours) {
+  return with_folder(folder, atlas, colours, write_binary);
 }
 
 }  // namespace rumi::map_server

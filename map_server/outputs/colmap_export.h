@@ -11,12 +11,13 @@
 #include <string>
 
 #include "map_server/atlas/atlas.h"
+#include "map_server/outputs/writers.h"
 
 namespace rumi::map_server {
 
 // Writes cameras, images and points3D into the folder (created), as .txt or .bin. An empty string, or the file and why
 // not.
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder);
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder);
+std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {});
+std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {});
 
 }  // namespace rumi::map_server

@@ -120,7 +120,12 @@ std::string write_frames_csv(const Atlas& atlas, const std::string& file, int64_
   return out.commit();
 }
 
-std::string write_ply(const Atlas& atlas, const std::string& file) {
+Colour colour_of(const LandmarkRef& landmark, const LandmarkColours& colours) {
+  const auto seen = colours.find(landmark);
+  return seen == colours.end() ? submap_colour(landmark.submap) : seen->second;
+}
+
+std::string write_ply(const Atlas& atlas, const std::string& file, const LandmarkColours& colours) {
   const std::map<ImageId, SE3> trajectory = atlas.map_trajectory();
   std::string body;
   size_t vertices = 0;
@@ -134,7 +139,7 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
     if (!owner.in_map) continue;
     for (const auto& [id, landmark] : owner.submap.landmarks)
       if (atlas.stands_for_itself(owner, id))
-        add(owner.placement.position_in_map(owner.submap, landmark), submap_colour(key));
+        add(owner.placement.position_in_map(owner.submap, landmark), colour_of({key, id}, colours));
   }
   const size_t landmarks = vertices;
   for (const auto& [image, map_from_cam] : trajectory) add(map_from_cam.translation, {255, 255, 255});
@@ -149,7 +154,8 @@ std::string write_ply(const Atlas& atlas, const std::string& file) {
   return out.commit();
 }
 
-std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after) {
+std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after,
+                                       const LandmarkColours& colours) {
   const fs::path root(folder);
   std::error_code error;
   fs::create_directories(root / "submaps", error);
@@ -158,7 +164,7 @@ std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& fo
   std::vector<std::string> problems = {write_trajectory_tum(atlas, (root / "trajectory.txt").string(), after),
                                        write_frames_csv(atlas, (root / "frames.csv").string(), after),
                                        write_submaps(atlas, root / "submaps", after),
-                                       write_ply(atlas, (root / "map.ply").string())};
+                                       write_ply(atlas, (root / "map.ply").string(), colours)};
   std::erase(problems, "");
   return problems;
 }

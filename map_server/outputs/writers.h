@@ -5,12 +5,22 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "map_server/atlas/atlas.h"
 
 namespace rumi::map_server {
+
+struct Colour {
+  uint8_t red = 0, green = 0, blue = 0;
+  bool operator==(const Colour&) const = default;
+};
+Colour submap_colour(SubmapKey key);
+// What images show of landmarks. One that is not among them is written in the colour of its submap.
+using LandmarkColours = std::map<LandmarkRef, Colour>;
+Colour colour_of(const LandmarkRef& landmark, const LandmarkColours& colours);
 
 inline constexpr int64_t kNoSession = INT64_MIN;  // before all
 
@@ -32,18 +42,14 @@ std::string submap_file_name(const Atlas& atlas, SubmapKey key);
 // UNKNOWN only where the bus lost the message about the frame.
 std::string write_frames_csv(const Atlas& atlas, const std::string& file, int64_t after = kNoSession);
 
-// Binary PLY of the served map: landmarks in the colour of their submap, camera centres of all frames in white.
-std::string write_ply(const Atlas& atlas, const std::string& file);
+// Binary PLY of the served map: landmarks, then camera centres of all frames in white.
+std::string write_ply(const Atlas& atlas, const std::string& file, const LandmarkColours& colours = {});
 
 // All of it into a folder (created): trajectory.txt, frames.csv, submaps/NNN.txt, map.ply (of the whole map). Files in
 // submaps/ that look like ours but were not written are removed: they are from an earlier run. What can be written is
 // written; returns what could not, a line each.
-std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after = kNoSession);
-
-struct Colour {
-  uint8_t red = 0, green = 0, blue = 0;
-};
-Colour submap_colour(SubmapKey key);
+std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after = kNoSession,
+                                       const LandmarkColours& colours = {});
 
 // "1700000000.000042" for 1700000000000042.
 std::string seconds_text(int64_t utime_us);

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kMinCorners = 8;           // of a board that is seen in part
 constexpr int kMinMarkerPairs = 3;       // to say that it is another board
+constexpr size_t kMinMarkers = 4;        // to say that a chessboard has some
 constexpr double kNear = 2.1;            // squares between markers that are compared: neighbours, and one further
 constexpr double kMaxMarkerShift = 0.5;  // squares
 
@@ -186,6 +187,24 @@ BoardDetection BoardDetector::detect(const cv::Mat& grey) const try {
   measure_edges(grey, board_, &detection.view);
   return detection;
 } catch (const cv::Exception&) {  // of an image that is too small for OpenCV's windows, or a corner at its very edge
+  return {};
+}
+
+std::string BoardDetector::markers_within(const cv::Mat& grey, const BoardView& chessboard) try {
+  const cv::Rect whole(cv::Point(0, 0), grey.size());
+  const cv::Mat board = grey(cv::boundingRect(chessboard.pixels) & whole);
+  size_t most = kMinMarkers - 1;
+  std::string found;
+  for (const BoardDictionary& dictionary : board_dictionaries()) {
+    std::vector<Corners> corners;
+    std::vector<int> ids;
+    cv::aruco::detectMarkers(board, marker_dictionary(dictionary.number), corners, ids);
+    if (ids.size() <= most) continue;
+    most = ids.size();
+    found = dictionary.name;
+  }
+  return found;
+} catch (const cv::Exception&) {  // of a board of a few pixels
   return {};
 }
 

@@ -40,6 +40,8 @@ class BoardDetector {
 
   // grey: CV_8UC1. A chessboard is found as a whole or not at all.
   BoardDetection detect(const cv::Mat& grey) const;
+  // The dictionary of the markers that a chessboard which was found has within; empty where it has none.
+  static std::string markers_within(const cv::Mat& grey, const BoardView& chessboard);
 
  private:
   struct Markers;

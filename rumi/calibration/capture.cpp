@@ -12,8 +12,8 @@ std::string collect_from_recording(const std::string& input, const std::string& 
                                    const std::function<bool()>& go_on, ViewCollector* collector) {
   if (camera_driver::is_camera(input))
     return fmt::format(
-        "{}: is a camera: start `camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE", input,
-        input);
+        "{}: is a camera: start `rumi camera_driver '{}'` in another terminal, and `rumi calibrate` without SOURCE",
+        input, input);
   camera_driver::CameraOptions options;
   options.log_channel = log_channel;
   options.rate_hz = 1;  // of what has no times; they are not used

@@ -55,7 +55,8 @@ std::string why_nothing_is_taken(const ViewCollector& collector) {
   const bool chessboard = collector.board().kind == Board::Kind::kChessboard;
   return fmt::format(
       "the board {} was not found in any of {} images; is it this board ({})? {}", board, counts.images,
-      chessboard ? "columns and rows count squares, not corners" : "see the letters below it; give --board",
+      chessboard ? "columns and rows count squares, not corners; one with markers in it is charuco:..."
+                 : "see the letters below it; give --board",
       chessboard ? "All of it must be in the image, with a white rim" : "Is it large enough in the image, and sharp?");
 }
 

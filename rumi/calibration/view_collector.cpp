@@ -47,7 +47,7 @@ bool ViewCollector::add(const image_t& image, const std::string& where) {
     return false;
   }
   add_pixels(grey, image.utime, where);
-  return true;
+  return problem_.empty();
 }
 
 void ViewCollector::add_pixels(const cv::Mat& grey, int64_t utime_us, const std::string& where) {
@@ -60,7 +60,22 @@ void ViewCollector::add_pixels(const cv::Mat& grey, int64_t utime_us, const std:
   if (detection.outcome != Outcome::kFound) return;
   detection.view.utime_us = utime_us;
   detection.view.where = where;
+  look_for_markers(grey, detection.view);
   add_view(std::move(detection.view));
+}
+
+// A ChArUco board is found as a chessboard, too, but its markers reach into the windows in which corners are refined:
+// the error of the calibration was seven times as large.
+void ViewCollector::look_for_markers(const cv::Mat& grey, const BoardView& chessboard) {
+  constexpr int kImages = 3;  // looking takes as long as looking for the board
+  if (board_.kind != Board::Kind::kChessboard || looked_for_markers_++ >= kImages) return;
+  const std::string dictionary = BoardDetector::markers_within(grey, chessboard);
+  if (dictionary.empty()) return;
+  problem_ = fmt::format(
+      "{}: the board has markers in its white squares: it is a ChArUco board, whose corners would be found worse as "
+      "those of "
+      "a chessboard; give --board charuco:{}x{}:{}:MARKER_MM:{}, where MARKER_MM is the side of a marker",
+      chessboard.where, board_.columns, board_.rows, board_.square_mm, dictionary);
 }
 
 void ViewCollector::add_view(BoardView view) {

@@ -38,7 +38,8 @@ class ViewCollector {
  public:
   ViewCollector(const Board& board, const CollectorOptions& options);
 
-  // False if the image is of another size than those before, which problem() then tells.
+  // False if the image is of another size than those before, or shows a chessboard with markers in it, which problem()
+  // then tells.
   bool add(const image_t& image, const std::string& where);
   void add_unreadable(const std::string& problem);
 
@@ -56,6 +57,7 @@ class ViewCollector {
  private:
   void add_pixels(const cv::Mat& grey, int64_t utime_us, const std::string& where);
   void add_view(BoardView view);
+  void look_for_markers(const cv::Mat& grey, const BoardView& chessboard);
 
   Board board_;
   CollectorOptions options_;
@@ -65,6 +67,7 @@ class ViewCollector {
   std::string problem_, first_unreadable_;
   std::vector<BoardView> taken_, spare_;
   std::vector<ViewShape> shapes_;  // of taken_
+  int looked_for_markers_ = 0;     // in so many images
 };
 
 }  // namespace rumi::tool

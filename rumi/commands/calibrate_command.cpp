@@ -86,7 +86,7 @@ std::string collect_live(const Arguments& arguments, Progress& progress, ViewCol
   const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
   if (!bus) return error;
   collect_from_bus(*bus, collector);
-  const std::string waiting = fmt::format("no image yet on {} ({}); is camera_driver running?",
+  const std::string waiting = fmt::format("no image yet on {} ({}); is `rumi camera_driver` running?",
                                           arguments.names.on_wire(channels::kCamera), arguments.lcm_url);
   while (!g_stop && collector->problem().empty()) {
     bus->dispatch(50);

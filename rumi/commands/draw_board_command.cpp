@@ -23,7 +23,11 @@ int draw(const Arguments& arguments) {
   for (const Paper& paper : papers())
     if (error.empty() && arguments.paper == paper.name)
       error = write_board_page(board, paper, arguments.dpi, arguments.file);
-  if (error.empty()) return 0;
+  if (error.empty()) {
+    fmt::print("{}: board {} on {}; print it at 100 %, and measure a square: {} mm\n", arguments.file,
+               board.to_string(), arguments.paper, board.square_mm);
+    return 0;
+  }
   fmt::print(stderr, "rumi draw-board: {}\n", error);
   return wrong_arguments ? 2 : 1;
 }

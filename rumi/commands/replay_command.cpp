@@ -73,6 +73,8 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
       .required();
   command->add_option("--log", arguments->run.log, "lcm log to write: every message on the bus, images included")
       ->type_name("FILE");
+  command->add_flag("--colours", arguments->run.colours_of_videos,
+                    "map.ply has the colours of the images for a video, too, which is decoded once more for them");
   command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
   command
       ->add_option("--set", arguments->settings,

@@ -9,9 +9,11 @@
 #include <filesystem>
 
 #include "base/cpu_clock.h"
+#include "base/failures.h"
 #include "base/log.h"
 #include "base/whole_file.h"
 #include "camera_driver/source/image_source.h"
+#include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/outputs/run_record.h"
@@ -128,9 +130,16 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
 }
 
 // Whatever of it is possible, windows.csv and the end of --log too. Returns what is not, a line each.
-std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const std::string& out) {
+std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const ReplayRun& run) {
+  const std::string& out = run.out;
   std::vector<std::string> missing = {replay.close_log(), windows.finish()};
-  for (const std::string& problem : write_run_outputs(replay.atlas(), out, replay.earlier_sessions()))
+  map_server::LandmarkColours colours;
+  if (run.colours_of_videos || replay.recording().plays_few_quickly()) {
+    const std::string thrown =
+        thrown_by([&] { colours = landmark_colours(replay.atlas(), replay.recording()).colours; });
+    if (!thrown.empty()) missing.push_back("colours of map.ply: " + thrown);
+  }
+  for (const std::string& problem : write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours))
     missing.push_back(problem);
   missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));
   std::erase(missing, "");
@@ -203,7 +212,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   if (error.empty()) {
     play(run, &replay, &outcome);
     reserved.release();
-    const std::vector<std::string> missing = write_everything(replay, windows, run.out);
+    const std::vector<std::string> missing = write_everything(replay, windows, run);
     outcome.wall_s = seconds_since(begin);
     ordered_json record = run_record(run, replay, windows, process_cpu_s() - begin_cpu_s, outcome.wall_s);
     const std::string all_missing = note_missing(missing, run.out, &record);

@@ -18,8 +18,9 @@ struct ReplayRun {
   std::string input, out;
   std::string log = {};  // lcm log to write; empty: none
   AllOptions options = {};
-  std::string options_yaml = {};  // as the user asked for them, for run.json
-  bool is_only_one = true;        // in this process: then the peak of its memory is this run's
+  std::string options_yaml = {};   // as the user asked for them, for run.json
+  bool colours_of_videos = false;  // in map.ply; a video is decoded once more for them
+  bool is_only_one = true;         // in this process: then the peak of its memory is this run's
   std::function<void(const ReplayProgress&)> on_progress = {};  // after every image
 };
 

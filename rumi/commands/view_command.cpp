@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi view MAP.db -o PNG: a picture of a map.
+// rumi view MAP -o PNG: a picture of a map.
 #include <fmt/format.h>
 
 #include <map>
@@ -29,7 +29,7 @@ const std::map<std::string, std::optional<viewer_offscreen::ViewKind>> kViews = 
     {"follow", viewer_offscreen::ViewKind::kFollow}};
 
 std::string view(const Arguments& arguments) {
-  const map_server::Atlas atlas = load_map(arguments.map);
+  const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
   AtlasPicture shown = make_picture(atlas, arguments.map);
   viewer_offscreen::MapPicture& picture = shown.picture;
   if (!arguments.groundtruth.empty()) {
@@ -58,7 +58,8 @@ int run(const Arguments& arguments) {
 void add_view_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("view", "Draw a map, as a PNG");
-  command->add_option("MAP", arguments->map, "map.db of a run, or that of a running map_server")->required();
+  command->add_option("MAP", arguments->map, "output folder of a run, or map.db of one or of a running map_server")
+      ->required();
   command->add_option("-o,--output", arguments->out, "PNG file")->type_name("FILE").required();
   command->add_option("--groundtruth", arguments->groundtruth, "true path to draw beside it, see `rumi evaluate`")
       ->type_name("FILE");

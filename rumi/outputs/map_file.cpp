@@ -12,8 +12,10 @@
 #include <stdexcept>
 
 #include "base/failures.h"
+#include "base/file_access.h"
 #include "base/scratch_folder.h"
 #include "base/whole_file.h"
+#include "bus/transport/log_file.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
@@ -42,6 +44,23 @@ class TemporaryFolder {
 };
 
 }  // namespace
+
+std::string map_database_at(const std::string& name) {
+  std::error_code error;
+  const auto no_map = [&name](const std::string& what) {
+    return std::runtime_error(fmt::format(
+        "{}: is {}; give the output folder of a run or its map.db (`rumi replay` makes a map of a recording, `rumi "
+        "export` a log)",
+        name, what));
+  };
+  if (fs::is_directory(name, error)) {
+    const fs::path file = fs::path(name) / "map.db";
+    if (!may_be_there(file)) throw no_map("a folder without a map.db");
+    return file.string();
+  }
+  if (fs::is_regular_file(name, error) && is_lcm_log(name)) throw no_map("an lcm log and no map");
+  return name;
+}
 
 map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait) {
   return map_server::MapStore::copy_in_memory(file, wait).load();
@@ -75,8 +94,9 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
   return result;
 }
 
-std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder, int64_t after) {
-  std::vector<std::string> problems = map_server::write_outputs(atlas, folder, after);
+std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder, int64_t after,
+                                           const map_server::LandmarkColours& colours) {
+  std::vector<std::string> problems = map_server::write_outputs(atlas, folder, after, colours);
   const std::string picture = (fs::path(folder) / "trajectory.png").string();
   std::string problem;
   const std::string thrown = thrown_by([&] {

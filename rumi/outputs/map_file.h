@@ -16,6 +16,10 @@
 
 namespace rumi::tool {
 
+// The database that a user names: the file, or the output folder of a run, which has one. Throws std::runtime_error
+// with a message for the user if it names what has none.
+std::string map_database_at(const std::string& name);
+
 // Reads a map without locking or changing it, also while a map_server has it open. Throws std::runtime_error with a
 // message for the user, also if somebody keeps it locked for longer than `wait`.
 map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait = map_server::kReaderWait);
@@ -36,7 +40,8 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
 // trajectory.txt, submaps/, frames.csv (of sessions `after` that one), map.ply and trajectory.png (of all). What can be
 // written is written; returns what could not, a line each.
 std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder,
-                                           int64_t after = map_server::kNoSession);
+                                           int64_t after = map_server::kNoSession,
+                                           const map_server::LandmarkColours& colours = {});
 
 // What there is to say about an atlas in numbers.
 struct AtlasCounts {

@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int64_t kRecentUs = 5'000'000;  // of what rates are made
+constexpr int64_t kShortestUs = 500'000;  // rates of less than this are chance: what waited comes at once
 constexpr int64_t kSilentUs = 3'000'000;  // every process tells its status once a second
 constexpr std::array kProcessStates = {"starting", "running", "degraded", "stopping"};
 constexpr std::array kWindowStates = {"collecting", "queued",    "extracting", "matching",
@@ -29,7 +30,7 @@ const char* name_of(const std::array<const char*, N>& names, int state) {
 double rounded(double value) { return std::round(value * 10) / 10; }
 
 double per_second(double amount, int64_t span_us) {
-  return span_us > 0 ? rounded(amount * 1e6 / static_cast<double>(span_us)) : 0;
+  return span_us >= kShortestUs ? rounded(amount * 1e6 / static_cast<double>(span_us)) : 0;
 }
 
 // 0 where no value is a number.
@@ -82,7 +83,8 @@ void LiveStatus::on_status(const process_status_t& status) {
   Process& process = processes_[status.process];
   if (!process.states.take(status.utime, bus_.now_us())) return;
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;
-  if (same_run) process.before = std::move(process.latest);
+  // It tells its status out of turn, too, where somebody asks, and at its end.
+  if (same_run && status.utime - process.latest.utime >= kShortestUs) process.before = std::move(process.latest);
   if (!same_run) {
     process.before.reset();
     process.first = status;
@@ -223,8 +225,9 @@ std::string LiveStatus::to_text() const {
   }
   if (json.contains("tracking")) {
     const Json& t = json["tracking"];
-    text += fmt::format("\ntracking  {}, submap {}, {} inliers of {} keypoints\n", t["state"].get<std::string>(),
-                        t["submap"].get<int>(), t["inliers"].get<int>(), t["keypoints"].get<int>());
+    // Not "of so many keypoints": where landmarks are followed by their patches, these are the landmarks found.
+    text += fmt::format("\ntracking  {}, submap {}, {} landmarks agree with the pose\n", t["state"].get<std::string>(),
+                        t["submap"].get<int>(), t["inliers"].get<int>());
     text +=
         fmt::format("          {:.1f} Hz, {:.0f} % tracked, latency p50 {:.1f} ms, p95 {:.1f} ms, {} frames so far\n",
                     t["rate_hz"].get<double>(), t["tracked_percent"].get<double>(), t["latency_p50_ms"].get<double>(),

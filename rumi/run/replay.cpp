@@ -153,6 +153,8 @@ std::vector<std::string> Replay::broken() const {
 
 int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable(); }
 
+camera_driver::ImageSource& Replay::recording() { return camera_->source(); }
+
 camera_driver::SkippedFrames Replay::skipped() const {
   camera_driver::SkippedFrames skipped = camera_->source().skipped();
   skipped.unreadable += front_tracker_->undecodable();

@@ -21,6 +21,7 @@
 
 namespace rumi::camera_driver {
 class CameraNode;
+class ImageSource;
 struct SkippedFrames;
 }  // namespace rumi::camera_driver
 
@@ -70,6 +71,8 @@ class Replay {
   // The last session that was there before: of the map to localize in.
   int64_t earlier_sessions() const { return earlier_sessions_; }
   std::optional<double> localized_after_s() const { return map_server_->localized_after_s(); }
+  // The recording, to look at its images again when all were played.
+  camera_driver::ImageSource& recording();
   // CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
   // The same by stage.

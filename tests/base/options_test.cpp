@@ -103,6 +103,16 @@ TEST_F(OptionsTest, AKeyOfAMegabyteIsNotComparedLetterByLetter) {
   EXPECT_LT(error.size(), 300u);
 }
 
+TEST_F(OptionsTest, AKeyWithoutItsSectionOrWithAnotherOneSuggestsItsOwn) {
+  for (const char* key : {"keypoints", "keypoint", "viewer.keypoints", "viewer.tracker.keypoints"})
+    EXPECT_THAT(table_.set(std::string(key) + "=500"), HasSubstr("did you mean tracker.keypoints?")) << key;
+}
+
+TEST_F(OptionsTest, AKeyLikeNoneSaysWhereAllAre) {
+  EXPECT_EQ(table_.set("colour_of_hair=5"),
+            "--set colour_of_hair: unknown option (`rumi config` and `rumi config --expert` list all)");
+}
+
 TEST_F(OptionsTest, RefusesWhatIsNotEntirelyANumber) {
   for (const char* text : {"12abc", "abc", "", "1e3", "70.5", " 70", "0x50", "99999999999999999999", "nan"})
     EXPECT_NE(table_.set(std::string("tracker.keypoints=") + text), "") << text;

@@ -183,6 +183,32 @@ TEST(ImageSource, SelectionAndNewTimes) {
   EXPECT_THAT(error_of(folder.path(), options), HasSubstr("start is nan"));
 }
 
+TEST(ImageSource, IsPlayedAgainInColourForTheTimesThatAreAsked) {
+  const TemporaryFolder folder;
+  write_tum(folder.path(), 10);
+  for (int i = 0; i < 10; ++i) cv::imwrite(folder / fmt::format("rgb/{}.png", i), picture(i, 64, 48, /*colour=*/true));
+  CameraOptions options;
+  options.every = 2;
+  options.rate_hz = 20;
+  const OpenedSource opened = open_recording(folder.path().string(), options);
+  ASSERT_EQ(opened.error, "");
+  std::vector<int64_t> utimes;
+  while (const std::optional<image_t> image = opened.source->next()) utimes.push_back(image->utime);
+  ASSERT_EQ(utimes.size(), 5u);
+  const int64_t skipped = opened.source->skipped().total();
+
+  opened.source->play_again({utimes[1], utimes[4], utimes[4] + 1});
+  for (const size_t number : {1, 4}) {
+    const std::optional<image_t> image = opened.source->next();
+    ASSERT_TRUE(image);
+    EXPECT_EQ(image->utime, utimes[number]);
+    const cv::Mat expected = picture(static_cast<int>(2 * number), 64, 48, /*colour=*/true);
+    EXPECT_EQ(cv::norm(decode_bgr(*image, nullptr), expected), 0);
+  }
+  EXPECT_FALSE(opened.source->next());
+  EXPECT_EQ(opened.source->skipped().total(), skipped);
+}
+
 TEST(ImageSource, ALoopOfNothingUsableEnds) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 3);

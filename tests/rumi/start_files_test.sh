@@ -27,6 +27,7 @@ for file in bin/rumi libexec/rumi/map_server share/rumi/config/rumi.yaml share/r
   [ -s "$prefix/$file" ] || fail "not installed: $file"
 done
 [ "$(ls "$prefix/bin")" = rumi ] || fail "only rumi is to be on the PATH, not: $(ls "$prefix/bin")"
+"$rumi" map_server --help | grep -q "map_server.database" || fail "rumi map_server does not run the installed program"
 if command -v systemd-analyze >/dev/null; then
   said=$(systemd-analyze verify "$units"/* 2>&1) || true # what it does not understand is no error to it
   [ -z "$said" ] || fail "systemd-analyze verify: $said"

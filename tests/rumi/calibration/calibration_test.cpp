@@ -125,7 +125,7 @@ TEST_F(CalibrationTest, NoImagesAtAll) {
               HasSubstr("no such file or folder"));
   EXPECT_THAT(collect_from_recording(
                   "/dev/null", "CAMERA", 1, [] { return true; }, &collector_),
-              HasSubstr("is a camera: start `camera_driver '/dev/null'`"));
+              HasSubstr("is a camera: start `rumi camera_driver '/dev/null'`"));
 }
 
 TEST_F(CalibrationTest, NoBoardInAnyImage) {

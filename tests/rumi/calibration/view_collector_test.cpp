@@ -151,6 +151,22 @@ TEST(ViewCollector, LeavesBlurredViewsOut) {
   EXPECT_EQ(collector.counts().blurred, 2);
 }
 
+TEST(ViewCollector, RefusesABoardWithMarkersAsAChessboard) {
+  const Camera camera = testing::pinhole_camera(640, 480);
+  const auto problem_of = [&camera](const std::string& shown) {
+    ViewCollector collector(board_of("chessboard:9x7:26"), {});
+    const BoardScene scene(board_of(shown), camera);
+    const bool added =
+        collector.add(make_grey_image(1, scene.render(scene.pose({320, 240}, 42, 0.1, 0.1, 0.1), {}, 1)), "a.png");
+    EXPECT_EQ(collector.counts().with_board(), 1) << shown;
+    EXPECT_EQ(added, collector.problem().empty());
+    return collector.problem();
+  };
+  EXPECT_EQ(problem_of("chessboard:9x7:26"), "");
+  EXPECT_THAT(problem_of("charuco:9x7:26:19:4X4_50"), HasSubstr("give --board charuco:9x7:26:MARKER_MM:4X4_50"));
+  EXPECT_THAT(problem_of("charuco:9x7:26:19:5X5_100"), HasSubstr("give --board charuco:9x7:26:MARKER_MM:5X5_"));
+}
+
 TEST_F(Collecting, ImagesOfAnotherSizeAreRefused) {
   EXPECT_TRUE(add(view(0.5, 0.5, 0, 0)));
   EXPECT_FALSE(add(cv::Mat(camera_.width, camera_.height, CV_8U, cv::Scalar(90))));

@@ -59,7 +59,7 @@ TEST_F(CalibrateCommand, ACameraIsToBePublishedByCameraDriver) {
     const Outcome outcome = calibrate(std::string(camera) + " -o " + file("none.yaml"));
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_THAT(outcome.output,
-                AllOf(HasSubstr(camera), HasSubstr("start `camera_driver "), HasSubstr("without SOURCE")));
+                AllOf(HasSubstr(camera), HasSubstr("start `rumi camera_driver "), HasSubstr("without SOURCE")));
   }
 }
 

@@ -81,7 +81,7 @@ TEST_F(Messages, OfRecordings) {
       {"rumi replay r.bag -o out", 1, {"r.bag: is a ROS 1 bag", "Write the images"}},
       {"rumi replay r.mcap -o out", 1, {"r.mcap: is an MCAP file", "Write the images"}},
       {"rumi replay r.svo2 -o out", 1, {"r.svo2: is a recording of a ZED camera", "give that"}},
-      {"rumi replay /dev/video7 -o out", 1, {"/dev/video7", "make one with camera_driver and lcm-logger"}},
+      {"rumi replay /dev/video7 -o out", 1, {"/dev/video7", "make one with `rumi camera_driver` and lcm-logger"}},
       {"rumi replay broken --camera c.yaml -o out",
        1,
        {"broken/rgb.txt: names no image", "expected lines 'seconds path"}},
@@ -156,6 +156,8 @@ TEST_F(Messages, OfTruthsAndRuns) {
   file("later.txt", "1001.0 0 0 0 0 0 0 1\n1001.1 1 0 0 0 0 0 1\n1001.2 1 0 0 0 0 0 1\n1001.3 1 0 0 0 0 0 1\n");
   file("kitti.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 1 0 1 0 0 0 0 1 0\n");
   file("no.db", "no database");
+  file("map.db", std::string("SQLite format 3\0", 16));
+  log("a.lcm", "POSE", false);
   std::filesystem::create_directory(folder_.path() / "nothing");
   tell({
       {"rumi evaluate nowhere --groundtruth later.txt",
@@ -174,6 +176,11 @@ TEST_F(Messages, OfTruthsAndRuns) {
       {"rumi report nowhere", 1, {"nowhere"}},
       {"rumi view nowhere.db -o a.png", 1, {"nowhere.db: there is no such file"}},
       {"rumi view no.db -o a.png", 1, {"no.db"}},
+      {"rumi view nothing -o a.png", 1, {"nothing: is a folder without a map.db", "give the output folder of a run"}},
+      {"rumi export-map a.lcm -o out --format ply", 1, {"a.lcm: is an lcm log and no map", "rumi export"}},
+      {"rumi export-map a.db -o o --format tum --images nothing", 2, {"--images", "leave it out"}},
+      {"rumi export-map a.db -o o --format ply --rate 30", 2, {"no --images", "leave them out"}},
+      {"rumi export map.db -o b.lcm", 1, {"map.db: is a database and no recording", "rumi export-map"}},
       {"rumi export-map nowhere.db -o out --format ply", 1, {"nowhere.db: there is no such file"}},
       {"rumi ruminate nowhere.window", 1, {"nowhere.window"}},
       {"rumi ruminate nothing", 1, {"nothing: no *.window in it"}},
@@ -194,7 +201,7 @@ TEST_F(Messages, OfOptions) {
   std::vector<Case> cases = {
       {"rumi", 2, {"a command is missing", "rumi --help"}},
       {"rumi relpay tum", 2, {"relpay: there is no such command; did you mean replay?"}},
-      {"rumi replay tum", 2, {"--output is required"}},
+      {"rumi replay tum", 2, {"rumi replay: --output is required", "Try `rumi replay --help`"}},
       {"rumi replay tum -o out --evry 2", 2, {"--evry: there is no such flag; did you mean --every?"}},
       {"rumi replay tum -o out --config nowhere.yaml", 2, {"nowhere.yaml", "give the YAML file"}},
       {"rumi replay tum -o out --config bad.yaml", 2, {"bad.yaml:2: camera_driver.every = \"none\"", "expected"}},
@@ -222,13 +229,20 @@ TEST_F(Messages, OfOptions) {
       {"rumi calibrate tum -o a.yaml --board 9x7", 2, {"9x7", "charuco:"}},
       {"rumi calibrate tum -o a.yaml --model wide", 2, {"--model", "wide", "fisheye"}},
       {"rumi draw-board -o a.pdf --board 9x7", 2, {"9x7", "charuco:"}},
+      {"rumi draw-board -o a.pdf", 0, {"a.pdf: board charuco:9x7:26:19:4X4_50 on a4", "print it at 100 %"}},
       {"rumi synth -o s --seconds 0", 2, {"seconds"}},
       {"rumi synth -o s --walk far", 2, {"far", "loop"}},
       {"rumi synth -o s --hard fog --at 1 --for 1", 2, {"fog", "blur"}},
       {"rumi view a.db -o a.png --view above", 2, {"--view", "above", "top"}},
       {"rumi export-map a.db -o o --format obj", 2, {"--format", "obj", "ply"}},
+      {"rumi replay tum -o out --set keypoints=500", 2, {"did you mean front_tracker.keypoints?"}},
+      {"front_tracker --set hair=5", 2, {"hair: unknown option", "rumi config"}},
       {"rumi config --set every=2", 2, {"every", "did you mean camera_driver.every?"}},
-      {"camera_driver", 2, {"INPUT is required"}},
+      {"camera_driver", 2, {"INPUT is required", "Try `rumi camera_driver --help`"}},
+      {"rumi camera_driver", 2, {"camera_driver: INPUT is required"}},
+      {"rumi map_server extra", 2, {"map_server: ", "extra"}},
+      {"rumi front_tracker --help", 0, {"front_tracker.keypoints"}},
+      {"rumi camera-driver --list", 2, {"camera-driver: there is no such command; did you mean camera_driver?"}},
       {"camera_driver tum --set camera_driver.grey_range=9:1", 2, {"grey_range is '9:1'", "LOW:HIGH"}},
       {"front_tracker --set front_tracker.keypoint=1", 2, {"front_tracker.keypoint", "did you mean"}},
       {"map_server extra", 2, {"extra"}},

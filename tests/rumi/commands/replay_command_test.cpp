@@ -187,6 +187,24 @@ TEST_F(ReplayTest, AMapGoesToOtherPrograms) {
   EXPECT_THAT(outcome.output, HasSubstr("Registered images"));
 }
 
+TEST_F(ReplayTest, TheMapHasTheColoursOfTheImagesAtOnceAndAfterwards) {
+  const fs::path out = work_->path / "coloured", with = work_->path / "with", without = work_->path / "without";
+  ASSERT_EQ(replay(sequence_, out, "--duration 3").exit_code, 0);
+  const std::string write_ply = "$RUMI/rumi export-map '" + out.string() + "' --format ply -o ";
+  Outcome outcome = shell(write_ply + "'" + with.string() + "' --images '" + sequence_.string() + "'");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("images of keyframes"));
+  ASSERT_EQ(shell(write_ply + "'" + without.string() + "'").exit_code, 0);
+  EXPECT_TRUE(read_file(with / "map.ply") == read_file(out / "map.ply"));
+  EXPECT_FALSE(read_file(without / "map.ply") == read_file(out / "map.ply"));
+
+  const fs::path other = work_->path / "other_recording";
+  ASSERT_EQ(shell("$RUMI/rumi synth -q --seconds 1 --seed 9 -o '" + other.string() + "'").exit_code, 0);
+  outcome = shell(write_ply + "'" + with.string() + "' --images '" + other.string() + "'");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("other_recording: has none of the"));
+}
+
 TEST_F(ReplayTest, SaysWhatIsWrongWithTheInput) {
   const auto refused = [&](const fs::path& input, const std::string& flags = "") {
     const fs::path out = work_->path / "never";

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/commands/programs.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "rumi/run/program_folder.h"
+
+namespace rumi::tool {
+
+std::string become_program(char** argv) {
+  const std::string name = argv[0] && argv[1] ? argv[1] : "";
+  if (std::find(kPrograms.begin(), kPrograms.end(), name) == kPrograms.end()) return {};
+  std::string program = (program_folder_of(own_folder()) / name).string();
+  argv[1] = program.data();
+  execv(program.c_str(), argv + 1);
+  return fmt::format("{}: cannot be started: {}; install Rumi again, or build it", program, std::strerror(errno));
+}
+
+}  // namespace rumi::tool
