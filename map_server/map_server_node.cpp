@@ -64,6 +64,7 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
   if (options.snapshot_s > 0 && is_same_file(options.snapshot_file, options.database))
     throw std::runtime_error(
         fmt::format("map_server.snapshot_file is {}, the database itself; give another file", options.snapshot_file));
+  atlas_.serve_larger();
   if (options.localize_only)
     fix_map();
   else if (options.merge.enabled)
@@ -234,7 +235,7 @@ void MapServerNode::note_localization() {
   const auto is_present = [this](const auto& item) { return atlas_.present().contains(item.first.session); };
   const bool has_submap = std::any_of(atlas_.submaps().begin(), atlas_.submaps().end(), is_present);
   if (has_submap && !first_submap_us_) first_submap_us_ = last_utime_us_;
-  if (counts.earlier_in_map > 0 && counts.present_in_map > 0 && !localized_us_) localized_us_ = last_utime_us_;
+  if (counts.is_joined && !localized_us_) localized_us_ = last_utime_us_;
 }
 
 void MapServerNode::tell_of_localization() const {

@@ -59,7 +59,7 @@ map_status_t counts(const Atlas& atlas, int64_t utime_us) {
   const Atlas::FrameCounts frames = atlas.count_frames();
   message.frames_in_map = frames.present_in_map + frames.earlier_in_map;
   message.earlier_frames = frames.earlier;
-  message.localized_frames = frames.earlier_in_map > 0 ? frames.present_in_map : 0;
+  message.localized_frames = frames.is_joined ? frames.present_in_map : 0;
   for (const auto& [key, owner] : atlas.submaps()) {
     ++(owner.submap.kind == SubmapKind::kFront ? message.front_submaps : message.back_submaps);
     message.submaps_in_map += owner.in_map;

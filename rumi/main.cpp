@@ -39,11 +39,11 @@ int main(int argc, char** argv) {
   rumi::tool::add_config_command(app, &chosen);
   for (const char* program : rumi::tool::kPrograms) app.add_other_command(program);
   // Behind the commands, which would take it over.
-  app.footer(
-      fmt::format("`rumi {} ...` runs one of the processes that `rumi up` starts.\n`rumi COMMAND --help` explains a "
-                  "command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 wrong options; 3 done, "
-                  "but not with all of the recording.",
-                  fmt::join(rumi::tool::kPrograms, "|")));
+  app.footer(fmt::format(
+      "`rumi {} ...` runs one of the processes that `rumi up` starts.\n`rumi COMMAND --help` explains a "
+      "command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 wrong options; 3 done, "
+      "but not with all of the recording.",
+      fmt::join(rumi::tool::kPrograms, "|")));
   try {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;

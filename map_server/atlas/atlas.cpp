@@ -198,6 +198,15 @@ bool Atlas::serve_present() {
   return choose_map();
 }
 
+void Atlas::serve_larger() {
+  size_t served = 0, kept = 0;
+  for (const auto& [key, owner] : submaps_)
+    if (owner.in_map || owner.is_kept()) (owner.in_map ? served : kept) += owner.submap.frames.size();
+  if (kept <= served) return;
+  for (auto& [key, owner] : submaps_) owner.in_map = owner.is_kept();
+  ++revision_;
+}
+
 bool Atlas::choose_map() {
   if (is_placed()) return false;
   const AtlasSubmap* best = nullptr;
@@ -263,6 +272,7 @@ Atlas::FrameCounts Atlas::count_frames() const {
   for (const bool present : {true, false})
     for (const auto& [key, owner] : submaps_) {
       if (!owner.in_map || present_.contains(key.session) != present) continue;
+      counts.is_joined = counts.is_joined || (!present && counts.present_in_map > 0);
       (present ? counts.present_in_map : counts.earlier_in_map) += count(owner, counted).frames;
       counted.push_back(&owner.submap);
     }

@@ -83,6 +83,8 @@ class Atlas {
   const std::set<int64_t>& present() const { return present_; }
   // Serves the largest submap of the present sessions if there is one, and none of them is in the map. True if it did.
   bool serve_present();
+  // Before any session is present: of the map and the one that is kept beside it, the larger one is served.
+  void serve_larger();
   // For loading: puts a submap as it was, with its place in the map.
   void restore_submap(AtlasSubmap submap);
   void restore_placement(SubmapKey key, Placement placement) { submaps_.at(key).placement = std::move(placement); }
@@ -100,6 +102,7 @@ class Atlas {
   struct FrameCounts {
     int64_t present = 0, earlier = 0;
     int64_t present_in_map = 0, earlier_in_map = 0;
+    bool is_joined = false;  // the map has submaps of both
   };
   FrameCounts count_frames() const;
 

@@ -142,6 +142,8 @@ void tell_of_map(const AllOptions& options, bool fresh) {
   const std::string& database = options.map_server.database;
   if (!is_file(database)) return;
   const std::optional<std::string> before = describe_map_before(database);
+  if (options.map_server.localize_only && !fs::exists(database))
+    throw std::runtime_error(fmt::format("{}: there is no such file to localize in (map_server.database)", database));
   if (options.map_server.localize_only && before) {
     say("rumi", fmt::format("map: {}, {}, stays as it is", database, *before));
   } else if (fresh) {

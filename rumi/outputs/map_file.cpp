@@ -109,17 +109,27 @@ std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const
 
 AtlasCounts count(const map_server::Atlas& atlas, int64_t after) {
   AtlasCounts counts;
-  std::set<int64_t> earlier;
+  std::set<int64_t> earlier_sessions;
+  std::set<ImageId> earlier_frames;
   for (const auto& [image, frame] : atlas.frames()) {
-    const bool is_earlier = frame.session <= after;
-    if (is_earlier) earlier.insert(frame.session);
+    if (frame.session <= after) {
+      earlier_sessions.insert(frame.session);
+      earlier_frames.insert(image);
+      continue;
+    }
     const std::optional<map_server::LocatedFrame> located = atlas.locate(image);
-    const bool is_in_map = located && located->owner->in_map;
-    ++(is_earlier ? counts.earlier_frames : counts.frames);
-    (is_earlier ? counts.earlier_in_map : counts.frames_in_map) += is_in_map;
-    if (!is_earlier) counts.tracked_frames += located.has_value();
+    ++counts.frames;
+    counts.tracked_frames += located.has_value();
+    counts.frames_in_map += located && located->owner->in_map;
   }
-  counts.earlier_sessions = static_cast<int>(earlier.size());
+  for (const auto& [key, owner] : atlas.submaps()) {
+    if (key.session > after) continue;
+    earlier_sessions.insert(key.session);
+    for (const auto& [utime_us, frame] : owner.submap.frames) earlier_frames.insert({utime_us, owner.submap.stream});
+    counts.is_joined = counts.is_joined || (owner.in_map && counts.frames_in_map > 0);
+  }
+  counts.earlier_sessions = static_cast<int>(earlier_sessions.size());
+  counts.earlier_frames = static_cast<int64_t>(earlier_frames.size());
   for (const auto& [key, owner] : atlas.submaps()) {
     if (key.session <= after && !owner.in_map) continue;
     ++counts.submaps;

@@ -46,8 +46,10 @@ std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const
 // What there is to say about an atlas in numbers.
 struct AtlasCounts {
   int64_t frames = 0, tracked_frames = 0, frames_in_map = 0;  // of sessions after the one given
-  int64_t earlier_frames = 0, earlier_in_map = 0;             // of the others
+  // Of the others, also such as a session after it has seen again; whether the map has submaps of both.
+  int64_t earlier_frames = 0;
   int earlier_sessions = 0;
+  bool is_joined = false;
   int submaps = 0, keyframes = 0, landmarks = 0;  // of those sessions, and of the map
   int front_submaps = 0, front_submaps_in_map = 0;
 };

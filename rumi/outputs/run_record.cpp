@@ -22,7 +22,7 @@ nlohmann::ordered_json counts_to_json(const AtlasCounts& counts) {
   if (counts.earlier_frames == 0) return json;
   json["earlier_frames"] = counts.earlier_frames;
   json["earlier_sessions"] = counts.earlier_sessions;
-  json["localized_frames"] = counts.earlier_in_map > 0 ? counts.frames_in_map : 0;
+  json["localized_frames"] = counts.is_joined ? counts.frames_in_map : 0;
   return json;
 }
 

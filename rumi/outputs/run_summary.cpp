@@ -110,7 +110,7 @@ std::string describe_localization(const AtlasCounts& counts, double after_s) {
       fmt::format("{} frames of {}", counts.earlier_frames,
                   counts.earlier_sessions == 1 ? "an earlier session"
                                                : fmt::format("{} earlier sessions", counts.earlier_sessions));
-  if (counts.earlier_in_map == 0 || counts.frames_in_map == 0)
+  if (!counts.is_joined)
     return fmt::format("not localized: nothing in this recording looks like the map of before ({})", before);
   return fmt::format("localized: {} of {} frames of this run in the map of before ({}){}", counts.frames_in_map,
                      counts.frames, before,
