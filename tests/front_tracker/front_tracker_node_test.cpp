@@ -56,6 +56,16 @@ class Fixture : public ::testing::Test {
     return message;
   }
 
+  tool::SynthOptions walk(double seconds) const {
+    tool::SynthOptions options;
+    options.seconds = seconds;
+    options.rate_hz = 20;
+    options.grey = true;
+    options.camera = camera_;
+    options.exposure_s = 0;
+    return options;
+  }
+
   void give(const image_t& message) {
     bus_.set_now_us(std::max(bus_.now_us() + 1, message.utime));
     bus_.publish(channels::kCamera, message);
@@ -236,13 +246,7 @@ TEST_F(Fixture, APoseInTheMapNamesTheSubmapAndItsPlace) {
   std::vector<rigid_transform_t> transforms;
   bus_.subscribe<map_pose_t>(channels::kMapPose, {}, [&](const map_pose_t& p) { poses.push_back(p); });
   bus_.subscribe<rigid_transform_t>(channels::kCameraToMap, {}, [&](const auto& t) { transforms.push_back(t); });
-  tool::SynthOptions options;
-  options.seconds = 1.5;
-  options.rate_hz = 20;
-  options.grey = true;
-  options.camera = camera_;
-  options.exposure_s = 0;
-  tool::SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(walk(1.5));
   const Sim3 map_from_submap(2, Eigen::Quaterniond::Identity(), Eigen::Vector3d(1, 2, 3));
   for (int i = 0; i < renderer.frames(); ++i) {
     give(image(renderer.utime_us(i), renderer.render(i)));
@@ -272,13 +276,7 @@ TEST_F(Fixture, APoseInTheMapNamesTheSubmapAndItsPlace) {
 }
 
 TEST_F(Fixture, TheServersCopyIsComplete) {
-  tool::SynthOptions options;
-  options.seconds = 2.5;
-  options.rate_hz = 20;
-  options.grey = true;
-  options.camera = camera_;
-  options.exposure_s = 0;
-  tool::SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(walk(2.5));
   std::mt19937 rng(3);
   // A bus that loses a fifth of what passes between the two.
   bus_.set_tap([&rng](const std::string& channel, auto) {
@@ -366,13 +364,7 @@ class BrokenMappingInAThread : public BrokenMapping {
 TEST_F(BrokenMappingInAThread, TheTrackerGoesOn) { expect_to_go_on(); }
 
 TEST_F(Fixture, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganTheSubmap) {
-  tool::SynthOptions options;
-  options.seconds = 2;
-  options.rate_hz = 20;
-  options.grey = true;
-  options.camera = camera_;
-  options.exposure_s = 0;
-  tool::SequenceRenderer renderer(options);
+  tool::SequenceRenderer renderer(walk(2));
   for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));
   ASSERT_EQ(node_->tracker()->submaps().size(), 1u);
   std::map<int64_t, std::vector<track_t>> told;  // by utime

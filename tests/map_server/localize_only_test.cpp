@@ -254,6 +254,13 @@ TEST_F(NextSessionTest, LeavesTheMapBeforeWhereItLayForTheOneAfter) {
   end();
   ASSERT_TRUE(in_map(kElsewhere) && !in_map(kFirst));
   node_.reset();
+  options_.localize_only = true;
+  start();
+  EXPECT_TRUE(in_map(kFirst) && !in_map(kElsewhere)) << "the larger one is looked at";
+  ASSERT_TRUE(send(film({8, 3}, points_, scene_.path(0.4, 0, 0.1), scene_.gauge(0.7))).ok);
+  EXPECT_TRUE(in_map({8, 3}));
+  node_.reset();
+  options_.localize_only = false;
   start();
   expect_it_lies_where_it_lay();
   ASSERT_TRUE(send(film({9, 1}, points_, scene_.path(0.5, 0.1, 0.2, -0.1), scene_.gauge(0.7))).ok);
