@@ -243,6 +243,13 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
   return chosen;
 }
 
+void sort_by_time(std::vector<Line>* lines) {
+  std::stable_sort(lines->begin(), lines->end(), [](const Line& a, const Line& b) {
+    constexpr auto kUnit = TimeUnit::kSeconds;
+    return parse_time_us(a.time, kUnit).value_or(0) < parse_time_us(b.time, kUnit).value_or(0);
+  });
+}
+
 // Fills in the entries.
 void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
@@ -376,6 +383,10 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
+    if (!found.note.empty()) {
+      list.notes.push_back(found.note);
+      sort_by_time(&lines);
+    }
     understand(&list, lines, folder, found.usual, needs_times(options));
     if (found.count_within_second)
       list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());

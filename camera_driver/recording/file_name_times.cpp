@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <functional>
 #include <map>
 #include <optional>
 #include <regex>
@@ -94,6 +93,23 @@ bool decimals_count(const std::vector<std::string>& times) {
   return most >= kLeast;
 }
 
+// Of a recording of less than half a day that passes midnight: the times after it are those of the next day. True if
+// so.
+bool pass_midnight(std::vector<std::string>* times) {
+  constexpr int64_t kDayUs = 86'400'000'000;
+  std::vector<int64_t> sorted;
+  for (const std::string& time : *times)
+    if (const auto utime_us = parse_time_us(time, TimeUnit::kSeconds)) sorted.push_back(*utime_us);
+  std::sort(sorted.begin(), sorted.end());
+  const auto gap =
+      std::adjacent_find(sorted.begin(), sorted.end(), [](int64_t a, int64_t b) { return b - a > kDayUs / 2; });
+  if (gap == sorted.end()) return false;
+  for (std::string& time : *times)
+    if (const auto utime_us = parse_time_us(time, TimeUnit::kSeconds); utime_us && *utime_us <= *gap)
+      time = format_seconds(*utime_us + kDayUs);
+  return true;
+}
+
 // Without the ending, which may not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
@@ -102,20 +118,23 @@ std::string stem_of(const std::string& name) { return name.substr(0, name.rfind(
 FileNameTimes times_in_names(const std::vector<std::string>& names) {
   FileNameTimes best;
   size_t most = 0;
-  for (const std::function<std::string(const std::string&)> find_time :
-       {date_in, clock_in, seconds_in, whole_number_in}) {
+  bool are_of_a_day = false;
+  for (const auto find_time : {date_in, clock_in, seconds_in, whole_number_in}) {
     FileNameTimes found;
     for (const std::string& name : names) found.times.push_back(find_time(stem_of(name)));
     const auto count = names.size() - static_cast<size_t>(std::count(found.times.begin(), found.times.end(), ""));
     if (count <= most) continue;
     most = count;
     best = std::move(found);
+    are_of_a_day = find_time == clock_in;
     const auto first = std::find_if(best.times.begin(), best.times.end(), [](const auto& t) { return !t.empty(); });
     const bool is_whole = first->find('.') == std::string::npos;
     best.usual = is_whole ? unit_of_digits(first->size()) : TimeUnit::kSeconds;
   }
   if (best.times.empty()) best.times.resize(names.size());
   best.count_within_second = decimals_count(best.times);
+  if (are_of_a_day && pass_midnight(&best.times))
+    best.note = "the times in the names of its images pass midnight: those after it are of the next day";
   return best;
 }
 

@@ -86,6 +86,14 @@ TEST_F(FileLists, WhatIsOnlyNamedLikeACopyIsKept) {
   EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, Not(::testing::Contains(HasSubstr("copies"))));
 }
 
+TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
+  for (const char* name : {"00-00-00.033.png", "00-00-00.066.png", "23-59-59.966.png", "23-59-59.999.png"}) image(name);
+  const FileList list = list_image_folder(folder_.path(), {});
+  EXPECT_THAT(names(list), ElementsAre("23-59-59.966.png", "23-59-59.999.png", "00-00-00.033.png", "00-00-00.066.png"));
+  EXPECT_THAT(times(list), ElementsAre(86399966000, 86399999000, 86400033000, 86400066000));
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("midnight")));
+}
+
 TEST_F(FileLists, AFolderOfOtherFilesSaysWhichAndWhatIsRead) {
   for (const char* name : {"1.gif", "2.GIF", "3.heic", "README"}) folder_.write(name, "x");
   EXPECT_EQ(other_files(folder_.path()), "1 without an ending, 2 .gif, 1 .heic");

@@ -49,6 +49,13 @@ TEST(FileNameTimes, WhatMostHave) {
   EXPECT_THAT(found.times, ::testing::ElementsAre("12.5000", "12.6000", "", ""));
 }
 
+TEST(FileNameTimes, OfADayGoOnPastMidnight) {
+  const FileNameTimes found = times_in_names({"00-00-00.033.jpg", "00-00-01.000.jpg", "23-59-59.966.jpg", "x.jpg"});
+  EXPECT_THAT(found.times, ::testing::ElementsAre("86400.033000", "86401.000000", "86399.966", ""));
+  EXPECT_NE(found.note, "");
+  EXPECT_EQ(times_in_names({"08-00-00.033.jpg", "19-59-59.966.jpg"}).note, "") << "less than half a day apart";
+}
+
 TEST(FileNameTimes, ACountBehindTheSecondIsNoPartOfIt) {
   std::vector<std::string> names;
   for (const char* second : {"101459", "101500", "101501"})
