@@ -40,8 +40,10 @@ std::string list_of(const std::map<std::string, int64_t>& channels) {
 std::string advice_on_channels(const std::string& file) {
   LogReader log(file);
   std::map<std::string, int64_t> with_images, others;
-  while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
-    ++(begins_like_image(event->data) ? with_images : others)[event->channel];
+  do {
+    while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
+      ++(begins_like_image(event->data) ? with_images : others)[event->channel];
+  } while (!log.error().empty() && log.go_on());
   if (!with_images.empty())
     return fmt::format(
         "it has images on {0}: name one with --set camera_driver.log_channel={1} (`rumi calibrate`: -c {1})",
@@ -54,8 +56,7 @@ class LogFrameReader : public FrameReader {
  public:
   LogFrameReader(std::string file, std::string channel)
       : file_(std::move(file)), channel_(std::move(channel)), log_(file_) {
-    while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
-    damage_ = log_.error();
+    read_all();
     choose_unit();
   }
 
@@ -83,6 +84,26 @@ class LogFrameReader : public FrameReader {
   const std::string& damage() const { return damage_; }
 
  private:
+  void read_all() {
+    for (;;) {
+      while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
+      damage_ = log_.error();
+      const int64_t from = log_.position();
+      if (damage_.empty() || !log_.go_on()) break;
+      skip_damage(from, log_.position());
+    }
+    // As many images as its bytes would have held.
+    if (malformed_.count == 0 && damaged_places_ > 0) malformed_.first = first_damage_;
+    const auto images = static_cast<int64_t>(positions_.size());
+    if (damaged_places_ > 0)
+      malformed_.count += std::max(damaged_places_, damaged_bytes_ * images / std::max<int64_t>(1, log_.size_bytes()));
+  }
+
+  void skip_damage(int64_t from, int64_t to) {
+    if (damaged_places_++ == 0) first_damage_ = fmt::format("{}; it goes on at byte {}", damage_, to);
+    damaged_bytes_ += std::max<int64_t>(0, to - from);
+  }
+
   void add(std::span<const uint8_t> head) {
     const int64_t number = event_++;
     if (begins_like_image(head)) {
@@ -124,7 +145,10 @@ class LogFrameReader : public FrameReader {
       malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
   }
 
-  std::string file_, channel_, damage_, unit_note_;
+  std::string file_, channel_, unit_note_;
+  std::string damage_;        // at the end
+  std::string first_damage_;  // that was passed over
+  int64_t damaged_places_ = 0, damaged_bytes_ = 0;
   LogReader log_;
   int64_t event_ = 0;                                  // on the channel
   std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame
