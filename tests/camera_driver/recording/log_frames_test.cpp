@@ -12,8 +12,7 @@ namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
-using ::testing::AllOf;
-using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 constexpr const char* kMark = "\xED\xA1\xDA\x01";  // begins an event
@@ -89,6 +88,54 @@ TEST_F(LogFrames, BehindMuchDamageCountAsLost) {
   testing::write(file_, bytes);
   EXPECT_EQ(play().size(), 80u);
   EXPECT_GE(skipped_.malformed, 15);
+}
+
+std::string calibration(int fx) { return fmt::format("fx: {}\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n", fx); }
+
+TEST_F(LogFrames, OfTwoCamerasInTurnAreThoseOfTheFirst) {
+  change_ = [](int i, image_t* image) {
+    set_metadata(image, kCalibrationKey, calibration(50 + i % 2));
+    set_stream(7, image);
+  };
+  write_log(40);
+  const std::vector<image_t> images = play();
+  EXPECT_EQ(images.size(), 20u);
+  for (const image_t& image : images) EXPECT_THAT(metadata(image, kCalibrationKey), HasSubstr("fx: 50\n"));
+  EXPECT_EQ(skipped_.other_camera, 20);
+  EXPECT_THAT(skipped_.complaints(20), ElementsAre(HasSubstr("a channel of its own")));
+}
+
+TEST_F(LogFrames, OfTwoStreamsInTurnAreThoseOfTheFirst) {
+  change_ = [](int i, image_t* image) { set_stream(7 + i % 3, image); };
+  write_log(30);
+  EXPECT_EQ(play().size(), 10u);
+  EXPECT_EQ(skipped_.other_camera, 20);
+}
+
+TEST_F(LogFrames, KeepTheirOwnCalibrationWhereItChanges) {
+  change_ = [](int i, image_t* image) { set_metadata(image, kCalibrationKey, calibration(i < 15 ? 50 : 60)); };
+  write_log(30);
+  for (const char* encoding : {"auto", "jpeg"}) {
+    options_.encoding = encoding;
+    const std::vector<image_t> images = play();
+    ASSERT_EQ(images.size(), 30u);
+    for (int i = 0; i < 30; ++i)
+      EXPECT_THAT(metadata(images[i], kCalibrationKey), HasSubstr(i < 15 ? "fx: 50\n" : "fx: 60\n")) << i;
+  }
+  options_.camera_file = folder_ / "calibration.yaml";
+  EXPECT_EQ(metadata(play().at(20), kCalibrationKey), metadata(play().at(0), kCalibrationKey)) << "that of the user";
+}
+
+// Some programs say it once.
+TEST_F(LogFrames, WithoutACalibrationAreOfTheCameraBefore) {
+  change_ = [](int i, image_t* image) {
+    if (i % 15 == 0) set_metadata(image, kCalibrationKey, calibration(i < 15 ? 70 : 80));
+  };
+  write_log(30);
+  const std::vector<image_t> images = play();
+  ASSERT_EQ(images.size(), 30u);
+  for (int i = 0; i < 30; ++i)
+    EXPECT_THAT(metadata(images[i], kCalibrationKey), HasSubstr(i < 15 ? "fx: 70\n" : "fx: 80\n")) << i;
 }
 
 }  // namespace
