@@ -11,6 +11,7 @@ namespace {
 
 using namespace testing;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -49,6 +50,55 @@ TEST_F(FileLists, OfLinesWithSeveralImagesTheFirstOneIsPlayed) {
     EXPECT_THAT(names(list), ElementsAre("l0.png", "l1.png", "l2.png")) << line;
     EXPECT_THAT(list.notes, ElementsAre(HasSubstr("images each: the first one is played ('l0.png')"))) << line;
   }
+}
+
+TEST_F(FileLists, OfDepthBeforeColourTheColourIsPlayedWithItsTime) {
+  for (const char* line : {"1.{} depth/{}.png 2.{} rgb/{}.jpg\n", "1.{} {}_depth.exr 2.{} {}.jpg\n"}) {
+    std::string lines;
+    for (int i = 0; i < 3; ++i) lines += fmt::format(fmt::runtime(line), i, i, i, i);
+    const FileList list = tum(lines);
+    EXPECT_THAT(names(list), ElementsAre("0.jpg", "1.jpg", "2.jpg")) << line;
+    EXPECT_THAT(times(list), ElementsAre(2000000, 2100000, 2200000)) << line;
+    EXPECT_THAT(list.notes, ElementsAre(HasSubstr("that is no depth"))) << line;
+  }
+}
+
+TEST_F(FileLists, TimesBesideTheImagesAreTheirs) {
+  for (const char* name : {"image_0/000000.png", "image_0/000001.png", "image_0/000002.png"}) image(name);
+  const auto read_with = [this](const std::string& file, const std::string& text) {
+    folder_.write(file, text);
+    const FileList list = list_image_folder(folder_ / "image_0", {});
+    fs::remove(folder_ / file);
+    EXPECT_EQ(list.why_no_times, "") << text;
+    EXPECT_THAT(list.notes, Contains(HasSubstr(file))) << text;
+    return times(list);
+  };
+  EXPECT_THAT(read_with("times.txt", "0.000000e+00\n1.037e-01\n2.068e-01\n"), ElementsAre(0, 103700, 206800));
+  EXPECT_THAT(read_with("image_0/times.csv", "time\n5.0\n5.1\n5.2\n"), ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(read_with("timestamp.txt", "1400000000000\n1400000000100\n1400000000200\n"),
+              ElementsAre(1400000000000000, 1400000000100000, 1400000000200000));
+  EXPECT_THAT(read_with("times.txt", "00000 5.0 0.01\r\n00001 5.1 0.01\r\n00002 5.2 0.01\r\n"),
+              ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(read_with("times.txt", "2 5.2\n3 9\n1 5.1\n0 5.0\n"), ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(
+      read_with("timestamps.txt", "2011-09-26 13:02:25.9643\n2011-09-26 13:02:26.0643\n2011-09-26 13:02:26.1\n"),
+      ElementsAre(1317042145964300, 1317042146064300, 1317042146100000));
+}
+
+TEST_F(FileLists, TimesBesideTheImagesThatDoNotFitAreNamed) {
+  for (const char* name : {"000000.png", "000001.png", "000002.png"}) image(name);
+  for (const auto& [text, why] : {std::pair{"0.0\n0.1\n", "2 times, and there are 3 images"},
+                                  {"", "no lines"},
+                                  {"a1 b\nc d\ne f\n", "not each of its lines is a time"}}) {
+    folder_.write("times.txt", text);
+    const FileList list = list_image_folder(folder_.path(), {});
+    EXPECT_NE(list.why_no_times, "");
+    EXPECT_THAT(list.notes, ElementsAre(AllOf(HasSubstr("times.txt is not used"), HasSubstr(why))));
+  }
+  fs::remove(folder_ / "000000.png");
+  fs::rename(folder_ / "000001.png", folder_ / "5.1000.png");
+  fs::rename(folder_ / "000002.png", folder_ / "5.2000.png");
+  EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, ElementsAre(HasSubstr("times.txt is not used")));
 }
 
 TEST_F(FileLists, ANameMayHaveSpaces) {
