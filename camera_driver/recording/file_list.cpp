@@ -17,6 +17,7 @@
 #include "base/natural_order.h"
 #include "camera_driver/recording/file_name_times.h"
 #include "camera_driver/recording/image_choice.h"
+#include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/time_unit.h"
 #include "camera_driver/recording/times_beside.h"
 
@@ -251,6 +252,18 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
   return chosen;
 }
 
+// All are of one length.
+void sort_by_hexadecimal(FileList* list, std::vector<Line>* lines) {
+  const auto lower = [](std::string name) {
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    return name;
+  };
+  std::sort(lines->begin(), lines->end(),
+            [&lower](const Line& a, const Line& b) { return lower(a.name) < lower(b.name); });
+  list->notes.push_back(
+      fmt::format("the names of its images are read as hexadecimal numbers ('{}')", printable(lines->back().name)));
+}
+
 void sort_by_time(std::vector<Line>* lines) {
   std::stable_sort(lines->begin(), lines->end(), [](const Line& a, const Line& b) {
     constexpr auto kUnit = TimeUnit::kSeconds;
@@ -261,12 +274,21 @@ void sort_by_time(std::vector<Line>* lines) {
 // Fills in the entries.
 void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
-  const std::vector<std::string> times = all(lines, &Line::time);
+  std::vector<std::string> times = all(lines, &Line::time);
+  bool is_counter = false;
+  for (const auto& mend : {give_decimals_their_zeros, continue_32_bits}) {
+    std::string note = mend(&times);
+    if (note.empty()) continue;
+    list->notes.push_back(std::move(note));
+    is_counter = mend == continue_32_bits;
+  }
+  if (is_counter) usual = TimeUnit::kMicroseconds;
   if (count_images(times)) list->why_no_times = "its times only count the images";
   const ChosenUnit chosen = choose_time_unit(times, list->why_no_times.empty() ? usual : TimeUnit::kSeconds);
   if (!chosen.note.empty()) list->notes.push_back(chosen.note);
-  for (const Line& line : lines) {
-    const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const Line& line = lines[i];
+    const std::optional<int64_t> utime_us = parse_time_us(times[i], chosen.unit);
     if (!utime_us && !needs_times) list->why_no_times = "its times are not all numbers";
     if (utime_us || !needs_times)
       list->entries.push_back({utime_us.value_or(0), folder / line.name, line.number});
@@ -389,7 +411,10 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
   lines = without_copies(&list, lines, folder);
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return natural_less(a.name, b.name); });
-  lines = choose(&list, lines, options.files);
+  if (options.files.empty() && are_hexadecimal(all(lines, &Line::name)))
+    sort_by_hexadecimal(&list, &lines);  // each letter would be a kind of its own
+  else
+    lines = choose(&list, lines, options.files);
   if (!list.error.empty() || lines.empty()) return list;
 
   constexpr double kMostHaveTimes = 0.9;

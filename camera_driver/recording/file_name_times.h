@@ -22,4 +22,8 @@ struct FileNameTimes {
 // What most of the names have. Times of a day that leave out more than half of it go on past midnight.
 FileNameTimes times_in_names(const std::vector<std::string>& names);
 
+// "0000000a.jpg" behind "00000009.jpg": names of one length and one beginning, of which some have letters up to f and
+// others digits alone.
+bool are_hexadecimal(const std::vector<std::string>& names);
+
 }  // namespace rumi::camera_driver

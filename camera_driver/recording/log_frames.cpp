@@ -13,6 +13,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/time_unit.h"
 
 namespace rumi::camera_driver {
@@ -87,7 +88,7 @@ class LogFrameReader : public FrameReader {
   }
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override {
-    std::vector<std::string> notes = {unit_note_, cameras_note_, damage_};
+    std::vector<std::string> notes = {counter_note_, unit_note_, cameras_note_, damage_};
     std::erase(notes, "");
     return notes;
   }
@@ -99,6 +100,7 @@ class LogFrameReader : public FrameReader {
     for (;;) {
       while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
       damage_ = log_.error();
+      if (damage_.starts_with(file_ + ": ")) damage_.erase(0, file_.size() + 2);
       const int64_t from = log_.position();
       if (damage_.empty() || !log_.go_on()) break;
       skip_damage(from, log_.position());
@@ -111,7 +113,7 @@ class LogFrameReader : public FrameReader {
   }
 
   void skip_damage(int64_t from, int64_t to) {
-    if (damaged_places_++ == 0) first_damage_ = fmt::format("{}; it goes on at byte {}", damage_, to);
+    if (damaged_places_++ == 0) first_damage_ = fmt::format("{}: {}; it goes on at byte {}", file_, damage_, to);
     damaged_bytes_ += std::max<int64_t>(0, to - from);
   }
 
@@ -180,6 +182,7 @@ class LogFrameReader : public FrameReader {
     std::vector<std::string> texts;
     texts.reserve(utimes_.size());
     for (const int64_t utime : utimes_) texts.push_back(std::to_string(utime));
+    counter_note_ = continue_32_bits(&texts);
     const ChosenUnit chosen = choose_time_unit(texts, TimeUnit::kMicroseconds);
     unit_note_ = chosen.note;
     for (size_t i = 0; i < texts.size(); ++i) {
@@ -193,7 +196,7 @@ class LogFrameReader : public FrameReader {
       malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
   }
 
-  std::string file_, channel_, unit_note_, cameras_note_;
+  std::string file_, channel_, unit_note_, counter_note_, cameras_note_;
   std::string damage_;        // at the end
   std::string first_damage_;  // that was passed over
   int64_t damaged_places_ = 0, damaged_bytes_ = 0;
@@ -212,7 +215,8 @@ class LogFrameReader : public FrameReader {
 
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel) {
   auto reader = std::make_unique<LogFrameReader>(file.string(), channel);
-  if (reader->utimes().empty() && !reader->damage().empty()) return {nullptr, reader->damage()};
+  if (reader->utimes().empty() && !reader->damage().empty())
+    return {nullptr, fmt::format("{}: {}", file.string(), reader->damage())};
   if (reader->utimes().empty())
     return {nullptr, fmt::format("{}: no image on channel '{}'{}; {}", file.string(), channel,
                                  reader->malformed().count > 0

@@ -136,6 +136,28 @@ TEST_F(FileLists, WhatIsOnlyNamedLikeACopyIsKept) {
   EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, Not(::testing::Contains(HasSubstr("copies"))));
 }
 
+TEST_F(FileLists, HexadecimalNamesAreInTheOrderOfTheirValues) {
+  std::vector<std::string> expected;
+  for (int i = 0; i < 40; ++i) image(expected.emplace_back(fmt::format("{:04x}.png", i)));
+  const FileList list = list_image_folder(folder_.path(), {});
+  EXPECT_EQ(names(list), expected);
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("hexadecimal")));
+}
+
+TEST_F(FileLists, ACounterOf32BitsGoesOn) {
+  EXPECT_THAT(times(tum("4294900000 a.png\n4294933333 b.png\n4294966666 c.png\n32703 d.png\n66036 e.png\n")),
+              ElementsAre(4294900000, 4294933333, 4294966666, 4294999999, 4295033332));
+  for (const char* name : {"4294900000.png", "4294933333.png", "0000000033.png", "0000033333.png"}) image(name);
+  EXPECT_THAT(names(list_image_folder(folder_.path(), {})),
+              ElementsAre("4294900000.png", "4294933333.png", "0000000033.png", "0000033333.png"));
+}
+
+TEST_F(FileLists, DecimalsWithoutLeadingZerosAreCounts) {
+  const FileList list = tum("5.0 a.png\n5.33333 b.png\n5.66666 c.png\n5.100000 d.png\n5.133333 e.png\n");
+  EXPECT_THAT(times(list), ElementsAre(5000000, 5033333, 5066666, 5100000, 5133333));
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("counts without leading zeros")));
+}
+
 TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
   for (const char* name : {"00-00-00.033.png", "00-00-00.066.png", "23-59-59.966.png", "23-59-59.999.png"}) image(name);
   const FileList list = list_image_folder(folder_.path(), {});
