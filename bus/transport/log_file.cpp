@@ -24,6 +24,14 @@ uint64_t big_endian(const uint8_t* bytes, int count) {
   return value;
 }
 
+// Lengths that an event may have; it ends at *end.
+bool has_sensible_lengths(const std::array<uint8_t, kHeaderBytes>& header, int64_t position, int64_t* end) {
+  const auto channel_length = static_cast<uint32_t>(big_endian(&header[20], 4));
+  const auto data_length = static_cast<uint32_t>(big_endian(&header[24], 4));
+  *end = position + static_cast<int64_t>(kHeaderBytes) + channel_length + data_length;
+  return channel_length > 0 && channel_length <= kMaxChannelLength && data_length <= INT32_MAX;
+}
+
 }  // namespace
 
 bool is_lcm_log(const std::string& file) {
@@ -69,9 +77,8 @@ std::optional<LogEvent> LogReader::read(const std::string* only_channel, size_t 
       return fail(events_ == 0 ? "this is not an lcm log" : "no event begins here");
     const auto channel_length = static_cast<uint32_t>(big_endian(&header[20], 4));
     const auto data_length = static_cast<uint32_t>(big_endian(&header[24], 4));
-    const int64_t end = position_ + static_cast<int64_t>(kHeaderBytes) + channel_length + data_length;
-    if (channel_length == 0 || channel_length > kMaxChannelLength || data_length > INT32_MAX)
-      return fail("a length makes no sense");
+    int64_t end = 0;
+    if (!has_sensible_lengths(header, position_, &end)) return fail("a length makes no sense");
     if (end > size_) return fail("it ends in the middle of an event");
 
     LogEvent event{static_cast<int64_t>(big_endian(&header[12], 8)), std::string(channel_length, '\0'), {}};
@@ -83,11 +90,57 @@ std::optional<LogEvent> LogReader::read(const std::string* only_channel, size_t 
     const bool is_passed = event.data.size() == data_length || fseeko(file_.get(), end, SEEK_SET) == 0;
     if (!is_read || !is_passed) return fail("it cannot be read");
     last_ = position_;
-    position_ = end;
+    last_data_ = end - data_length;
+    position_ = last_end_ = end;
     ++events_;
     if (wanted) return event;
   }
   return std::nullopt;
+}
+
+bool LogReader::read_at(int64_t position, std::span<uint8_t> bytes) {
+  return fseeko(file_.get(), position, SEEK_SET) == 0 &&
+         std::fread(bytes.data(), 1, bytes.size(), file_.get()) == bytes.size();
+}
+
+std::vector<uint8_t> LogReader::data_of_last(size_t from) {
+  const int64_t begin = last_data_ + static_cast<int64_t>(from);
+  std::vector<uint8_t> data(static_cast<size_t>(std::max<int64_t>(0, last_end_ - begin)));
+  if (!file_ || !read_at(begin, data)) data.clear();
+  if (file_) fseeko(file_.get(), position_, SEEK_SET);
+  return data;
+}
+
+bool LogReader::may_begin_at(int64_t position) {
+  std::array<uint8_t, kHeaderBytes> header{};
+  int64_t end = 0;
+  if (!read_at(position, header) || !has_sensible_lengths(header, position, &end) || end > size_) return false;
+  std::string channel(big_endian(&header[20], 4), '\0');
+  return std::fread(channel.data(), 1, channel.size(), file_.get()) == channel.size() &&
+         std::none_of(channel.begin(), channel.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
+}
+
+// From within the last event on: if its length is what was damaged, it hides others.
+bool LogReader::go_on() {
+  if (!file_) return false;
+  constexpr std::array<uint8_t, 4> kMark = {kSync >> 24, kSync >> 16 & 0xFF, kSync >> 8 & 0xFF, kSync & 0xFF};
+  constexpr int64_t kPartBytes = 1 << 16, kOverlap = kMark.size() - 1;
+  std::vector<uint8_t> part;
+  for (int64_t begin = std::max(events_ > 0 ? last_ : position_, resumed_) + 1; begin < size_;
+       begin += kPartBytes - kOverlap) {
+    part.resize(static_cast<size_t>(std::min(kPartBytes, size_ - begin)));
+    if (!read_at(begin, part)) return false;
+    for (auto from = part.begin();; ++from) {
+      from = std::search(from, part.end(), kMark.begin(), kMark.end());
+      if (from == part.end()) break;
+      const int64_t at = begin + (from - part.begin());
+      if (!may_begin_at(at)) continue;
+      seek(at);
+      resumed_ = at;
+      return true;
+    }
+  }
+  return false;
 }
 
 LogWriter::LogWriter(const std::string& file) : name_(file), log_(std::make_unique<lcm::LogFile>(file, "w")) {

@@ -35,6 +35,11 @@ class LogReader {
   // Where the last event that was read begins, for seek(): that event is then the next one.
   int64_t position_of_last() const { return last_; }
   void seek(int64_t position);
+  // Behind damage, to the next place where an event may begin; false if there is none, and error() stays.
+  bool go_on();
+  // Data of the last event from this byte of it on, whatever was read of it. What is read next stays.
+  std::vector<uint8_t> data_of_last(size_t from);
+  int64_t position() const { return position_; }  // of the next event, or of the damage
   // Empty, or why the file could not be opened or read on, with its name and the place.
   const std::string& error() const { return error_; }
   int64_t size_bytes() const { return size_; }  // of the file
@@ -42,6 +47,8 @@ class LogReader {
  private:
   std::optional<LogEvent> read(const std::string* only_channel, size_t most_bytes);
   std::nullopt_t fail(const std::string& reason);
+  bool may_begin_at(int64_t position);
+  bool read_at(int64_t position, std::span<uint8_t> bytes);
   struct Close {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };
@@ -50,6 +57,8 @@ class LogReader {
   int64_t size_ = 0;      // bytes in the file
   int64_t position_ = 0;  // of the next event
   int64_t last_ = 0;      // of the last one
+  int64_t last_data_ = 0, last_end_ = 0;
+  int64_t resumed_ = -1;  // where it went on behind damage
   int64_t events_ = 0;    // read so far
 };
 

@@ -17,7 +17,9 @@
 #include "base/natural_order.h"
 #include "camera_driver/recording/file_name_times.h"
 #include "camera_driver/recording/image_choice.h"
+#include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/time_unit.h"
+#include "camera_driver/recording/times_beside.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -67,7 +69,8 @@ bool is_heading(const std::string& time) {
 struct Line {
   std::string time, name;  // as they stand there
   int number = 0;
-  size_t images = 1;  // that it names
+  size_t images = 1;     // that it names
+  bool is_first = true;  // of these
   bool has_decimal_comma = false;
 };
 
@@ -100,18 +103,24 @@ void join_decimal_comma(Line* line, char separator) {
   line->has_decimal_comma = true;
 }
 
-// "left.png right.png", "colour.png 12.5 depth.exr": the first one is meant. A name may have spaces, too.
+// "left.png right.png", "colour.png 12.5 depth.exr": the first one that is no depth is meant. A name may have spaces,
+// too.
 void take_first_image(Line* line) {
   const std::vector<std::string> words = words_of(line->name);
-  if (words.size() < 2 || !is_image_name(words[0])) return;
-  const bool is_pair = words.size() == 3 && is_number(words[1]);
+  if (words.size() < 2) return;
+  const bool is_pair = words.size() == 3 && is_number(words[1]) && (is_image_name(words[0]) || is_image_name(words[2]));
   const auto images = static_cast<size_t>(std::count_if(words.begin(), words.end(), is_image_name));
   const bool are_images = images > 1 && std::all_of(words.begin(), words.end(), [](const std::string& word) {
                             return is_image_name(word) || is_number(word);
                           });
   if (!is_pair && !are_images) return;
   line->images = is_pair ? 2 : images;
-  line->name = words[0];
+  const auto is_of_camera = [](const std::string& word) { return is_image_name(word) && !is_no_camera(word); };
+  auto chosen = std::find_if(words.begin(), words.end(), is_of_camera);
+  if (chosen == words.end()) chosen = words.begin();
+  if (chosen != words.begin() && is_number(*std::prev(chosen))) line->time = *std::prev(chosen);
+  line->name = *chosen;
+  line->is_first = chosen == words.begin();
 }
 
 // "time name": by any separator.
@@ -181,8 +190,8 @@ void tell_of_lines(FileList* list, const std::vector<Line>& lines) {
       std::max_element(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return a.images < b.images; });
   if (most == lines.end()) return;
   if (most->images > 1)
-    list->notes.push_back(fmt::format("its lines name {} images each: the first one is played ('{}')", most->images,
-                                      printable(most->name)));
+    list->notes.push_back(fmt::format("its lines name {} images each: the first one {}is played ('{}')", most->images,
+                                      most->is_first ? "" : "that is no depth ", printable(most->name)));
   const auto commas =
       std::count_if(lines.begin(), lines.end(), [](const Line& line) { return line.has_decimal_comma; });
   if (commas > 0) list->notes.push_back(fmt::format("{} of its times have a decimal comma", commas));
@@ -243,15 +252,43 @@ std::vector<Line> choose(FileList* list, const std::vector<Line>& lines, const s
   return chosen;
 }
 
+// All are of one length.
+void sort_by_hexadecimal(FileList* list, std::vector<Line>* lines) {
+  const auto lower = [](std::string name) {
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    return name;
+  };
+  std::sort(lines->begin(), lines->end(),
+            [&lower](const Line& a, const Line& b) { return lower(a.name) < lower(b.name); });
+  list->notes.push_back(
+      fmt::format("the names of its images are read as hexadecimal numbers ('{}')", printable(lines->back().name)));
+}
+
+void sort_by_time(std::vector<Line>* lines) {
+  std::stable_sort(lines->begin(), lines->end(), [](const Line& a, const Line& b) {
+    constexpr auto kUnit = TimeUnit::kSeconds;
+    return parse_time_us(a.time, kUnit).value_or(0) < parse_time_us(b.time, kUnit).value_or(0);
+  });
+}
+
 // Fills in the entries.
 void understand(FileList* list, const std::vector<Line>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
-  const std::vector<std::string> times = all(lines, &Line::time);
+  std::vector<std::string> times = all(lines, &Line::time);
+  bool is_counter = false;
+  for (const auto& mend : {give_decimals_their_zeros, continue_32_bits}) {
+    std::string note = mend(&times);
+    if (note.empty()) continue;
+    list->notes.push_back(std::move(note));
+    is_counter = mend == continue_32_bits;
+  }
+  if (is_counter) usual = TimeUnit::kMicroseconds;
   if (count_images(times)) list->why_no_times = "its times only count the images";
   const ChosenUnit chosen = choose_time_unit(times, list->why_no_times.empty() ? usual : TimeUnit::kSeconds);
   if (!chosen.note.empty()) list->notes.push_back(chosen.note);
-  for (const Line& line : lines) {
-    const std::optional<int64_t> utime_us = parse_time_us(line.time, chosen.unit);
+  for (size_t i = 0; i < lines.size(); ++i) {
+    const Line& line = lines[i];
+    const std::optional<int64_t> utime_us = parse_time_us(times[i], chosen.unit);
     if (!utime_us && !needs_times) list->why_no_times = "its times are not all numbers";
     if (utime_us || !needs_times)
       list->entries.push_back({utime_us.value_or(0), folder / line.name, line.number});
@@ -261,6 +298,13 @@ void understand(FileList* list, const std::vector<Line>& lines, const fs::path& 
                                       : fmt::format("time is '{}': must be a number of {} that is not negative",
                                                     printable(line.time), name_of(chosen.unit)));
   }
+}
+
+bool take_times_beside(FileList* list, std::vector<Line>* lines, const fs::path& folder) {
+  TimesBeside beside = times_beside(folder, all(*lines, &Line::name));
+  if (!beside.note.empty()) list->notes.push_back(beside.note);
+  for (size_t i = 0; i < beside.times.size(); ++i) (*lines)[i].time = std::move(beside.times[i]);
+  return !beside.times.empty();
 }
 
 bool needs_times(const CameraOptions& options) { return options.rate_hz <= 0; }
@@ -367,7 +411,10 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
   lines = without_copies(&list, lines, folder);
   std::sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) { return natural_less(a.name, b.name); });
-  lines = choose(&list, lines, options.files);
+  if (options.files.empty() && are_hexadecimal(all(lines, &Line::name)))
+    sort_by_hexadecimal(&list, &lines);  // each letter would be a kind of its own
+  else
+    lines = choose(&list, lines, options.files);
   if (!list.error.empty() || lines.empty()) return list;
 
   constexpr double kMostHaveTimes = 0.9;
@@ -376,9 +423,18 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
+    if (!found.note.empty()) {
+      list.notes.push_back(found.note);
+      sort_by_time(&lines);
+    }
     understand(&list, lines, folder, found.usual, needs_times(options));
     if (found.count_within_second)
       list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());
+    if (std::string unused = unused_times_beside(folder); !unused.empty()) list.notes.push_back(std::move(unused));
+    return list;
+  }
+  if (needs_times(options) && take_times_beside(&list, &lines, folder)) {
+    understand(&list, lines, folder, TimeUnit::kSeconds, /*needs_times=*/true);
     return list;
   }
   for (const Line& line : lines) list.entries.push_back({0, folder / line.name, 0});

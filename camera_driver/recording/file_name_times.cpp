@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <ctime>
-#include <functional>
 #include <map>
 #include <optional>
 #include <regex>
+
+#include "camera_driver/recording/odd_times.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -20,6 +22,27 @@ std::optional<std::smatch> find(const std::string& name, const std::regex& form)
   std::smatch match;
   if (name.size() > kLongestName || !std::regex_search(name, match, form)) return std::nullopt;
   return match;
+}
+
+struct Zone {
+  int64_t seconds = 0;      // before UTC
+  bool is_at_once = false;  // no decimals are between the second and it
+};
+
+// "+02:00", "+0200", "-05:00" or ".250+02:00" behind the second of a date. Anything else, such as "Z", is UTC. "-0500"
+// is taken for decimals: they are usual behind this sign.
+Zone zone_behind(const std::string& text) {
+  static const std::regex form("^([-_.,]?[0-9]{1,9})?([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
+  static const std::regex at_once("^([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
+  Zone zone;
+  std::smatch match;
+  zone.is_at_once = std::regex_search(text, match, at_once) && (match[1] == "+" || match[3].length() > 0);
+  if (!zone.is_at_once && !std::regex_search(text, match, form)) return zone;
+  const size_t sign = zone.is_at_once ? 1 : 2;
+  const int64_t seconds = 3600 * std::stoi(match[sign + 1]) + 60 * std::stoi(match[sign + 3]);
+  if (match[sign] == "-" && match[sign + 2].length() == 0) return zone;
+  zone.seconds = match[sign] == "+" ? seconds : -seconds;
+  return zone;
 }
 
 std::string date_in(const std::string& name) {
@@ -37,8 +60,11 @@ std::string date_in(const std::string& name) {
   date.tm_min = number(7);
   date.tm_sec = number(8);
   const time_t seconds = timegm(&date);
-  if (seconds < 0) return {};
-  return fmt::format("{}.{}", seconds, (*match)[9].matched ? (*match)[9].str() : "0");
+  const auto zone = zone_behind(name.substr(static_cast<size_t>(match->position(8) + match->length(8))));
+  const int64_t utc = seconds - zone.seconds;
+  if (seconds < 0 || utc < 0) return {};
+  const std::string decimals = (*match)[9].str();
+  return fmt::format("{}.{}", utc, decimals.empty() || zone.is_at_once ? "0" : decimals);
 }
 
 // Of a day, without the date.
@@ -59,6 +85,13 @@ std::string seconds_in(const std::string& name) {
 
 std::string whole_number_in(const std::string& name) {
   static const std::regex form("(?:^|[^0-9])([1-9][0-9]{9,18})(?:[^0-9]|$)");
+  const auto match = find(name, form);
+  return match ? (*match)[1].str() : "";
+}
+
+// Of ten digits, with zeros before them: a counter of 32 bits, if it begins again.
+std::string counter_in(const std::string& name) {
+  static const std::regex form("(?:^|[^0-9])([0-9]{10})(?:[^0-9]|$)");
   const auto match = find(name, form);
   return match ? (*match)[1].str() : "";
 }
@@ -94,6 +127,25 @@ bool decimals_count(const std::vector<std::string>& times) {
   return most >= kLeast;
 }
 
+// Of a recording of less than half a day that passes midnight: the times after it are those of the next day. True if
+// so.
+bool pass_midnight(std::vector<std::string>* times) {
+  constexpr int64_t kDayUs = 86'400'000'000;
+  std::vector<int64_t> sorted;
+  for (const std::string& time : *times)
+    if (const auto utime_us = parse_time_us(time, TimeUnit::kSeconds)) sorted.push_back(*utime_us);
+  std::sort(sorted.begin(), sorted.end());
+  const auto gap =
+      std::adjacent_find(sorted.begin(), sorted.end(), [](int64_t a, int64_t b) { return b - a > kDayUs / 2; });
+  if (gap == sorted.end()) return false;
+  for (std::string& time : *times)
+    if (const auto utime_us = parse_time_us(time, TimeUnit::kSeconds); utime_us && *utime_us <= *gap)
+      time = format_seconds(*utime_us + kDayUs);
+  return true;
+}
+
+bool is_hexadecimal(char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }
+
 // Without the ending, which may not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
@@ -101,22 +153,51 @@ std::string stem_of(const std::string& name) { return name.substr(0, name.rfind(
 
 FileNameTimes times_in_names(const std::vector<std::string>& names) {
   FileNameTimes best;
+  for (const std::string& name : names) best.times.push_back(counter_in(stem_of(name)));
+  best.note = continue_sorted_32_bits(&best.times);
+  best.usual = TimeUnit::kMicroseconds;
+  if (!best.note.empty()) return best;
+  best = {};
   size_t most = 0;
-  for (const std::function<std::string(const std::string&)> find_time :
-       {date_in, clock_in, seconds_in, whole_number_in}) {
+  bool are_of_a_day = false;
+  for (const auto find_time : {date_in, clock_in, seconds_in, whole_number_in}) {
     FileNameTimes found;
     for (const std::string& name : names) found.times.push_back(find_time(stem_of(name)));
     const auto count = names.size() - static_cast<size_t>(std::count(found.times.begin(), found.times.end(), ""));
     if (count <= most) continue;
     most = count;
     best = std::move(found);
+    are_of_a_day = find_time == clock_in;
     const auto first = std::find_if(best.times.begin(), best.times.end(), [](const auto& t) { return !t.empty(); });
     const bool is_whole = first->find('.') == std::string::npos;
     best.usual = is_whole ? unit_of_digits(first->size()) : TimeUnit::kSeconds;
   }
   if (best.times.empty()) best.times.resize(names.size());
   best.count_within_second = decimals_count(best.times);
+  if (are_of_a_day && pass_midnight(&best.times))
+    best.note = "the times in the names of its images pass midnight: those after it are of the next day";
   return best;
+}
+
+bool are_hexadecimal(const std::vector<std::string>& names) {
+  constexpr size_t kLeastNames = 3, kLeastDigits = 3;
+  if (names.size() < kLeastNames) return false;
+  const std::string first = stem_of(names[0]);
+  size_t common = first.size();
+  for (const std::string& name : names) {
+    const std::string stem = stem_of(name);
+    if (stem.size() != first.size()) return false;
+    common = std::min<size_t>(common, std::mismatch(first.begin(), first.end(), stem.begin()).first - first.begin());
+  }
+  while (common > 0 && is_hexadecimal(first[common - 1])) --common;  // "frame_0000"
+  bool have_letters = false, have_none = false;
+  for (const std::string& name : names) {
+    const std::string number = stem_of(name).substr(common);
+    if (number.size() < kLeastDigits || !std::all_of(number.begin(), number.end(), is_hexadecimal)) return false;
+    const bool has_letter = std::any_of(number.begin(), number.end(), [](unsigned char c) { return std::isalpha(c); });
+    (has_letter ? have_letters : have_none) = true;
+  }
+  return have_letters && have_none;
 }
 
 }  // namespace rumi::camera_driver

@@ -36,6 +36,10 @@ class FrameReader {
   virtual bool loads_any_frame_alone() const { return true; }
   // Entries that are no frames: broken lines, broken messages.
   virtual Malformed malformed() const { return {}; }
+  // Images of other cameras among those of the one that is played: no frames.
+  virtual int64_t of_other_cameras() const { return 0; }
+  // Images at the end that the recording should have, by its own header.
+  virtual int64_t missing_at_end() const { return 0; }
   // What the user should know of how the recording is read, a line each.
   virtual std::vector<std::string> notes() const { return {}; }
 };

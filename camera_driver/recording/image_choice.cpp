@@ -16,6 +16,8 @@ namespace {
 constexpr char kNumber = '*';   // stands for digits in the form of a name
 constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts alike
 
+constexpr int kRankOfNoCamera = -2;
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
 
@@ -60,7 +62,7 @@ int rank_of(const std::string& form) {
     const auto is_one_of = [&word](const auto& list) {
       return std::find(list.begin(), list.end(), word) != list.end();
     };
-    if (is_one_of(kNoCamera) || word.starts_with("depth") || word.starts_with("dispar")) return -2;
+    if (is_one_of(kNoCamera) || word.starts_with("depth") || word.starts_with("dispar")) return kRankOfNoCamera;
     if (is_one_of(kSecond)) rank = -1;
     if (is_one_of(kFirst)) rank = 1;
   }
@@ -199,6 +201,8 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 }
 
 }  // namespace
+
+bool is_no_camera(const std::string& name) { return rank_of(name) == kRankOfNoCamera; }
 
 ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
   if (names.empty()) return {};

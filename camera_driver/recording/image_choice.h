@@ -14,6 +14,9 @@ struct ImageChoice {
   std::string error;         // empty, or that `pattern` fits none
 };
 
+// By its name and that of its folder: "depth/001.png", "001_mask.png".
+bool is_no_camera(const std::string& name);
+
 // Names of one kind are alike but for their numbers. Kinds that count alike (left_001, right_001), or that are not of a
 // camera by their name (depth, mask), are told apart: the kind that is most a camera's by its name is kept, of equals
 // the larger. A name without a number among numbered ones is left out.

@@ -2,20 +2,25 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <functional>
 #include <map>
+#include <set>
 #include <span>
 
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/time_unit.h"
 
 namespace rumi::camera_driver {
 namespace {
 
-// What an image_t message begins with, big endian.
-constexpr size_t kHashBytes = 8, kHeadBytes = 16;
+// What an image_t message begins with, big endian: fingerprint, time, width, height, stride, format, bytes of its data.
+constexpr size_t kHashBytes = 8, kTimeBytes = 8, kSizeBytes = 4, kHeadBytes = 36;
 
 int64_t big_endian(std::span<const uint8_t> bytes) {
   uint64_t value = 0;
@@ -40,8 +45,10 @@ std::string list_of(const std::map<std::string, int64_t>& channels) {
 std::string advice_on_channels(const std::string& file) {
   LogReader log(file);
   std::map<std::string, int64_t> with_images, others;
-  while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
-    ++(begins_like_image(event->data) ? with_images : others)[event->channel];
+  do {
+    while (const std::optional<LogEvent> event = log.next_head(kHeadBytes))
+      ++(begins_like_image(event->data) ? with_images : others)[event->channel];
+  } while (!log.error().empty() && log.go_on());
   if (!with_images.empty())
     return fmt::format(
         "it has images on {0}: name one with --set camera_driver.log_channel={1} (`rumi calibrate`: -c {1})",
@@ -54,8 +61,8 @@ class LogFrameReader : public FrameReader {
  public:
   LogFrameReader(std::string file, std::string channel)
       : file_(std::move(file)), channel_(std::move(channel)), log_(file_) {
-    while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
-    damage_ = log_.error();
+    read_all();
+    leave_out_other_cameras();
     choose_unit();
   }
 
@@ -70,31 +77,104 @@ class LogFrameReader : public FrameReader {
       return std::nullopt;
     }
     const std::string problem = check_image(image);
-    if (problem.empty()) return image;
+    if (problem.empty()) {
+      if (const std::string& calibration = calibration_of_[cameras_[frame]];
+          !calibration.empty() && metadata(image, kCalibrationKey).empty())
+        set_metadata(&image, kCalibrationKey, calibration);
+      return image;
+    }
     *error = fmt::format("{}: {}", where(frame), problem);
     return std::nullopt;
   }
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override {
-    std::vector<std::string> notes = {unit_note_, damage_};
+    std::vector<std::string> notes = {counter_note_, unit_note_, cameras_note_, damage_};
     std::erase(notes, "");
     return notes;
   }
+  int64_t of_other_cameras() const override { return other_cameras_; }
   const std::string& damage() const { return damage_; }
 
  private:
+  void read_all() {
+    for (;;) {
+      while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
+      damage_ = log_.error();
+      if (damage_.starts_with(file_ + ": ")) damage_.erase(0, file_.size() + 2);
+      const int64_t from = log_.position();
+      if (damage_.empty() || !log_.go_on()) break;
+      skip_damage(from, log_.position());
+    }
+    // As many images as its bytes would have held.
+    if (malformed_.count == 0 && damaged_places_ > 0) malformed_.first = first_damage_;
+    const auto images = static_cast<int64_t>(positions_.size());
+    if (damaged_places_ > 0)
+      malformed_.count += std::max(damaged_places_, damaged_bytes_ * images / std::max<int64_t>(1, log_.size_bytes()));
+  }
+
+  void skip_damage(int64_t from, int64_t to) {
+    if (damaged_places_++ == 0) first_damage_ = fmt::format("{}: {}; it goes on at byte {}", file_, damage_, to);
+    damaged_bytes_ += std::max<int64_t>(0, to - from);
+  }
+
   void add(std::span<const uint8_t> head) {
     const int64_t number = event_++;
     if (begins_like_image(head)) {
-      const int64_t utime_us = big_endian(head.subspan(kHashBytes));
+      const int64_t utime_us = big_endian(head.subspan(kHashBytes, kTimeBytes));
       if (utime_us >= 0) {
         utimes_.push_back(utime_us);
         numbers_.push_back(number);
         positions_.push_back(log_.position_of_last());
+        cameras_.push_back(camera_of_last(head));
         return;
       }
     }
     add_malformed(number);
+  }
+
+  // By what the last image says of itself: its stream and calibration. Where it says nothing it is the camera before.
+  size_t camera_of_last(std::span<const uint8_t> head) {
+    std::vector<uint8_t> message(head.begin(), head.end());
+    const auto size = static_cast<uint32_t>(big_endian(head.last(kSizeBytes)));
+    std::fill(message.end() - kSizeBytes, message.end(), uint8_t{0});  // its pixels do not matter
+    const std::vector<uint8_t> rest = log_.data_of_last(kHeadBytes + size);
+    message.insert(message.end(), rest.begin(), rest.end());
+    image_t image;
+    if (!rest.empty() && !Bus::decode(message, &image)) image = {};
+    if (const int64_t stream = stream_of(image); stream != kNoStream) camera_.first = stream;
+    if (std::string text = metadata(image, kCalibrationKey); !text.empty()) camera_.second = std::move(text);
+    const auto [known, is_new] = known_cameras_.try_emplace(camera_, known_cameras_.size());
+    if (is_new) calibration_of_.push_back(camera_.second);
+    return known->second;
+  }
+
+  // A camera that follows another one is the next recording; in turn they cannot be played as one.
+  void leave_out_other_cameras() {
+    constexpr size_t kMostReturns = 1, kLeastInARow = 10;
+    size_t turns = 0;
+    for (size_t i = 1; i < cameras_.size(); ++i) turns += cameras_[i] != cameras_[i - 1] ? 1 : 0;
+    const std::set<size_t> all(cameras_.begin(), cameras_.end());
+    if (turns + 1 - std::min(turns + 1, all.size()) <= kMostReturns || turns * kLeastInARow <= cameras_.size()) return;
+    const size_t before = utimes_.size();
+    keep_if([this, first = cameras_.front()](size_t i) { return cameras_[i] == first; });
+    other_cameras_ = static_cast<int64_t>(before - utimes_.size());
+    cameras_note_ = fmt::format("its images are of {} cameras or streams in turn: the {} of the first one are played",
+                                all.size(), utimes_.size());
+  }
+
+  void keep_if(const std::function<bool(size_t)>& is_kept) {
+    size_t kept = 0;
+    for (size_t i = 0; i < utimes_.size(); ++i) {
+      if (!is_kept(i)) continue;
+      utimes_[kept] = utimes_[i];
+      numbers_[kept] = numbers_[i];
+      cameras_[kept] = cameras_[i];
+      positions_[kept++] = positions_[i];
+    }
+    utimes_.resize(kept);
+    cameras_.resize(kept);
+    numbers_.resize(kept);
+    positions_.resize(kept);
   }
 
   // They should be microseconds.
@@ -102,32 +182,32 @@ class LogFrameReader : public FrameReader {
     std::vector<std::string> texts;
     texts.reserve(utimes_.size());
     for (const int64_t utime : utimes_) texts.push_back(std::to_string(utime));
+    counter_note_ = continue_32_bits(&texts);
     const ChosenUnit chosen = choose_time_unit(texts, TimeUnit::kMicroseconds);
     unit_note_ = chosen.note;
-    size_t kept = 0;
     for (size_t i = 0; i < texts.size(); ++i) {
-      const int64_t utime_us = parse_time_us(texts[i], chosen.unit).value_or(-1);
-      if (!plausible_utime(utime_us)) {
-        add_malformed(numbers_[i]);
-        continue;
-      }
-      utimes_[kept] = utime_us;
-      numbers_[kept] = numbers_[i];
-      positions_[kept++] = positions_[i];
+      utimes_[i] = parse_time_us(texts[i], chosen.unit).value_or(-1);
+      if (!plausible_utime(utimes_[i])) add_malformed(numbers_[i]);
     }
-    utimes_.resize(kept);
-    numbers_.resize(kept);
-    positions_.resize(kept);
+    keep_if([this](size_t i) { return plausible_utime(utimes_[i]); });
   }
   void add_malformed(int64_t number) {
     if (malformed_.count++ == 0)
       malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
   }
 
-  std::string file_, channel_, damage_, unit_note_;
+  std::string file_, channel_, unit_note_, counter_note_, cameras_note_;
+  std::string damage_;        // at the end
+  std::string first_damage_;  // that was passed over
+  int64_t damaged_places_ = 0, damaged_bytes_ = 0;
   LogReader log_;
   int64_t event_ = 0;                                  // on the channel
   std::vector<int64_t> utimes_, numbers_, positions_;  // of each frame
+  std::vector<size_t> cameras_;                        // of each frame
+  std::pair<int64_t, std::string> camera_;             // stream and calibration of the last image
+  std::map<std::pair<int64_t, std::string>, size_t> known_cameras_;
+  std::vector<std::string> calibration_of_;  // each camera
+  int64_t other_cameras_ = 0;
   Malformed malformed_;
 };
 
@@ -135,7 +215,8 @@ class LogFrameReader : public FrameReader {
 
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel) {
   auto reader = std::make_unique<LogFrameReader>(file.string(), channel);
-  if (reader->utimes().empty() && !reader->damage().empty()) return {nullptr, reader->damage()};
+  if (reader->utimes().empty() && !reader->damage().empty())
+    return {nullptr, fmt::format("{}: {}", file.string(), reader->damage())};
   if (reader->utimes().empty())
     return {nullptr, fmt::format("{}: no image on channel '{}'{}; {}", file.string(), channel,
                                  reader->malformed().count > 0

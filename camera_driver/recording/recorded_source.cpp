@@ -33,7 +33,6 @@ std::vector<OrderedFrame> select(const std::vector<OrderedFrame>& frames, const 
 RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader,
                                const CameraFileResult& calibration, const CameraOptions& options)
     : name_(std::move(name)),
-      calibration_(camera_to_yaml(calibration.camera)),
       reader_(std::move(reader)),
       calibration_file_(calibration),
       camera_(calibration.camera),
@@ -91,6 +90,8 @@ void RecordedSource::count_left_out(const FrameOrder& order) {
       skip(&SkippedFrames::out_of_order,
            fmt::format("{}: its time, {:.6f} s, is far from those of the images around it", reader_->where(frame),
                        static_cast<double>(reader_->utimes()[frame]) * 1e-6));
+  skipped_.other_camera = reader_->of_other_cameras();
+  if (options_.duration_s <= 0) skipped_.unreadable += reader_->missing_at_end();
   if (const Malformed malformed = reader_->malformed(); malformed.count > 0) {
     skip(&SkippedFrames::malformed, malformed.first);
     skipped_.malformed = malformed.count;
@@ -141,9 +142,10 @@ std::optional<image_t> RecordedSource::fetch() {
     // What an earlier process noted in a log, such as when it was published, is not true of this one. What it is an
     // image of is.
     const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
+    const CameraFileResult& camera = camera_of(*image);
     image->metadata.clear();
     set_stream(in_log == kNoStream ? streams_[static_cast<size_t>(frame.part)] : in_log, &*image);
-    set_metadata(&*image, kCalibrationKey, calibration_);
+    set_metadata(&*image, kCalibrationKey, camera_to_yaml(camera.camera));
     return image;
   }
   report_end();
@@ -185,20 +187,50 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
   std::string error;
   std::optional<image_t> image = reader_->load(frame, colour, &error);
+  const CameraFileResult* camera = &calibration_file_;
+  if (image) camera = &camera_of(*image);
+  if (camera->ok()) tell_of_other_camera(frame, *camera);
+  if (!camera->ok()) {
+    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), camera->error));
+    return std::nullopt;
+  }
   if (!image) {
     skip(&SkippedFrames::unreadable, error);
     return std::nullopt;
   }
-  if (image->width != camera_.width || image->height != camera_.height) {
+  if (image->width != camera->camera.width || image->height != camera->camera.height) {
     skip(&SkippedFrames::wrong_size,
          fmt::format("{}: the image is {} x {} pixels but the calibration{} is for {} x {}; {}", reader_->where(frame),
-                     image->width, image->height, calibration_file_.file.empty() ? "" : " " + calibration_file_.file,
-                     camera_.width, camera_.height, advice_on_size(calibration_file_, image->width, image->height)));
+                     image->width, image->height, camera->file.empty() ? "" : " " + camera->file, camera->camera.width,
+                     camera->camera.height, advice_on_size(*camera, image->width, image->height)));
     return std::nullopt;
   }
+  const std::vector<image_metadata_t> metadata = image->metadata;
   image = encode_as(std::move(*image), options_, &error);
-  if (!image) skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), error));
+  if (!image) {
+    skip(&SkippedFrames::unreadable, fmt::format("{}: {}", reader_->where(frame), error));
+    return std::nullopt;
+  }
+  image->metadata = metadata;
+  image->nmetadata = static_cast<int32_t>(metadata.size());
   return image;
+}
+
+// The calibration that an image of a log brings, unless the user gives another one.
+const CameraFileResult& RecordedSource::camera_of(const image_t& image) {
+  const std::string text = options_.camera_file.empty() ? metadata(image, kCalibrationKey) : "";
+  if (text.empty()) return calibration_file_;
+  const auto [camera, is_new] = cameras_.try_emplace(text);
+  if (is_new) camera->second = parse_camera(text, name_ + " (calibration in its images)");
+  return camera->second;
+}
+
+void RecordedSource::tell_of_other_camera(size_t frame, const CameraFileResult& camera) {
+  std::string yaml = camera_to_yaml(camera.camera);
+  if (pass_ == 0 && !last_calibration_.empty() && last_calibration_ != yaml)
+    log_warning("{}: from here on the calibration in the images is another one: a new session begins",
+                reader_->where(frame));
+  last_calibration_ = std::move(yaml);
 }
 
 // Counts in the first pass only: in a loop the same frames would be counted again and again.

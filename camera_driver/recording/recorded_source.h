@@ -2,6 +2,8 @@
 // A recording as an ImageSource: selects, checks, restamps and encodes what a FrameReader reads.
 #pragma once
 
+#include <map>
+
 #include "bus/wire/camera_file.h"
 #include "camera_driver/recording/frame_order.h"
 #include "camera_driver/recording/frame_reader.h"
@@ -35,12 +37,16 @@ class RecordedSource : public ImageSource {
   bool begin_next_pass();
   int64_t new_time(const OrderedFrame& frame);
   std::optional<image_t> load_checked(size_t frame);
+  const CameraFileResult& camera_of(const image_t& image);
+  void tell_of_other_camera(size_t frame, const CameraFileResult& camera);
   void skip(int64_t SkippedFrames::*reason, const std::string& message);
   void report_end();
 
-  std::string name_, calibration_;
+  std::string name_;
   std::unique_ptr<FrameReader> reader_;
   CameraFileResult calibration_file_;
+  std::map<std::string, CameraFileResult> cameras_;  // by the calibration that an image of a log brings
+  std::string last_calibration_;
   Camera camera_;
   CameraOptions options_;
   std::vector<OrderedFrame> frames_;  // those that are wanted

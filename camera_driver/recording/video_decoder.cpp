@@ -94,6 +94,10 @@ bool VideoDecoder::next() {
   return false;
 }
 
+bool VideoDecoder::is_damaged() const {
+  return frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
+}
+
 cv::Mat VideoDecoder::pixels(bool colour) {
   const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame_->format));
   if (!format || frame_->width < 1 || frame_->height < 1) return {};

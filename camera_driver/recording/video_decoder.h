@@ -26,6 +26,8 @@ class VideoDecoder {
   // To the next picture, in the order of showing. False after the last one; what cannot be decoded is passed over.
   bool next();
 
+  // FFmpeg found the present picture damaged: it has guessed a part of it.
+  bool is_damaged() const;
   // Of the present picture: its time of showing, as it is stored in its packet.
   std::optional<int64_t> stamp() const { return usable_time(frame_->pts); }
   // The same where only some packets have such a time: what FFmpeg makes of it.

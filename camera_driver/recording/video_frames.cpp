@@ -27,6 +27,10 @@ class VideoReader : public FrameReader {
       *error = problem;
       return std::nullopt;
     }
+    if (decoder_->is_damaged()) {
+      *error = where(frame) + ": is damaged (FFmpeg had to guess a part of it)";
+      return std::nullopt;
+    }
     cv::Mat pixels = decoder_->pixels(colour);
     if (pixels.empty()) {
       *error = where(frame) + ": its pixels are of a kind that cannot be converted";
@@ -36,12 +40,16 @@ class VideoReader : public FrameReader {
     return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
   }
   bool loads_any_frame_alone() const override { return false; }
+  // Recorders that leave out images which are as the one before promise them, too.
+  int64_t missing_at_end() const override {
+    return are_fewer() && times_.ends_early ? times_.promised - times_.stored : 0;
+  }
   std::vector<std::string> notes() const override {
-    constexpr double kTolerable = 0.95;
     std::vector<std::string> notes;
-    if (static_cast<double>(times_.stored) < kTolerable * static_cast<double>(times_.promised) - 1)
-      notes.push_back(fmt::format("ends after {} images, its header promises {}: the file may be cut off",
-                                  times_.stored, times_.promised));
+    if (are_fewer())
+      notes.push_back(fmt::format("ends after {} of {}{} images that its header promises: the file {} cut off",
+                                  times_.stored, times_.is_promise_by_length ? "about " : "", times_.promised,
+                                  times_.ends_early ? "is" : "may be"));
     if (times_.streams > 1)
       notes.push_back(fmt::format(
           "has {} streams of images: the best one is played; for another one take it out first, such as by ffmpeg -i "
@@ -51,6 +59,11 @@ class VideoReader : public FrameReader {
   }
 
  private:
+  bool are_fewer() const {
+    constexpr double kTolerable = 0.95, kTolerableOfLength = 0.99;
+    const double least = times_.is_promise_by_length ? kTolerableOfLength : kTolerable;
+    return static_cast<double>(times_.stored) < least * static_cast<double>(times_.promised) - 1;
+  }
   void begin() {
     decoder_ = VideoDecoder::open(file_);
     is_at_.reset();

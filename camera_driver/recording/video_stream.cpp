@@ -29,9 +29,25 @@ const AVPacket* VideoStream::next() {
   while (packet_) {
     av_packet_unref(packet_.get());  // FFmpeg would leave what it holds
     if (av_read_frame(format_.get(), packet_.get()) < 0) return nullptr;
+    note_end();
     if (packet_->stream_index == index_) return packet_.get();
   }
   return nullptr;
+}
+
+void VideoStream::note_end() {
+  const std::optional<int64_t> begin = usable_time(packet_->pts != AV_NOPTS_VALUE ? packet_->pts : packet_->dts);
+  if (!begin) return;
+  const AVStream& stream = *format_->streams[packet_->stream_index];
+  const int64_t length = std::clamp<int64_t>(packet_->duration, 0, int64_t{1} << 61);
+  end_us_ = std::max(end_us_, av_rescale_q(*begin + length, stream.time_base, AVRational{1, 1'000'000}));
+}
+
+// FFmpeg's own guesses from the size and from what is there do not count.
+int64_t VideoStream::promised_us() const {
+  const bool is_said = std::string_view(format_->iformat->name).starts_with("matroska") && format_->duration > 0 &&
+                       format_->duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
+  return is_said ? format_->duration : 0;
 }
 
 int VideoStream::video_streams() const {

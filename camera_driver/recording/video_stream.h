@@ -22,6 +22,10 @@ class VideoStream {
   const AVPacket* next();
 
   const AVStream& stream() const { return *format_->streams[index_]; }
+  // How long the file is by its own header, all its streams together; 0 if it does not say.
+  int64_t promised_us() const;
+  // The end of what was read so far, of all streams.
+  int64_t end_us() const { return end_us_; }
   int video_streams() const;  // in the file; pictures of the cover are none
   // It has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
   bool is_bare() const;
@@ -38,7 +42,9 @@ class VideoStream {
   VideoStream(Format format, int index);
 
   Format format_;
+  void note_end();
   int index_;
+  int64_t end_us_ = 0;
   std::unique_ptr<AVPacket, FreePacket> packet_;
 };
 

@@ -82,6 +82,16 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
     if (const std::optional<int64_t> stamp = usable_time(packet->pts)) times.stamps.push_back(*stamp);
   }
   times.promised = std::max<int64_t>(0, video->stream().nb_frames);
+  if (const int64_t promised_us = video->promised_us(); promised_us > 0 && video->end_us() > 0) {
+    const double part = static_cast<double>(promised_us) / static_cast<double>(video->end_us());
+    times.promised = std::llround(std::min(static_cast<double>(times.stored) * part, kFarthest));
+    times.is_promise_by_length = true;
+  }
+  constexpr double kEarly = 0.97;
+  const int64_t length_us =
+      av_rescale_q(std::max<int64_t>(0, video->stream().duration), video->stream().time_base, AVRational{1, 1'000'000});
+  times.ends_early =
+      times.is_promise_by_length || static_cast<double>(video->end_us()) < kEarly * static_cast<double>(length_us);
   times.streams = video->video_streams();
   if (shown == 0) return times;
   const AVRational unit = video->stream().time_base;

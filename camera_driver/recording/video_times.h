@@ -14,7 +14,9 @@ struct VideoTimes {
   bool has_times = false;       // else all utimes are 0
   int64_t stored = 0;           // frames, those that are not shown included
   int64_t promised = 0;         // by the header; 0: it does not say
-  int streams = 0;              // of video in the file
+  bool is_promise_by_length = false;  // counted from how long the file should be
+  bool ends_early = false;            // before its stream does, by the header
+  int streams = 0;                    // of video in the file
 };
 
 // Of the best video stream. Decodes it only if the packets do not tell all times. Empty if the file cannot be read.

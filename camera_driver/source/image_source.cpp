@@ -17,6 +17,7 @@ std::string SkippedFrames::to_string() const {
   add(out_of_order, "wrong times");
   add(unreadable, "unreadable images");
   add(wrong_size, "images of another size");
+  add(other_camera, "images of other cameras");
   add(lost, "lost by the camera or its driver");
   return out;
 }
@@ -45,6 +46,8 @@ std::vector<std::string> SkippedFrames::complaints(int64_t handed_out) const {
   add(unreadable, "because they are missing or cannot be read", "copy or record them again");
   add(wrong_size, "because they are not of the calibration's size",
       "play them by themselves (a folder of their own, or camera_driver.files), with a calibration of their size");
+  add(other_camera, "because they are of another camera or stream on the same channel",
+      "record each camera on a channel of its own");
   return sentences;
 }
 

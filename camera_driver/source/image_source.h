@@ -22,8 +22,9 @@ struct SkippedFrames {
   int64_t out_of_order = 0;  // recording: time far from those around; camera: before that of the frame before
   int64_t unreadable = 0;    // missing or corrupt
   int64_t wrong_size = 0;    // not that of the calibration
+  int64_t other_camera = 0;  // of another camera or stream on the same channel, in turn
   int64_t lost = 0;          // camera: gaps in the driver's numbering
-  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + lost; }
+  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost; }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
   // Of a recording of which `handed_out` images were not skipped: a sentence for each reason for which more than 1 % of
   // all were, with what to do.

@@ -101,11 +101,9 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
                    {"options", options_to_json(what.options_yaml)},
                    {"images", frames}};
   const camera_driver::SkippedFrames skipped = replay.skipped();
-  run["skipped_images"] = {{"malformed", skipped.malformed},
-                           {"duplicate", skipped.duplicate},
-                           {"out_of_order", skipped.out_of_order},
-                           {"unreadable", skipped.unreadable},
-                           {"wrong_size", skipped.wrong_size}};
+  run["skipped_images"] = {{"malformed", skipped.malformed},       {"duplicate", skipped.duplicate},
+                           {"out_of_order", skipped.out_of_order}, {"unreadable", skipped.unreadable},
+                           {"wrong_size", skipped.wrong_size},     {"other_camera", skipped.other_camera}};
   run["counts"] = counts_to_json(count(replay.atlas(), replay.earlier_sessions()));
   if (const auto after_s = replay.localized_after_s()) run["localized_after_s"] = *after_s;
   run["windows"] = windows.counts();

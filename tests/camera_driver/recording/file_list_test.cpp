@@ -11,6 +11,7 @@ namespace {
 
 using namespace testing;
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -51,6 +52,55 @@ TEST_F(FileLists, OfLinesWithSeveralImagesTheFirstOneIsPlayed) {
   }
 }
 
+TEST_F(FileLists, OfDepthBeforeColourTheColourIsPlayedWithItsTime) {
+  for (const char* line : {"1.{} depth/{}.png 2.{} rgb/{}.jpg\n", "1.{} {}_depth.exr 2.{} {}.jpg\n"}) {
+    std::string lines;
+    for (int i = 0; i < 3; ++i) lines += fmt::format(fmt::runtime(line), i, i, i, i);
+    const FileList list = tum(lines);
+    EXPECT_THAT(names(list), ElementsAre("0.jpg", "1.jpg", "2.jpg")) << line;
+    EXPECT_THAT(times(list), ElementsAre(2000000, 2100000, 2200000)) << line;
+    EXPECT_THAT(list.notes, ElementsAre(HasSubstr("that is no depth"))) << line;
+  }
+}
+
+TEST_F(FileLists, TimesBesideTheImagesAreTheirs) {
+  for (const char* name : {"image_0/000000.png", "image_0/000001.png", "image_0/000002.png"}) image(name);
+  const auto read_with = [this](const std::string& file, const std::string& text) {
+    folder_.write(file, text);
+    const FileList list = list_image_folder(folder_ / "image_0", {});
+    fs::remove(folder_ / file);
+    EXPECT_EQ(list.why_no_times, "") << text;
+    EXPECT_THAT(list.notes, Contains(HasSubstr(file))) << text;
+    return times(list);
+  };
+  EXPECT_THAT(read_with("times.txt", "0.000000e+00\n1.037e-01\n2.068e-01\n"), ElementsAre(0, 103700, 206800));
+  EXPECT_THAT(read_with("image_0/times.csv", "time\n5.0\n5.1\n5.2\n"), ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(read_with("timestamp.txt", "1400000000000\n1400000000100\n1400000000200\n"),
+              ElementsAre(1400000000000000, 1400000000100000, 1400000000200000));
+  EXPECT_THAT(read_with("times.txt", "00000 5.0 0.01\r\n00001 5.1 0.01\r\n00002 5.2 0.01\r\n"),
+              ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(read_with("times.txt", "2 5.2\n3 9\n1 5.1\n0 5.0\n"), ElementsAre(5000000, 5100000, 5200000));
+  EXPECT_THAT(
+      read_with("timestamps.txt", "2011-09-26 13:02:25.9643\n2011-09-26 13:02:26.0643\n2011-09-26 13:02:26.1\n"),
+      ElementsAre(1317042145964300, 1317042146064300, 1317042146100000));
+}
+
+TEST_F(FileLists, TimesBesideTheImagesThatDoNotFitAreNamed) {
+  for (const char* name : {"000000.png", "000001.png", "000002.png"}) image(name);
+  for (const auto& [text, why] : {std::pair{"0.0\n0.1\n", "2 times, and there are 3 images"},
+                                  {"", "no lines"},
+                                  {"a1 b\nc d\ne f\n", "not each of its lines is a time"}}) {
+    folder_.write("times.txt", text);
+    const FileList list = list_image_folder(folder_.path(), {});
+    EXPECT_NE(list.why_no_times, "");
+    EXPECT_THAT(list.notes, ElementsAre(AllOf(HasSubstr("times.txt is not used"), HasSubstr(why))));
+  }
+  fs::remove(folder_ / "000000.png");
+  fs::rename(folder_ / "000001.png", folder_ / "5.1000.png");
+  fs::rename(folder_ / "000002.png", folder_ / "5.2000.png");
+  EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, ElementsAre(HasSubstr("times.txt is not used")));
+}
+
 TEST_F(FileLists, ANameMayHaveSpaces) {
   const FileList list = tum("1.0 the left 1.png\n1.1 the left 2.png\n");
   EXPECT_THAT(names(list), ElementsAre("the left 1.png", "the left 2.png"));
@@ -84,6 +134,36 @@ TEST_F(FileLists, CopiesOfAFileManagerAreLeftOut) {
 TEST_F(FileLists, WhatIsOnlyNamedLikeACopyIsKept) {
   image("image.png", 0), image("image (1).png", 1), image("image (2).png", 2);
   EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, Not(::testing::Contains(HasSubstr("copies"))));
+}
+
+TEST_F(FileLists, HexadecimalNamesAreInTheOrderOfTheirValues) {
+  std::vector<std::string> expected;
+  for (int i = 0; i < 40; ++i) image(expected.emplace_back(fmt::format("{:04x}.png", i)));
+  const FileList list = list_image_folder(folder_.path(), {});
+  EXPECT_EQ(names(list), expected);
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("hexadecimal")));
+}
+
+TEST_F(FileLists, ACounterOf32BitsGoesOn) {
+  EXPECT_THAT(times(tum("4294900000 a.png\n4294933333 b.png\n4294966666 c.png\n32703 d.png\n66036 e.png\n")),
+              ElementsAre(4294900000, 4294933333, 4294966666, 4294999999, 4295033332));
+  for (const char* name : {"4294900000.png", "4294933333.png", "0000000033.png", "0000033333.png"}) image(name);
+  EXPECT_THAT(names(list_image_folder(folder_.path(), {})),
+              ElementsAre("4294900000.png", "4294933333.png", "0000000033.png", "0000033333.png"));
+}
+
+TEST_F(FileLists, DecimalsWithoutLeadingZerosAreCounts) {
+  const FileList list = tum("5.0 a.png\n5.33333 b.png\n5.66666 c.png\n5.100000 d.png\n5.133333 e.png\n");
+  EXPECT_THAT(times(list), ElementsAre(5000000, 5033333, 5066666, 5100000, 5133333));
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("counts without leading zeros")));
+}
+
+TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
+  for (const char* name : {"00-00-00.033.png", "00-00-00.066.png", "23-59-59.966.png", "23-59-59.999.png"}) image(name);
+  const FileList list = list_image_folder(folder_.path(), {});
+  EXPECT_THAT(names(list), ElementsAre("23-59-59.966.png", "23-59-59.999.png", "00-00-00.033.png", "00-00-00.066.png"));
+  EXPECT_THAT(times(list), ElementsAre(86399966000, 86399999000, 86400033000, 86400066000));
+  EXPECT_THAT(list.notes, ElementsAre(HasSubstr("midnight")));
 }
 
 TEST_F(FileLists, AFolderOfOtherFilesSaysWhichAndWhatIsRead) {

@@ -49,6 +49,45 @@ TEST(FileNameTimes, WhatMostHave) {
   EXPECT_THAT(found.times, ::testing::ElementsAre("12.5000", "12.6000", "", ""));
 }
 
+TEST(FileNameTimes, OfAZoneAreThoseOfUtc) {
+  for (const auto& [name, time] : {std::pair{"2026-03-02T10:15:00.250+02:00.png", "1772439300.250"},
+                                   {"2026-03-02T10:15:00.250000+0200.png", "1772439300.250000"},
+                                   {"2026-03-02T10:15:00+02:00.png", "1772439300.0"},
+                                   {"2026-03-02T10:15:00.5-05:30.png", "1772466300.5"},
+                                   {"2026-03-02T10:15:00-05:30.png", "1772466300.0"},
+                                   {"2026-03-02T10:15:00.250Z.png", "1772446500.250"},
+                                   {"20260302T101500Z.png", "1772446500.0"},
+                                   {"2026-03-02_10-15-00-0250.png", "1772446500.0250"},
+                                   {"2026-03-02_10-15-00-250-0001.png", "1772446500.250"}})
+    EXPECT_EQ(times_in_names({name}).times.at(0), time) << name;
+}
+
+TEST(FileNameTimes, OfACounterOf32BitsAreContinued) {
+  const FileNameTimes found =
+      times_in_names({"f_0000032703.jpg", "f_0000066036.jpg", "f_4294933333.jpg", "f_4294966666.jpg"});
+  EXPECT_THAT(found.times, ::testing::ElementsAre("4294999999", "4295033332", "4294933333", "4294966666"));
+  EXPECT_EQ(found.usual, TimeUnit::kMicroseconds);
+}
+
+TEST(FileNameTimes, HexadecimalNumbersAreFound) {
+  EXPECT_TRUE(are_hexadecimal({"00000008.jpg", "00000009.jpg", "0000000a.jpg"}));
+  EXPECT_TRUE(are_hexadecimal({"frame_0009.jpg", "frame_000A.jpg", "frame_0010.jpg"}));
+  for (const std::vector<std::string>& names : {std::vector<std::string>{"008.jpg", "009.jpg", "010.jpg"},
+                                                {"00a.jpg", "00b.jpg", "00c.jpg"},
+                                                {"08.jpg", "09.jpg", "0a.jpg"},
+                                                {"008.jpg", "0010.jpg", "000a.jpg"},
+                                                {"008.jpg", "009.jpg", "00x.jpg"},
+                                                {}})
+    EXPECT_FALSE(are_hexadecimal(names));
+}
+
+TEST(FileNameTimes, OfADayGoOnPastMidnight) {
+  const FileNameTimes found = times_in_names({"00-00-00.033.jpg", "00-00-01.000.jpg", "23-59-59.966.jpg", "x.jpg"});
+  EXPECT_THAT(found.times, ::testing::ElementsAre("86400.033000", "86401.000000", "86399.966", ""));
+  EXPECT_NE(found.note, "");
+  EXPECT_EQ(times_in_names({"08-00-00.033.jpg", "19-59-59.966.jpg"}).note, "") << "less than half a day apart";
+}
+
 TEST(FileNameTimes, ACountBehindTheSecondIsNoPartOfIt) {
   std::vector<std::string> names;
   for (const char* second : {"101459", "101500", "101501"})

@@ -11,7 +11,7 @@ namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
-using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 class VideoFramesTest : public ::testing::Test {
@@ -119,6 +119,47 @@ TEST_F(VideoFramesTest, KeepTheirTimesBehindDamage) {
   }
   EXPECT_EQ(images, 29);
   EXPECT_EQ(opened.source->skipped().unreadable, 1);
+}
+
+// The decoder hides it by guessing.
+TEST_F(VideoFramesTest, ThatFfmpegFindsDamagedAreLeftOut) {
+  VideoOptions options;
+  options.codec = AV_CODEC_ID_MPEG4;
+  options.container = "matroska";
+  options.width = 64, options.height = 48;
+  write(folder_ / "v.mkv", options);
+  std::string bytes = read(folder_ / "v.mkv");
+  size_t at = 0;
+  for (int i = 0; i < 8; ++i) at = bytes.find(std::string("\0\0\1\xB6", 4), at + 1);  // begin of a picture
+  ASSERT_NE(at, std::string::npos);
+  for (size_t i = at + 6; i < at + 14; ++i) bytes[i] = static_cast<char>(~bytes[i]);
+  testing::write(folder_ / "damaged.mkv", bytes);
+  const size_t played = play(folder_ / "damaged.mkv").size();
+  EXPECT_LT(played, 30u);
+  EXPECT_EQ(skipped_.unreadable, 30 - static_cast<int64_t>(played));
+  EXPECT_FALSE(skipped_.complaints(static_cast<int64_t>(played)).empty());
+}
+
+TEST_F(VideoFramesTest, OfACutOffFileAreCountedByItsLength) {
+  VideoOptions options;
+  options.container = "matroska";
+  options.frames = 100;
+  write(folder_ / "v.mkv", options);
+  EXPECT_EQ(play(folder_ / "v.mkv").size(), 100u);
+  EXPECT_EQ(skipped_.total(), 0);
+  const std::string bytes = read(folder_ / "v.mkv");
+  testing::write(folder_ / "cut.mkv", bytes.substr(0, bytes.size() / 2));
+  const auto played = static_cast<int64_t>(play(folder_ / "cut.mkv").size());
+  EXPECT_LT(played, 90);
+  EXPECT_NEAR(static_cast<double>(skipped_.unreadable + played), 100, 3);
+  EXPECT_FALSE(skipped_.complaints(played).empty());
+  EXPECT_THAT(open_frames(folder_ / "cut.mkv", {}).reader->notes(),
+              Contains(HasSubstr("images that its header promises")));
+
+  CameraOptions beginning;
+  beginning.duration_s = 0.4;
+  play(folder_ / "cut.mkv", beginning);
+  EXPECT_EQ(skipped_.unreadable, 0) << "what is asked for is there";
 }
 
 TEST_F(VideoFramesTest, CanBeHadInAnyOrder) {
