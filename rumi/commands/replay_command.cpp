@@ -12,6 +12,7 @@
 #include "rumi/commands/commands.h"
 #include "rumi/commands/progress_line.h"
 #include "rumi/commands/replay_run.h"
+#include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/run/all_options.h"
@@ -26,17 +27,35 @@ struct Arguments {
   bool quiet = false, verbose = false;
 };
 
+std::string check(const AllOptions& options, const std::string& out) {
+  const map_server::MapServerOptions& map = options.map_server;
+  const std::string problem = check(options.camera_driver);
+  return problem.empty() && map.localize_only ? check_map_stays(map.database, out) : problem;
+}
+
+// Whoever names one may expect the map in it to go on, as it does in a live system.
+void tell_of_database(const map_server::MapServerOptions& map) {
+  if (map.localize_only || map.database == map_server::MapServerOptions().database ||
+      map.database == map_server::kInMemory)
+    return;
+  log_info(
+      "map_server.database = {} is not used: a replay begins a map of its own, FOLDER/map.db; with "
+      "map_server.localize_only=true it localizes in this one",
+      map.database);
+}
+
 int replay(Arguments& arguments) {
   ReplayRun& run = arguments.run;
   OptionTable table;
   describe(table, run.options);
   std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = check(run.options.camera_driver);
+  if (error.empty()) error = check(run.options, run.out);
   if (!error.empty()) {
     fmt::print(stderr, "rumi replay: {}\n", error);
     return 2;
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
+  tell_of_database(run.options.map_server);
   run.options_yaml = table.to_yaml(OptionTable::Which::kAll);
   ProgressLine line(!arguments.quiet);
   run.on_progress = [&line](const ReplayProgress& progress) {

@@ -154,11 +154,13 @@ std::string reserve_outputs(const std::string& out, int64_t images, ReservedSpac
   return error;
 }
 
-std::string begin_log(const ReplayRun& run, Replay* replay) {
-  if (run.log.empty()) return {};
+std::string check_log(const ReplayRun& run) {
   std::error_code none;
   if (fs::equivalent(run.log, run.input, none)) return fmt::format("--log {} is the input itself", run.log);
-  return replay->record(run.log);
+  // An earlier run's log is written anew; what else has this name is somebody's.
+  if (fs::is_regular_file(run.log, none) && fs::file_size(run.log, none) > 0 && !is_lcm_log(run.log))
+    return fmt::format("--log {}: exists and is no lcm log; remove it or give another name", run.log);
+  return {};
 }
 
 // Everything up to the end of the input, and what follows from it.
@@ -202,10 +204,11 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   Replay replay(options, run.input, windows.hooks());
   std::string& error = outcome.error;
   ReservedSpace reserved;
-  error = check_output_folder(run.out);
+  if (!run.log.empty()) error = check_log(run);
+  if (error.empty()) error = check_output_folder(run.out);
   if (error.empty()) error = reserve_outputs(run.out, replay.progress().total, &reserved);
   if (error.empty()) error = prepare_output_folder(run.out);
-  if (error.empty()) error = begin_log(run, &replay);
+  if (error.empty() && !run.log.empty()) error = replay.record(run.log);
   if (error.empty()) error = windows.prepare();
   if (error.empty()) {
     play(run, &replay, &outcome);

@@ -21,6 +21,7 @@
 #include "camera_driver/flags.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/commands.h"
+#include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/run/all_options.h"
 #include "rumi/run/map_before.h"
@@ -217,6 +218,11 @@ std::string read_options(const Arguments& arguments, AllOptions* options, Option
   if (options->up.input.empty() && !arguments.camera_settings.empty()) {
     const std::string& first = arguments.camera_settings[0];
     return fmt::format("{}: there is no INPUT that this could be meant for", first.substr(0, first.find(' ')));
+  }
+  // Also a map that goes on: map_server has it open.
+  if (!arguments.snapshot.empty() && is_file(options->map_server.database)) {
+    const std::string replaced = check_map_stays(options->map_server.database, arguments.snapshot);
+    if (!replaced.empty()) return replaced;
   }
   return check(options->camera_driver);
 }

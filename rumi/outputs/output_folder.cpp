@@ -12,10 +12,12 @@
 #include <string_view>
 #include <vector>
 
+#include "base/failures.h"
 #include "base/json_text.h"
 #include "base/process_name.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
+#include "map_server/store/map_store.h"
 
 namespace rumi::tool {
 namespace {
@@ -108,6 +110,12 @@ std::string check_output_folder(const std::string& folder) {
     return fmt::format("{}: cannot be made a folder: {}", folder,
                        is_file ? "it is a file; give another name" : error.message());
   }
+  // Where a map_server has its map in this folder.
+  const std::string lock = (fs::path(folder) / "map.db.lock").string();
+  if (fs::exists(lock, error)) {
+    const std::string held = thrown_by([&lock] { const map_server::FileLock is_free(lock); });
+    if (!held.empty()) return fmt::format("{}: {}", folder, held);
+  }
   if (!read_run_json(folder).is_null()) return "";
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);
   if (error) return fmt::format("{}: cannot be read: {}", folder, error.message());
@@ -121,6 +129,16 @@ std::string check_output_folder(const std::string& folder) {
 std::string prepare_output_folder(const std::string& folder) {
   std::string error = check_output_folder(folder);
   return error.empty() ? write_run_json(folder, {{"finished", false}}) : error;
+}
+
+std::string check_map_stays(const std::string& database, const std::string& folder) {
+  std::error_code none;
+  const fs::path output = fs::path(folder) / "map.db";
+  if (fs::weakly_canonical(database, none) != fs::weakly_canonical(output, none)) return "";
+  return fmt::format(
+      "{}: is the map of map_server.database, and the map of the outputs would replace it: choose another folder than "
+      "{}",
+      output.string(), folder);
 }
 
 std::string write_run_json(const std::string& folder, const ordered_json& run) {

@@ -14,6 +14,9 @@ std::string check_output_folder(const std::string& folder);
 // after it.
 std::string prepare_output_folder(const std::string& folder);
 
+// The map that a run only reads must not be the map.db that its outputs put there. Returns what is wrong, or nothing.
+std::string check_map_stays(const std::string& database, const std::string& folder);
+
 // Null if there is none that is ours.
 nlohmann::ordered_json read_run_json(const std::string& folder);
 

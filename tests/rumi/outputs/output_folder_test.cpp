@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "map_server/store/map_store.h"
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_summary.h"
@@ -54,6 +55,29 @@ TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
   EXPECT_EQ(read_json(folder / "run.json")["options"]["camera_driver"]["camera_file"],
             "K\xef\xbf\xbd"
             "che.yaml");
+}
+
+TEST(OutputFolder, TheMapThatIsReadIsNotReplaced) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_same_map");
+  const std::string database = (folder / "map.db").string();
+  std::ofstream(database) << "a map";
+  fs::create_symlink(folder, folder / "other_name");
+  fs::create_symlink(database, folder / "link.db");
+  for (const fs::path& name : {folder / "map.db", folder / "." / "map.db", folder / "other_name" / "map.db",
+                               folder / "link.db", fs::relative(folder / "map.db")})
+    EXPECT_THAT(check_map_stays(name.string(), folder.string()), HasSubstr("choose another folder")) << name;
+  EXPECT_EQ(check_map_stays(database, (folder / "out").string()), "");
+  EXPECT_EQ(check_map_stays((folder / "other.db").string(), folder.string()), "");
+}
+
+TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
+  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_live_map");
+  ASSERT_EQ(prepare_output_folder(folder.string()), "");
+  {
+    const map_server::MapStore store((folder / "map.db").string());
+    EXPECT_THAT(check_output_folder(folder.string()), HasSubstr("has the map open"));
+  }
+  EXPECT_EQ(check_output_folder(folder.string()), "");
 }
 
 TEST(OutputFolder, OtherFilesAreLeftAlone) {
