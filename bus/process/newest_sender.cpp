@@ -10,6 +10,7 @@ namespace rumi {
 namespace {
 
 constexpr int64_t kSilentUs = 5'000'000;
+constexpr int64_t kFutureUs = 60'000'000;  // computers need not agree on the time
 
 }  // namespace
 
@@ -19,6 +20,8 @@ bool NewestSender::is_older(int64_t number, int64_t now_us) const {
 }
 
 bool NewestSender::take(int64_t number, int64_t now_us) {
+  // A broken message, or a session of a replay that comes after those of a map: it says nothing of the others.
+  if (number > now_us && now_us >= 0 && number - now_us > kFutureUs) return true;
   if (!is_older(number, now_us)) {
     newest_ = is_lower(number) ? number : std::max(newest_, number);
     heard_us_ = now_us;

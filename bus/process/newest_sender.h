@@ -24,7 +24,7 @@ class NewestSender {
   int64_t refused() const { return refused_; }
 
  private:
-  bool is_lower(int64_t number) const { return newest_ != INT64_MIN && number < newest_ - slack_; }
+  bool is_lower(int64_t number) const { return newest_ >= INT64_MIN + slack_ && number < newest_ - slack_; }
 
   std::string what_;
   int64_t slack_;

@@ -256,7 +256,7 @@ std::string Supervisor::run_beside(const Supervised& what, const std::atomic<boo
     if (process.child) {
       kill_now(process);
       error = fmt::format("{} was killed, as {}", what.name, error.empty() ? "everything is to end at once" : error);
-    } else if (!ended_well(*end)) {
+    } else if (!end->exited() || end->exit_code() != 0) {
       error = fmt::format("{} {}", what.name, end->describe());
     }
   }

@@ -10,7 +10,7 @@ constexpr int64_t kSecond = 1'000'000;
 
 TEST(NewestSender, TakesWhatRises) {
   NewestSender sender("RUMI_TRACK");
-  for (const int64_t session : {7, 7, 8, 8, 20}) EXPECT_TRUE(sender.take(session, kSecond * session));
+  for (const int64_t second : {7, 7, 8, 8, 20}) EXPECT_TRUE(sender.take(kSecond * second, kSecond * second));
   EXPECT_EQ(sender.refused(), 0);
 }
 
@@ -31,6 +31,14 @@ TEST(NewestSender, TheOlderOneMayGoOnWhenTheNewerOneIsSilent) {
   EXPECT_FALSE(sender.take(7, 5 * kSecond));
   EXPECT_TRUE(sender.take(7, 7 * kSecond));
   EXPECT_TRUE(sender.take(7, 8 * kSecond));
+}
+
+TEST(NewestSender, ANumberOfTheFutureSilencesNobody) {
+  NewestSender sender("RUMI_TRACK");
+  EXPECT_TRUE(sender.take(7 * kSecond, 7 * kSecond));
+  EXPECT_TRUE(sender.take(INT64_MAX, 8 * kSecond));
+  EXPECT_FALSE(sender.take(INT64_MIN, 9 * kSecond));
+  EXPECT_TRUE(sender.take(7 * kSecond, 9 * kSecond));
 }
 
 TEST(NewestSender, ALittleLateIsNotOlder) {

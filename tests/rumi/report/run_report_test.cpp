@@ -256,7 +256,7 @@ TEST_F(ReportTest, GoesWithoutAMapThatDidNotFitOnTheDisk) {
 
 TEST_F(ReportTest, SaysWhatIsWrongWithTheFolder) {
   const auto refusal = [&](const char* what) { return ThrowsMessage<std::runtime_error>(HasSubstr(what)); };
-  EXPECT_THAT([&] { make_report("/nowhere"); }, refusal("/nowhere: there is no such folder"));
+  EXPECT_THAT([&] { make_report("/nowhere"); }, refusal("/nowhere: no such file or folder"));
   EXPECT_THAT([&] { make_report((folder_ / "windows").string()); }, refusal("no run.json of ours"));
   write_run({{"finished", false}});
   EXPECT_THAT([&] { make_report(folder_.string()); }, refusal("was not finished"));
