@@ -101,6 +101,32 @@ TEST_F(FileLists, TimesBesideTheImagesThatDoNotFitAreNamed) {
   EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, ElementsAre(HasSubstr("times.txt is not used")));
 }
 
+TEST_F(FileLists, ListsOfOtherSystemsAreRead) {
+  for (const char* text : {"1.0 rgb/a.png\r1.1 rgb/b.png\r", "1.0 rgb\\a.png\r\n1.1 rgb\\b.png\r\n",
+                           "1.0 \"rgb/a.png\"\n1.1 'rgb/b.png'\n", "\"1.0\",\"rgb/a.png\"\n\"1.1\",\"rgb/b.png\"\n",
+                           "1.0 \"rgb/a.png\" \"depth/a.png\"\n1.1 \"rgb/b.png\" \"depth/b.png\"\n",
+                           "\xEF\xBB\xBF"
+                           "1.0 .\\rgb\\a.png\n1.1 .\\rgb\\b.png"}) {
+    const FileList list = tum(text);
+    EXPECT_EQ(list.error, "") << text;
+    EXPECT_EQ(list.malformed.count, 0) << text;
+    ASSERT_EQ(list.entries.size(), 2u) << text;
+    EXPECT_EQ(list.entries[1].file.lexically_normal(), folder_.path() / "rgb/b.png") << text;
+    EXPECT_EQ(list.entries[1].line, 2) << text;
+  }
+  EXPECT_THAT(names(tum("1.0 \"the left 1.png\"\n")), ElementsAre("the left 1.png"));
+  EXPECT_THAT(tum("\xFF\xFE"
+                  "1.0 a.png")
+                  .error,
+              AllOf(HasSubstr("rgb.txt: is text in UTF-16"), HasSubstr("iconv")));
+}
+
+TEST_F(FileLists, PointersOfGitLfsSayHowToGetTheImages) {
+  folder_.write("1.jpg", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+  write(folder_ / "calibration.yaml", kCalibration);
+  EXPECT_THAT(error_of(), HasSubstr("git lfs pull"));
+}
+
 TEST_F(FileLists, ANameMayHaveSpaces) {
   const FileList list = tum("1.0 the left 1.png\n1.1 the left 2.png\n");
   EXPECT_THAT(names(list), ElementsAre("the left 1.png", "the left 2.png"));
