@@ -79,15 +79,23 @@ Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& op
   return {{make_file_list_reader(std::move(list), parse_grey_range(options.grey_range)), ""}, std::move(camera)};
 }
 
+bool has_images(const fs::path& folder) { return !list_image_folder(folder, {}).entries.empty(); }
+
 // " (its folders left, right hold images: give one of them)", or nothing.
 std::string folders_with_images(const fs::path& folder) {
   constexpr size_t kMostNamed = 4;
   std::vector<std::string> names;
   std::error_code code;
-  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+  constexpr int kDeepest = 2;  // "images/front/camera"
+  constexpr int kMostLookedAt = 1000;
+  int looked_at = 0;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, code);
+  for (const fs::recursive_directory_iterator end; !code && it != end; it.increment(code)) {
     std::error_code unreadable;
-    if (it->is_directory(unreadable) && !list_image_folder(it->path(), {}).entries.empty())
-      names.push_back(it->path().filename().string());
+    if (!it->is_directory(unreadable)) continue;
+    if (it.depth() >= kDeepest || ++looked_at > kMostLookedAt) it.disable_recursion_pending();
+    if (looked_at <= kMostLookedAt && has_images(it->path()))
+      names.push_back(it->path().lexically_relative(folder).string());
   }
   if (names.empty()) return {};
   std::sort(names.begin(), names.end());
@@ -107,6 +115,8 @@ fs::path find_euroc_images(const fs::path& folder) {
 
 // " (its files are 12 .gif, which are not read: ...)", or nothing.
 std::string files_not_read(const fs::path& folder) {
+  if (const std::string recordings = recordings_in(folder); !recordings.empty())
+    return fmt::format(" (in it are {}: give the file itself)", recordings);
   const std::string files = other_files(folder);
   if (files.empty()) return {};
   return fmt::format(
@@ -150,7 +160,8 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   const bool log = is_lcm_log(file.string());
-  OpenedReader opened = log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
+  OpenedReader opened =
+      log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
   if (!opened.error.empty()) return {std::move(opened), {}};
   // A calibration's fps is that of the camera, and need not be that of a video.
   if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
@@ -167,6 +178,8 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
+  if (!may_be_there(path))
+    if (const std::string advice = advice_on_input(input); !advice.empty()) return refuse(advice);
   if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);

@@ -13,6 +13,7 @@
 #include <set>
 
 #include "base/natural_order.h"
+#include "bus/transport/log_file.h"
 #include "camera_driver/recording/file_name_times.h"
 #include "camera_driver/recording/image_choice.h"
 #include "camera_driver/recording/odd_times.h"
@@ -367,6 +368,24 @@ std::string other_files(const fs::path& folder) {
     if (parts.size() < kMostNamed)
       parts.push_back(fmt::format("{} {}", files, extension.empty() ? "without an ending" : printable(extension)));
   return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string recordings_in(const fs::path& folder) {
+  static const std::set<std::string> kExtensions = {
+      ".mp4", ".mov", ".mkv",  ".avi",  ".webm", ".m4v", ".mpg", ".mpeg",  ".ts",  ".mts", ".m2ts",  ".wmv",
+      ".flv", ".3gp", ".h264", ".h265", ".264",  ".265", ".ivf", ".mjpeg", ".lcm", ".log", ".lcmlog"};
+  std::vector<std::string> names;
+  std::error_code code, ignored;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const bool is_log = lower_extension(it->path()) != ".log" || is_lcm_log(it->path().string());
+    if (kExtensions.contains(lower_extension(it->path())) && it->is_regular_file(ignored) && is_log)
+      names.push_back(printable(it->path().filename().string()));
+  }
+  std::sort(names.begin(), names.end());
+  constexpr size_t kMostNamed = 4;
+  const size_t more = names.size() - std::min(names.size(), kMostNamed);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 FileList list_image_folder(const fs::path& folder, const CameraOptions& options) {

@@ -18,7 +18,9 @@ const std::string kLittle = "Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0
 const std::string kBig = "Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x03\0\0\0\0\0\0"s;
 
 std::string jpeg_with(const std::string& exif) {
-  const std::string jfif = "\xFF\xE0\0\x04" "ab"s;
+  const std::string jfif =
+      "\xFF\xE0\0\x04"
+      "ab"s;
   return "\xFF\xD8"s + jfif + "\xFF\xE1\0"s + static_cast<char>(exif.size() + 2) + exif + "\xFF\xDA\0\x02"s;
 }
 

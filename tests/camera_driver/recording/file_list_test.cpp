@@ -199,6 +199,14 @@ TEST_F(FileLists, AFolderOfOtherFilesSaysWhichAndWhatIsRead) {
                                 HasSubstr("convert them")));
 }
 
+TEST_F(FileLists, AFolderSaysWhichOfItsFoldersAndFilesToGive) {
+  image("images/front/camera/1.png");
+  EXPECT_THAT(error_of(), HasSubstr("images are in its folders images/front/camera: give one of them"));
+  EXPECT_THAT(error_of("images"), HasSubstr("front/camera"));
+  for (const char* name : {"b.MP4", "a.lcm", "notes.log"}) folder_.write(name, "x");
+  EXPECT_THAT(error_of(), AllOf(HasSubstr("in it are a.lcm, b.MP4: give the file itself"), Not(HasSubstr("mogrify"))));
+}
+
 TEST_F(FileLists, EurocWithoutItsListIsPlayedByTheNamesOfItsImages) {
   for (int i = 0; i < 4; ++i) image(fmt::format("mav0/cam0/data/14036365797{}3555584.png", i), i);
   write(folder_ / "mav0/cam0/sensor.yaml",
