@@ -113,10 +113,14 @@ fs::path find_euroc_images(const fs::path& folder) {
   return {};
 }
 
+// " (in it are a.mp4, b.lcm: give the file itself)", or nothing.
+std::string recordings_beside(const fs::path& folder) {
+  const std::string recordings = recordings_in(folder);
+  return recordings.empty() ? "" : fmt::format(" (in it are {}: give the file itself)", recordings);
+}
+
 // " (its files are 12 .gif, which are not read: ...)", or nothing.
 std::string files_not_read(const fs::path& folder) {
-  if (const std::string recordings = recordings_in(folder); !recordings.empty())
-    return fmt::format(" (in it are {}: give the file itself)", recordings);
   const std::string files = other_files(folder);
   if (files.empty()) return {};
   return fmt::format(
@@ -142,9 +146,11 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
       list = list_image_folder(images, options);
       list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
     }
-  if (list.error.empty() && list.entries.empty())
-    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}{}; {}", name,
-                             folders_with_images(folder), files_not_read(folder), kWhatToGive);
+  if (list.error.empty() && list.entries.empty()) {
+    const std::string others = folders_with_images(folder) + recordings_beside(folder);
+    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
+                             others.empty() ? files_not_read(folder) : others, kWhatToGive);
+  }
   const fs::path images = list.source, above = images.parent_path();
   const fs::path sensor = may_be_there(images / "sensor.yaml") ? images / "sensor.yaml" : above / "sensor.yaml";
   return from_list(
@@ -153,13 +159,19 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
       options);
 }
 
+// By its name only: a video would have to be searched to its end.
+bool is_log_damaged_at_its_beginning(const fs::path& file) {
+  const std::string extension = file.extension().string();
+  return (extension == ".lcm" || extension == ".lcmlog" || extension == ".log") && LogReader(file.string()).go_on();
+}
+
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   std::error_code code;
   if (fs::file_size(file, code) == 0)
     return {{nullptr, fmt::format("{}: is empty; {}", file.string(), kWhatToGive)}, {}};
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
-  const bool log = is_lcm_log(file.string());
+  const bool log = is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file);
   OpenedReader opened =
       log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
   if (!opened.error.empty()) return {std::move(opened), {}};
