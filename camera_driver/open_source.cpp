@@ -147,7 +147,7 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
       list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
     }
   if (list.error.empty() && list.entries.empty()) {
-    const std::string others = folders_with_images(folder) + recordings_beside(folder);
+    const std::string others = fmt::format("{}{}", folders_with_images(folder), recordings_beside(folder));
     list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
                              others.empty() ? files_not_read(folder) : others, kWhatToGive);
   }
