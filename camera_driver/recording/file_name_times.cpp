@@ -78,7 +78,7 @@ std::string clock_in(const std::string& name) {
 }
 
 std::string seconds_in(const std::string& name) {
-  static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,})(?:[^0-9.]|$)");
+  static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,}|[0-9]{9,}\\.[0-9]+)(?:[^0-9.]|$)");
   const auto match = find(name, form);
   return match ? (*match)[1].str() : "";
 }

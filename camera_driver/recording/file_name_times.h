@@ -16,7 +16,7 @@ struct FileNameTimes {
   std::string note;  // empty, or how times that begin anew are read: the names are then in another order
 };
 
-// Of "1305031102.175304" (seconds, at least three decimals), "1403636579763555584" (seconds to nanoseconds, at least
+// Of "1305031102.175304" (seconds, at least three decimals, or nine digits before them), "1403636579763555584" (seconds to nanoseconds, at least
 // ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
 // "10-15-00.250" (of a day), with anything before and after.
 // What most of the names have. Times of a day that leave out more than half of it go on past midnight.

@@ -182,6 +182,9 @@ TEST_F(FileLists, DecimalsWithoutLeadingZerosAreCounts) {
   const FileList list = tum("5.0 a.png\n5.33333 b.png\n5.66666 c.png\n5.100000 d.png\n5.133333 e.png\n");
   EXPECT_THAT(times(list), ElementsAre(5000000, 5033333, 5066666, 5100000, 5133333));
   EXPECT_THAT(list.notes, ElementsAre(HasSubstr("counts without leading zeros")));
+  for (const char* count : {"0", "33333", "66666", "100000", "133333"}) image(fmt::format("1400000000.{}.png", count));
+  EXPECT_THAT(times(list_image_folder(folder_.path(), {})),
+              ElementsAre(1400000000000000, 1400000000033333, 1400000000066666, 1400000000100000, 1400000000133333));
 }
 
 TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
