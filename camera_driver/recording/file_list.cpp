@@ -410,10 +410,8 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
-    if (!found.note.empty()) {
-      list.notes.push_back(found.note);
-      sort_by_time(&lines);
-    }
+    if (!found.note.empty()) list.notes.push_back(found.note);
+    if (found.have_another_order) sort_by_time(&lines);
     understand(&list, lines, folder, found.usual, needs_times(options));
     if (found.count_within_second)
       list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());

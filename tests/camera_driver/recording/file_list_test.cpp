@@ -187,6 +187,16 @@ TEST_F(FileLists, DecimalsWithoutLeadingZerosAreCounts) {
               ElementsAre(1400000000000000, 1400000000033333, 1400000000066666, 1400000000100000, 1400000000133333));
 }
 
+TEST_F(FileLists, NamesWithoutTrailingZerosAreInTheOrderOfTheirTimes) {
+  for (const char* time : {"5.9333", "5.9666", "6.0", "6.0333", "6.0666", "6.1", "6.1333"})
+    image(fmt::format("140000000{}.png", time));
+  const FileList list = list_image_folder(folder_.path(), {});
+  const std::vector<int64_t> played = times(list);
+  EXPECT_EQ(played.size(), 7u);
+  EXPECT_TRUE(std::is_sorted(played.begin(), played.end()));
+  EXPECT_THAT(list.notes, IsEmpty());
+}
+
 TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
   for (const char* name : {"00-00-00.033.png", "00-00-00.066.png", "23-59-59.966.png", "23-59-59.999.png"}) image(name);
   const FileList list = list_image_folder(folder_.path(), {});
