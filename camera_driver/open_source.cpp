@@ -79,15 +79,23 @@ Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& op
   return {{make_file_list_reader(std::move(list), parse_grey_range(options.grey_range)), ""}, std::move(camera)};
 }
 
+bool has_images(const fs::path& folder) { return !list_image_folder(folder, {}).entries.empty(); }
+
 // " (its folders left, right hold images: give one of them)", or nothing.
 std::string folders_with_images(const fs::path& folder) {
   constexpr size_t kMostNamed = 4;
   std::vector<std::string> names;
   std::error_code code;
-  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+  constexpr int kDeepest = 2;  // "images/front/camera"
+  constexpr int kMostLookedAt = 1000;
+  int looked_at = 0;
+  fs::recursive_directory_iterator it(folder, fs::directory_options::skip_permission_denied, code);
+  for (const fs::recursive_directory_iterator end; !code && it != end; it.increment(code)) {
     std::error_code unreadable;
-    if (it->is_directory(unreadable) && !list_image_folder(it->path(), {}).entries.empty())
-      names.push_back(it->path().filename().string());
+    if (!it->is_directory(unreadable)) continue;
+    if (it.depth() >= kDeepest || ++looked_at > kMostLookedAt) it.disable_recursion_pending();
+    if (looked_at <= kMostLookedAt && has_images(it->path()))
+      names.push_back(it->path().lexically_relative(folder).string());
   }
   if (names.empty()) return {};
   std::sort(names.begin(), names.end());
@@ -103,6 +111,12 @@ fs::path find_euroc_images(const fs::path& folder) {
       return folder / inner;
   }
   return {};
+}
+
+// " (in it are a.mp4, b.lcm: give the file itself)", or nothing.
+std::string recordings_beside(const fs::path& folder) {
+  const std::string recordings = recordings_in(folder);
+  return recordings.empty() ? "" : fmt::format(" (in it are {}: give the file itself)", recordings);
 }
 
 // " (its files are 12 .gif, which are not read: ...)", or nothing.
@@ -132,9 +146,11 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
       list = list_image_folder(images, options);
       list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
     }
-  if (list.error.empty() && list.entries.empty())
-    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}{}; {}", name,
-                             folders_with_images(folder), files_not_read(folder), kWhatToGive);
+  if (list.error.empty() && list.entries.empty()) {
+    const std::string others = fmt::format("{}{}", folders_with_images(folder), recordings_beside(folder));
+    list.error = fmt::format("{}: has no rgb.txt, no mav0/cam0/data.csv and no images{}; {}", name,
+                             others.empty() ? files_not_read(folder) : others, kWhatToGive);
+  }
   const fs::path images = list.source, above = images.parent_path();
   const fs::path sensor = may_be_there(images / "sensor.yaml") ? images / "sensor.yaml" : above / "sensor.yaml";
   return from_list(
@@ -143,13 +159,19 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
       options);
 }
 
+// By its name only: a video would have to be searched to its end.
+bool is_log_damaged_at_its_beginning(const fs::path& file) {
+  const std::string extension = file.extension().string();
+  return (extension == ".lcm" || extension == ".lcmlog" || extension == ".log") && LogReader(file.string()).go_on();
+}
+
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   std::error_code code;
   if (fs::file_size(file, code) == 0)
     return {{nullptr, fmt::format("{}: is empty; {}", file.string(), kWhatToGive)}, {}};
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
-  const bool log = is_lcm_log(file.string());
+  const bool log = is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file);
   OpenedReader opened =
       log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
   if (!opened.error.empty()) return {std::move(opened), {}};
@@ -168,6 +190,8 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_camera(input)) return refuse(std::string("is a camera, and this needs a recording: ") + kHowToRecord);
   const fs::path path = without_slash(input);
   std::error_code code;
+  if (!may_be_there(path))
+    if (const std::string advice = advice_on_input(input); !advice.empty()) return refuse(advice);
   if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);

@@ -12,12 +12,12 @@
 #include <map>
 #include <set>
 
-#include "base/file_access.h"
-#include "base/log.h"
 #include "base/natural_order.h"
+#include "bus/transport/log_file.h"
 #include "camera_driver/recording/file_name_times.h"
 #include "camera_driver/recording/image_choice.h"
 #include "camera_driver/recording/odd_times.h"
+#include "camera_driver/recording/text_lines.h"
 #include "camera_driver/recording/time_unit.h"
 #include "camera_driver/recording/times_beside.h"
 
@@ -80,13 +80,20 @@ bool is_image_name(const fs::path& file) {
   return kExtensions.contains(lower_extension(file)) && !file.filename().string().starts_with('.');
 }
 
+// Around the whole text.
+std::string without_quotes(const std::string& text) {
+  const bool is_quoted =
+      text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.find(text[0], 1) == text.size() - 1;
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 constexpr const char* kSeparators = " \t,;";
 
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   for (size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
     end = std::min(text.find_first_of(kSeparators, begin), text.size());
-    if (end > begin) words.push_back(text.substr(begin, end - begin));
+    if (end > begin) words.push_back(without_quotes(text.substr(begin, end - begin)));
   }
   return words;
 }
@@ -126,12 +133,13 @@ void take_first_image(Line* line) {
 // "time name": by any separator.
 void split_line(const std::string& text, Line* line) {
   const size_t end = text.find_first_of(kSeparators);
-  line->time = trimmed(text.substr(0, end));
+  line->time = without_quotes(trimmed(text.substr(0, end)));
   if (end == std::string::npos) return;
   line->name = text.substr(end + 1);
   join_decimal_comma(line, text[end]);
-  line->name = trimmed(line->name);
+  line->name = without_quotes(trimmed(line->name));
   take_first_image(line);
+  std::replace(line->name.begin(), line->name.end(), '\\', '/');  // as Windows writes paths
 }
 
 std::vector<std::string> all(const std::vector<Line>& lines, std::string Line::*member) {
@@ -151,15 +159,13 @@ void add_malformed(FileList* list, int line, const std::string& problem) {
 
 std::vector<Line> read_lines(FileList* list, const LineParser& parse) {
   std::vector<Line> lines;
-  std::ifstream stream(list->source);
-  if (!stream) {
-    const std::string why = why_unreadable(list->source);
-    list->error = fmt::format("{}: {}", list->source.string(), why.empty() ? "cannot be read" : why);
+  TextLines stream(list->source);
+  if (!stream.error().empty()) {
+    list->error = fmt::format("{}: {}", list->source.string(), stream.error());
     return lines;
   }
   std::string text;
-  for (int number = 1; std::getline(stream, text); ++number) {
-    if (number == 1 && text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);  // mark of UTF-8
+  for (int number = 1; stream.next(&text); ++number) {
     const std::string content = trimmed(text);
     if (content.empty() || content[0] == '#') continue;
     Line line;
@@ -325,43 +331,6 @@ FileList read_list(const fs::path& file, const fs::path& folder, const CameraOpt
   return list;
 }
 
-class FileListReader : public FrameReader {
- public:
-  FileListReader(FileList list, std::optional<GreyRange> range) : list_(std::move(list)), range_(range) {
-    for (const FileList::Entry& entry : list_.entries) utimes_.push_back(entry.utime_us);
-  }
-
-  const std::vector<int64_t>& utimes() const override { return utimes_; }
-  std::string why_no_times() const override { return list_.why_no_times; }
-  std::string where(size_t frame) const override {
-    const FileList::Entry& entry = list_.entries[frame];
-    return entry.line == 0 ? entry.file.string() : fmt::format("{}:{}", list_.source.string(), entry.line);
-  }
-  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
-    const fs::path& file = list_.entries[frame].file;
-    std::optional<image_t> image = load_image_file(
-        file, colour, [this] { return range(); }, error);
-    if (!image) *error = file.string() + ": " + *error;
-    return image;
-  }
-  Malformed malformed() const override { return list_.malformed; }
-  std::vector<std::string> notes() const override { return list_.notes; }
-
- private:
-  GreyRange range() {
-    if (range_) return *range_;
-    std::vector<fs::path> files;
-    for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
-    range_ = sample_grey_range(files);
-    tell_grey_range(list_.source.string(), *range_);
-    return *range_;
-  }
-
-  FileList list_;
-  std::vector<int64_t> utimes_;
-  std::optional<GreyRange> range_;
-};
-
 }  // namespace
 
 FileList read_tum_list(const fs::path& rgb_txt, const CameraOptions& options) {
@@ -401,6 +370,24 @@ std::string other_files(const fs::path& folder) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
+std::string recordings_in(const fs::path& folder) {
+  static const std::set<std::string> kExtensions = {
+      ".mp4", ".mov", ".mkv",  ".avi",  ".webm", ".m4v", ".mpg", ".mpeg",  ".ts",  ".mts", ".m2ts",  ".wmv",
+      ".flv", ".3gp", ".h264", ".h265", ".264",  ".265", ".ivf", ".mjpeg", ".lcm", ".log", ".lcmlog"};
+  std::vector<std::string> names;
+  std::error_code code, ignored;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const bool is_log = lower_extension(it->path()) != ".log" || is_lcm_log(it->path().string());
+    if (kExtensions.contains(lower_extension(it->path())) && it->is_regular_file(ignored) && is_log)
+      names.push_back(printable(it->path().filename().string()));
+  }
+  std::sort(names.begin(), names.end());
+  constexpr size_t kMostNamed = 4;
+  const size_t more = names.size() - std::min(names.size(), kMostNamed);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
 FileList list_image_folder(const fs::path& folder, const CameraOptions& options) {
   FileList list;
   list.source = folder;
@@ -423,10 +410,8 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   const auto without = static_cast<double>(std::count(found.times.begin(), found.times.end(), ""));
   if (without <= (1 - kMostHaveTimes) * static_cast<double>(names.size())) {
     for (size_t i = 0; i < lines.size(); ++i) lines[i].time = found.times[i];
-    if (!found.note.empty()) {
-      list.notes.push_back(found.note);
-      sort_by_time(&lines);
-    }
+    if (!found.note.empty()) list.notes.push_back(found.note);
+    if (found.have_another_order) sort_by_time(&lines);
     understand(&list, lines, folder, found.usual, needs_times(options));
     if (found.count_within_second)
       list.why_no_times = fmt::format("the names of the images count those of each second ('{}')", names.front());
@@ -440,10 +425,6 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   for (const Line& line : lines) list.entries.push_back({0, folder / line.name, 0});
   list.why_no_times = fmt::format("the names of the images give no times ('{}')", names.front());
   return list;
-}
-
-std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range) {
-  return std::make_unique<FileListReader>(std::move(list), grey_range);
 }
 
 }  // namespace rumi::camera_driver

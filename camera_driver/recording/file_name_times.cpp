@@ -78,7 +78,7 @@ std::string clock_in(const std::string& name) {
 }
 
 std::string seconds_in(const std::string& name) {
-  static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,})(?:[^0-9.]|$)");
+  static const std::regex form("(?:^|[^0-9.])([0-9]+\\.[0-9]{3,}|[0-9]{9,}\\.[0-9]+)(?:[^0-9.]|$)");
   const auto match = find(name, form);
   return match ? (*match)[1].str() : "";
 }
@@ -146,6 +146,18 @@ bool pass_midnight(std::vector<std::string>* times) {
 
 bool is_hexadecimal(char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }
 
+// As numbers in names they are then not in the order of their values: ".0333" comes behind ".1".
+bool have_unequal_decimals(const std::vector<std::string>& times) {
+  const auto decimals = [](const std::string& time) {
+    const size_t point = time.find('.');
+    return point == std::string::npos ? 0 : time.size() - point - 1;
+  };
+  const auto differs = [&](const std::string& a, const std::string& b) {
+    return !a.empty() && !b.empty() && decimals(a) != decimals(b);
+  };
+  return std::adjacent_find(times.begin(), times.end(), differs) != times.end();
+}
+
 // Without the ending, which may not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
@@ -156,7 +168,8 @@ FileNameTimes times_in_names(const std::vector<std::string>& names) {
   for (const std::string& name : names) best.times.push_back(counter_in(stem_of(name)));
   best.note = continue_sorted_32_bits(&best.times);
   best.usual = TimeUnit::kMicroseconds;
-  if (!best.note.empty()) return best;
+  best.have_another_order = !best.note.empty();
+  if (best.have_another_order) return best;
   best = {};
   size_t most = 0;
   bool are_of_a_day = false;
@@ -174,8 +187,10 @@ FileNameTimes times_in_names(const std::vector<std::string>& names) {
   }
   if (best.times.empty()) best.times.resize(names.size());
   best.count_within_second = decimals_count(best.times);
+  if (!best.count_within_second) best.note = give_decimals_their_zeros(&best.times);
   if (are_of_a_day && pass_midnight(&best.times))
     best.note = "the times in the names of its images pass midnight: those after it are of the next day";
+  best.have_another_order = !best.note.empty() || have_unequal_decimals(best.times);
   return best;
 }
 

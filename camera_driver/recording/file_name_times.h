@@ -13,11 +13,12 @@ struct FileNameTimes {
   std::vector<std::string> times;  // decimal numbers, one a name; empty: the name has none
   TimeUnit usual = TimeUnit::kSeconds;
   bool count_within_second = false;  // what looks like decimals counts the images of each second (_000, _001 ...)
-  std::string note;  // empty, or how times that begin anew are read: the names are then in another order
+  bool have_another_order = false;   // than the names: they have to be sorted
+  std::string note;                  // empty, or how odd times are read
 };
 
-// Of "1305031102.175304" (seconds, at least three decimals), "1403636579763555584" (seconds to nanoseconds, at least
-// ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
+// Of "1305031102.175304" (seconds, at least three decimals, or nine digits before them), "1403636579763555584" (seconds
+// to nanoseconds, at least ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
 // "10-15-00.250" (of a day), with anything before and after.
 // What most of the names have. Times of a day that leave out more than half of it go on past midnight.
 FileNameTimes times_in_names(const std::vector<std::string>& names);

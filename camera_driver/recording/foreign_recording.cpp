@@ -57,16 +57,43 @@ bool is_output_folder(const fs::path& folder) {
          !has("calibration.yaml");
 }
 
+// Archives, and files that only stand for others.
+std::string advice_on_container(const fs::path& file, const std::string& beginning) {
+  using namespace std::string_literals;
+  if (beginning.starts_with("version https://git-lfs"))
+    return "is a pointer of Git LFS, not the recording: run `git lfs pull` where it was cloned";
+  struct Packed {
+    std::string beginning;
+    const char* how;
+  };
+  const bool is_tar = fs::path(file).stem().extension() == ".tar" || extension_of(file) == ".tgz";
+  const std::array packed = {
+      Packed{"\x1F\x8B"s, is_tar ? "tar xf" : "gunzip -k"},
+      Packed{"PK\x03\x04"s, "unzip"},
+      Packed{"BZh"s, is_tar ? "tar xf" : "bunzip2 -k"},
+      Packed{"\xFD\x37zXZ"s, is_tar ? "tar xf" : "unxz -k"},
+      Packed{"\x28\xB5\x2F\xFD"s, "unzstd"},
+      Packed{"7z\xBC\xAF"s, "7z x"},
+      Packed{"Rar!"s, "unrar x"},
+  };
+  for (const Packed& kind : packed)
+    if (beginning.starts_with(kind.beginning))
+      return fmt::format("is packed: unpack it (`{} {}`) and give what was in it", kind.how, file.string());
+  if (extension_of(file) == ".tar")
+    return fmt::format("is packed: unpack it (`tar xf {}`) and give what was in it", file.string());
+  return {};
+}
+
 // By the beginnings of the files, whatever their names are.
 std::string advice_on_file(const fs::path& file) {
   using namespace std::string_literals;
-  const std::string beginning = beginning_of(file, 16), extension = extension_of(file);
+  const std::string beginning = beginning_of(file, 32), extension = extension_of(file);
   if (beginning.starts_with("#ROSBAG") || (extension == ".bag" && beginning.starts_with("#ROSRECORD")))
     return advice_on_ros1();
   if (beginning.starts_with("\x89MCAP")) return advice_on_ros2("an MCAP file (a ROS 2 bag)");
-  if (extension == ".db3" || (extension == ".sqlite3" && beginning == "SQLite format 3\0"s))
+  if (extension == ".db3" || (extension == ".sqlite3" && beginning.starts_with("SQLite format 3\0"s)))
     return advice_on_ros2("a ROS 2 bag (SQLite)");
-  if (beginning == "SQLite format 3\0"s) return fmt::format("is a database and no recording; {}", kAdviceOnMaps);
+  if (beginning.starts_with("SQLite format 3\0"s)) return fmt::format("is a database and no recording; {}", kAdviceOnMaps);
   if (extension == ".bag") return advice_on_ros1();
   if (extension == ".mcap") return advice_on_ros2("an MCAP file (a ROS 2 bag)");
   struct Other {
@@ -83,10 +110,66 @@ std::string advice_on_file(const fs::path& file) {
     if (extension == other.extension)
       return fmt::format("is {}, which is not read: {}; give that folder or video, with --camera FILE", other.what,
                          other.how);
-  return {};
+  return advice_on_container(file, beginning);
+}
+
+uint64_t big_endian(const std::string& bytes, size_t at, size_t count) {
+  uint64_t value = 0;
+  for (size_t i = at; i < at + count && i < bytes.size(); ++i)
+    value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  return value;
+}
+
+// Of the boxes that an MP4 or MOV file consists of. False also if it is no such file.
+bool lacks_index(const fs::path& file) {
+  constexpr size_t kHeadBytes = 16, kLeastBytes = 8;
+  constexpr int kMostBoxes = 100'000;
+  std::ifstream in(file, std::ios::binary);
+  uint64_t at = 0;
+  std::string head(kHeadBytes, '\0');
+  for (int box = 0; box < kMostBoxes; ++box) {
+    in.seekg(static_cast<std::streamoff>(at));
+    in.read(head.data(), static_cast<std::streamsize>(kHeadBytes));
+    const auto got = static_cast<size_t>(std::max<std::streamsize>(0, in.gcount()));
+    const std::string name = head.substr(4, 4);
+    if (box == 0 && (got < kLeastBytes || name != "ftyp")) return false;
+    if (got < kLeastBytes) return true;
+    if (name == "moov") return false;
+    const uint64_t size = big_endian(head, 0, 4);
+    const uint64_t length = size == 1 ? big_endian(head, 8, 8) : size;
+    constexpr uint64_t kMostBytes = uint64_t{1} << 60;
+    if (length < kLeastBytes || length > kMostBytes) return true;  // up to the end of the file, or of none
+    at += length;
+    in.clear();
+  }
+  return true;
 }
 
 }  // namespace
+
+std::string why_no_video(const fs::path& file) {
+  if (!lacks_index(file)) return {};
+  return "was never closed: its index (`moov`) is missing, because the recorder was stopped or the copy broken off; "
+         "copy or record it again (`untrunc` can mend it with the help of a good video of the same camera)";
+}
+
+std::string advice_on_input(const std::string& input) {
+  if (input == "-") return "is a pipe, which is not read: write what comes from it into a file, and give that";
+  if (const size_t at = input.find("://"); at != std::string::npos && at > 1 && input.find('/') == at + 1)
+    return input.starts_with("file://")
+               ? "is an address: give the path behind file:// alone"
+               : fmt::format(
+                     "is an address, which is not read: record it, as with `ffmpeg -i {} -c copy FILE.mkv`, "
+                     "and give that file",
+                     input);
+  const std::string name = fs::path(input).filename().string();
+  const size_t percent = name.find('%');
+  const size_t letter = percent == std::string::npos ? percent : name.find_first_not_of("0123456789", percent + 1);
+  if ((letter != std::string::npos && name[letter] == 'd') || name.find_first_of("*?") != std::string::npos)
+    return "is a pattern, which is not read: give the folder; its images are played in the order of their numbers, and "
+           "--set camera_driver.files=PATTERN (with * and ?) chooses some of them";
+  return {};
+}
 
 std::string advice_on_foreign_recording(const fs::path& path) {
   std::error_code ignored;

@@ -7,6 +7,7 @@
 #include <array>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <string_view>
 
 #include "base/file_access.h"
 #include "bus/wire/image_codec.h"
@@ -20,6 +21,11 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
 constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
+
+bool is_lfs_pointer(const std::vector<uint8_t>& bytes) {
+  constexpr std::string_view kMark = "version https://git-lfs";
+  return bytes.size() > kMark.size() && std::equal(kMark.begin(), kMark.end(), bytes.begin());
+}
 
 std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string* error) {
   std::error_code code;
@@ -42,6 +48,10 @@ std::optional<std::vector<uint8_t>> read_file(const fs::path& file, std::string*
   }
   if (bytes.empty()) {
     *error = "is empty";
+    return std::nullopt;
+  }
+  if (is_lfs_pointer(bytes)) {
+    *error = "is a pointer of Git LFS, not the image: run `git lfs pull` where it was cloned";
     return std::nullopt;
   }
   return bytes;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "bus/wire/image_codec.h"
+#include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/video_decoder.h"
 #include "camera_driver/recording/video_times.h"
@@ -116,6 +117,8 @@ class VideoReader : public FrameReader {
 
 OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range) {
   auto reader = std::make_unique<VideoReader>(file.string(), grey_range);
+  if (const std::string why = reader->opened() ? "" : why_no_video(file); !why.empty())
+    return {nullptr, fmt::format("{}: {}", file.string(), why)};
   if (!reader->opened())
     return {nullptr, fmt::format("{}: is neither an lcm log nor a video that can be decoded; give a dataset folder, an "
                                  "image folder, a video or an lcm log",

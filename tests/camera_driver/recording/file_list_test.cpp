@@ -101,6 +101,32 @@ TEST_F(FileLists, TimesBesideTheImagesThatDoNotFitAreNamed) {
   EXPECT_THAT(list_image_folder(folder_.path(), {}).notes, ElementsAre(HasSubstr("times.txt is not used")));
 }
 
+TEST_F(FileLists, ListsOfOtherSystemsAreRead) {
+  for (const char* text : {"1.0 rgb/a.png\r1.1 rgb/b.png\r", "1.0 rgb\\a.png\r\n1.1 rgb\\b.png\r\n",
+                           "1.0 \"rgb/a.png\"\n1.1 'rgb/b.png'\n", "\"1.0\",\"rgb/a.png\"\n\"1.1\",\"rgb/b.png\"\n",
+                           "1.0 \"rgb/a.png\" \"depth/a.png\"\n1.1 \"rgb/b.png\" \"depth/b.png\"\n",
+                           "\xEF\xBB\xBF"
+                           "1.0 .\\rgb\\a.png\n1.1 .\\rgb\\b.png"}) {
+    const FileList list = tum(text);
+    EXPECT_EQ(list.error, "") << text;
+    EXPECT_EQ(list.malformed.count, 0) << text;
+    ASSERT_EQ(list.entries.size(), 2u) << text;
+    EXPECT_EQ(list.entries[1].file.lexically_normal(), folder_.path() / "rgb/b.png") << text;
+    EXPECT_EQ(list.entries[1].line, 2) << text;
+  }
+  EXPECT_THAT(names(tum("1.0 \"the left 1.png\"\n")), ElementsAre("the left 1.png"));
+  EXPECT_THAT(tum("\xFF\xFE"
+                  "1.0 a.png")
+                  .error,
+              AllOf(HasSubstr("rgb.txt: is text in UTF-16"), HasSubstr("iconv")));
+}
+
+TEST_F(FileLists, PointersOfGitLfsSayHowToGetTheImages) {
+  folder_.write("1.jpg", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+  write(folder_ / "calibration.yaml", kCalibration);
+  EXPECT_THAT(error_of(), HasSubstr("git lfs pull"));
+}
+
 TEST_F(FileLists, ANameMayHaveSpaces) {
   const FileList list = tum("1.0 the left 1.png\n1.1 the left 2.png\n");
   EXPECT_THAT(names(list), ElementsAre("the left 1.png", "the left 2.png"));
@@ -156,6 +182,19 @@ TEST_F(FileLists, DecimalsWithoutLeadingZerosAreCounts) {
   const FileList list = tum("5.0 a.png\n5.33333 b.png\n5.66666 c.png\n5.100000 d.png\n5.133333 e.png\n");
   EXPECT_THAT(times(list), ElementsAre(5000000, 5033333, 5066666, 5100000, 5133333));
   EXPECT_THAT(list.notes, ElementsAre(HasSubstr("counts without leading zeros")));
+  for (const char* count : {"0", "33333", "66666", "100000", "133333"}) image(fmt::format("1400000000.{}.png", count));
+  EXPECT_THAT(times(list_image_folder(folder_.path(), {})),
+              ElementsAre(1400000000000000, 1400000000033333, 1400000000066666, 1400000000100000, 1400000000133333));
+}
+
+TEST_F(FileLists, NamesWithoutTrailingZerosAreInTheOrderOfTheirTimes) {
+  for (const char* time : {"5.9333", "5.9666", "6.0", "6.0333", "6.0666", "6.1", "6.1333"})
+    image(fmt::format("140000000{}.png", time));
+  const FileList list = list_image_folder(folder_.path(), {});
+  const std::vector<int64_t> played = times(list);
+  EXPECT_EQ(played.size(), 7u);
+  EXPECT_TRUE(std::is_sorted(played.begin(), played.end()));
+  EXPECT_THAT(list.notes, IsEmpty());
 }
 
 TEST_F(FileLists, AFolderWhoseTimesPassMidnightIsPlayedInTheirOrder) {
@@ -171,6 +210,14 @@ TEST_F(FileLists, AFolderOfOtherFilesSaysWhichAndWhatIsRead) {
   EXPECT_EQ(other_files(folder_.path()), "1 without an ending, 2 .gif, 1 .heic");
   EXPECT_THAT(error_of(), AllOf(HasSubstr("2 .gif"), HasSubstr("JPEG, PNG, BMP, TIFF, PGM, PPM or WebP"),
                                 HasSubstr("convert them")));
+}
+
+TEST_F(FileLists, AFolderSaysWhichOfItsFoldersAndFilesToGive) {
+  image("images/front/camera/1.png");
+  EXPECT_THAT(error_of(), HasSubstr("images are in its folders images/front/camera: give one of them"));
+  EXPECT_THAT(error_of("images"), HasSubstr("front/camera"));
+  for (const char* name : {"b.MP4", "a.lcm", "notes.log"}) folder_.write(name, "x");
+  EXPECT_THAT(error_of(), AllOf(HasSubstr("in it are a.lcm, b.MP4: give the file itself"), Not(HasSubstr("mogrify"))));
 }
 
 TEST_F(FileLists, EurocWithoutItsListIsPlayedByTheNamesOfItsImages) {

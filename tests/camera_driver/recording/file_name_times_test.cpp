@@ -16,6 +16,7 @@ struct Example {
 TEST(FileNameTimes, AreFoundInEveryForm) {
   for (const Example& e : {
            Example{"1305031102.175304.png", "1305031102.175304", TimeUnit::kSeconds},
+           Example{"1305031102.0.png", "1305031102.0", TimeUnit::kSeconds},
            Example{"rgb_12.500.png", "12.500", TimeUnit::kSeconds},
            Example{"1403636579763555584.png", "1403636579763555584", TimeUnit::kNanoseconds},
            Example{"cam0_1403636579763555584_left.png", "1403636579763555584", TimeUnit::kNanoseconds},

@@ -17,6 +17,8 @@ using ::testing::HasSubstr;
 
 constexpr const char* kMark = "\xED\xA1\xDA\x01";  // begins an event
 
+std::string calibration(int fx) { return fmt::format("fx: {}\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n", fx); }
+
 class LogFrames : public ::testing::Test {
  protected:
   LogFrames() { testing::write(folder_ / "calibration.yaml", kCalibration); }
@@ -80,6 +82,24 @@ TEST_F(LogFrames, GoOnBehindDamage) {
   }
 }
 
+TEST_F(LogFrames, AreFoundWhereTheBeginningIsMissing) {
+  write_log(40);
+  testing::write(file_, read(file_).substr(5000));
+  EXPECT_EQ(play().size(), 38u);
+  EXPECT_EQ(skipped_.malformed, 1);
+}
+
+TEST_F(LogFrames, OfAnotherSizeAreKeptWhereTheirCalibrationIsOfIt) {
+  change_ = [](int i, image_t* image) {
+    if (i >= 15) *image = make_grey_image(image->utime, picture(i, 32, 24));
+    set_metadata(image, kCalibrationKey,
+                 i < 15 ? calibration(50) : "fx: 25\nfy: 25\ncx: 16\ncy: 12\nwidth: 32\nheight: 24\n");
+  };
+  write_log(30);
+  EXPECT_EQ(play().size(), 30u);
+  EXPECT_EQ(skipped_.total(), 0);
+}
+
 TEST_F(LogFrames, BehindMuchDamageCountAsLost) {
   write_log(100);
   std::string bytes = read(file_);
@@ -89,8 +109,6 @@ TEST_F(LogFrames, BehindMuchDamageCountAsLost) {
   EXPECT_EQ(play().size(), 80u);
   EXPECT_GE(skipped_.malformed, 15);
 }
-
-std::string calibration(int fx) { return fmt::format("fx: {}\nfy: 51\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n", fx); }
 
 TEST_F(LogFrames, OfTwoCamerasInTurnAreThoseOfTheFirst) {
   change_ = [](int i, image_t* image) {

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include "base/log.h"
+#include "camera_driver/recording/exif.h"
+#include "camera_driver/recording/file_list.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileListReader : public FrameReader {
+ public:
+  FileListReader(FileList list, std::optional<GreyRange> range) : list_(std::move(list)), range_(range) {
+    for (const FileList::Entry& entry : list_.entries) utimes_.push_back(entry.utime_us);
+  }
+
+  const std::vector<int64_t>& utimes() const override { return utimes_; }
+  std::string why_no_times() const override { return list_.why_no_times; }
+  std::string where(size_t frame) const override {
+    const FileList::Entry& entry = list_.entries[frame];
+    return entry.line == 0 ? entry.file.string() : fmt::format("{}:{}", list_.source.string(), entry.line);
+  }
+  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+    const fs::path& file = list_.entries[frame].file;
+    std::optional<image_t> image = load_image_file(
+        file, colour, [this] { return range(); }, error);
+    if (!image) *error = file.string() + ": " + *error;
+    if (image && image->pixelformat == image_t::PIXEL_FORMAT_MJPEG)
+      tell_orientation(file, exif_orientation(image->data));
+    return image;
+  }
+  Malformed malformed() const override { return list_.malformed; }
+  std::vector<std::string> notes() const override { return list_.notes; }
+
+ private:
+  GreyRange range() {
+    if (range_) return *range_;
+    std::vector<fs::path> files;
+    for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
+    range_ = sample_grey_range(files);
+    tell_grey_range(list_.source.string(), *range_);
+    return *range_;
+  }
+
+  // Images are tracked as they are stored.
+  void tell_orientation(const fs::path& file, int orientation) {
+    if (orientation != orientation_ && orientation_ != 0 && !is_turn_told_) {
+      log_warning(
+          "{}: from here on the camera was held another way (EXIF orientation {} instead of {}), which is ignored: the "
+          "images are those of another camera, play them by themselves",
+          file.string(), orientation, orientation_);
+      is_turn_told_ = true;
+    } else if (orientation != 1 && orientation_ == 0) {
+      log_warning(
+          "{}: its EXIF orientation, {}, is ignored: images are played as they are stored, and so must be the "
+          "calibration",
+          file.string(), orientation);
+    }
+    orientation_ = orientation;
+  }
+
+  FileList list_;
+  int orientation_ = 0;  // of the last JPEG; 0: there was none
+  bool is_turn_told_ = false;
+  std::vector<int64_t> utimes_;
+  std::optional<GreyRange> range_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range) {
+  return std::make_unique<FileListReader>(std::move(list), grey_range);
+}
+
+}  // namespace rumi::camera_driver
