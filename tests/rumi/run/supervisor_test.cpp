@@ -150,6 +150,15 @@ TEST_F(SupervisorTest, GivesUpAtOnceWhereStartingAgainWouldNotHelp) {
   EXPECT_EQ(restarts_, 0);
 }
 
+TEST_F(SupervisorTest, WhatWouldFailAgainIsNotStartedAgainAndItsWordsAreTheReason) {
+  Supervised source = shell("camera", "echo hello; echo '10:15:00.123 camera error a.mp4: is no video' >&2; exit 1");
+  source.source = source.fails_once = true;
+  EXPECT_EQ(run({source, shell("server", "sleep 10")}), "camera: a.mp4: is no video");
+  EXPECT_EQ(restarts_, 0);
+  source.command.back() = "exit 1";
+  EXPECT_EQ(run({source}), "camera ended with exit code 1");
+}
+
 TEST_F(SupervisorTest, SaysThatAnExecutableIsMissing) {
   EXPECT_EQ(run({{"server", {"/no/such/file"}, false, 0}}),
             "server cannot be started: /no/such/file: cannot be executed: No such file or directory");
