@@ -372,12 +372,12 @@ TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
   Supervisor::Hooks hooks;
   std::string failed, missing, killed;
   hooks.before_stop = [&] {
-    failed = supervisor.run_beside(shell("snapshot", "exit 3"), at_once_);
+    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_);
     missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_);
     killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_);
   };
   EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
-  EXPECT_EQ(failed, "snapshot ended with exit code 3");
+  EXPECT_EQ(failed, "snapshot ended with exit code 4");
   EXPECT_THAT(missing, HasSubstr("snapshot cannot be started: /no/such/file"));
   EXPECT_THAT(killed, HasSubstr("snapshot was killed"));
 }
