@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -65,7 +66,9 @@ Flag& Flag::one_of(const std::vector<std::string>& values) {
 }
 
 CommandLine::CommandLine(const std::string& summary, const std::string& program)
-    : own_(std::make_unique<CLI::App>(summary, program)), app_(own_.get()) {}
+    : own_(std::make_unique<CLI::App>(summary, program)), app_(own_.get()) {
+  std::signal(SIGXFSZ, SIG_IGN);
+}
 CommandLine::CommandLine(CLI::App* command) : app_(command) {}
 CommandLine::~CommandLine() = default;
 

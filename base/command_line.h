@@ -45,6 +45,8 @@ class Flag {
 
 class CommandLine {
  public:
+  // From now on what would exceed a limit of the size of files (`ulimit -f`) is an error of that file, as on a full
+  // disk, and not the end of the program.
   CommandLine(const std::string& summary, const std::string& program);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;

@@ -21,7 +21,15 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kHelpColumn = 46;  // where the help text starts
+constexpr size_t kHelpColumn = 46;    // where the help text starts
+constexpr size_t kMostLetters = 100;  // of a key in a message
+
+// One file is for all processes, each of which knows its own sections only.
+const std::set<std::string> kSectionsOfAll = {"up",        "camera_driver", "image",           "front_tracker",
+                                              "ruminator", "map_server",    "viewer_offscreen"};
+// At the top of the calibration of a camera.
+const std::set<std::string> kKeysOfCalibrations = {
+    "fx", "camera_matrix", "image_width", "intrinsics", "resolution", "model_type", "model", "cam0", "Camera"};
 
 // The whole text or nothing: "12abc" and "" are no numbers.
 template <class T>
@@ -32,6 +40,10 @@ bool parse_number(const std::string& text, T* value) {
 }
 
 std::string section_of(const std::string& key) { return key.substr(0, key.find('.')); }
+
+std::string shortened(const std::string& key) {
+  return fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
+}
 
 // As YAML reads it back. YAML::Emitter would put other bytes for those that are no UTF-8, and then a name from a disk
 // of an old Windows names nothing.
@@ -208,12 +220,26 @@ std::string OptionTable::assign_to(const Field& to, const Entry& entry, const st
 std::string OptionTable::unknown(const std::string& key) const {
   std::vector<std::string> keys;
   for (const Entry& entry : entries_) keys.push_back(entry.key);
-  constexpr size_t kMostLetters = 100;
-  const std::string shown = fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
+  const std::string shown = shortened(key);
   if (keys.empty()) return fmt::format("{}: unknown option; this program has none", shown);
   const std::string meant = key_meant_by(key, keys);
   if (meant.empty()) return fmt::format("{}: unknown option (`rumi config` and `rumi config --expert` list all)", shown);
   return fmt::format("{}: unknown option; did you mean {}?", shown, meant);
+}
+
+std::string OptionTable::unknown_section(const std::string& key) const {
+  const std::string section = section_of(key);
+  if (kKeysOfCalibrations.contains(section))
+    return fmt::format(
+        "{}: is of a camera's calibration, and options are expected here: give a calibration with --camera FILE",
+        shortened(key));
+  const bool lacks_section = std::any_of(entries_.begin(), entries_.end(),
+                                         [&key](const Entry& entry) { return entry.key.ends_with("." + key); });
+  if (lacks_section) return unknown(key);
+  std::set<std::string> known = kSectionsOfAll;
+  for (const Entry& entry : entries_) known.insert(section_of(entry.key));
+  return fmt::format("{}: there is no section {}; did you mean {}?", shortened(key), shortened(section),
+                     nearest_word(section, {known.begin(), known.end()}));
 }
 
 std::string OptionTable::load_yaml(const std::string& file) {
@@ -230,11 +256,15 @@ std::string OptionTable::load_yaml(const std::string& file) {
 std::string OptionTable::load_yaml_text(const std::string& text, const std::string& name_for_errors) {
   std::vector<FlatValue> values;
   try {
-    const YAML::Node root = YAML::Load(text);
-    if (root.IsNull()) return "";
     Extent extent;
-    const std::string problem = flatten(root, "", &extent, &values);
-    if (!problem.empty()) return name_for_errors + ": " + problem;
+    for (const YAML::Node& document : YAML::LoadAll(text)) {
+      if (document.IsNull()) continue;
+      if (extent.nodes > 0)
+        return fmt::format("{}:{}: a second document begins here (behind `---`): remove it, or make one of both",
+                           name_for_errors, document.Mark().line + 1);
+      const std::string problem = flatten(document, "", &extent, &values);
+      if (!problem.empty()) return name_for_errors + ": " + problem;
+    }
   } catch (const YAML::Exception& e) {
     return fmt::format("{}:{}: not valid YAML: {}", name_for_errors, e.mark.line + 1, e.msg);
   }
@@ -243,9 +273,12 @@ std::string OptionTable::load_yaml_text(const std::string& text, const std::stri
   for (const Entry& entry : entries_) sections.insert(section_of(entry.key));
   for (const bool apply : {false, true}) {
     for (const FlatValue& value : values) {
-      if (!sections.contains(section_of(value.key))) continue;
+      const bool is_own = sections.contains(section_of(value.key));
+      if (!is_own && kSectionsOfAll.contains(section_of(value.key))) continue;
       const Entry* entry = find(value.key);
-      std::string problem = entry ? assign(*entry, value.text, apply) : unknown(value.key);
+      std::string problem = entry    ? assign(*entry, value.text, apply)
+                            : is_own ? unknown(value.key)
+                                     : unknown_section(value.key);
       // An empty section (`map_server:` with all its lines commented out) says nothing and harms nothing.
       if (value.is_empty && sections.contains(value.key)) problem.clear();
       if (problem.empty() && !apply && !seen.insert(value.key).second) problem = value.key + ": given twice";

@@ -31,8 +31,8 @@ class OptionTable {
   void for_users(const std::vector<std::string>& keys);
 
   // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an
-  // unknown one). Nothing is changed by a file that has an error. Sections that this table knows nothing of are
-  // accepted, unknown keys in a known section are not.
+  // unknown one). Nothing is changed by a file that has an error. Sections of other processes are accepted; those of
+  // none, and unknown keys in a section of this table, are not.
   std::string load_yaml(const std::string& file);
   std::string load_yaml_text(const std::string& text, const std::string& name_for_errors);
   // "KEY=VALUE", or what by_flag() made.
@@ -62,6 +62,7 @@ class OptionTable {
   static std::string assign_to(const Field& field, const Entry& entry, const std::string& text, bool apply);
   const Entry* find(const std::string& key) const;
   std::string unknown(const std::string& key) const;
+  std::string unknown_section(const std::string& key) const;
   std::string range_text(const Entry& entry) const;
   std::string describe(const Entry& entry) const;
   void insert(Entry entry);

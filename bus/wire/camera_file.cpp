@@ -54,6 +54,7 @@ std::string check(const FileCamera& read, const std::string& file) {
     return fmt::format("{}: {}; correct it there", which, wrong);
   if (!(read.camera.fps >= 0 && read.camera.fps <= 1e5))
     return fmt::format("{}: fps is {:.6g}: must be 0 (unknown) to 100000 images per second", which, read.camera.fps);
+  if (const std::string fold = fold_of(read.camera); !fold.empty()) return fmt::format("{}: {}", which, fold);
   return "";
 }
 

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 #include "base/command_line.h"
 #include "base/exit_codes.h"
@@ -19,6 +20,7 @@
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 #include "camera_driver/flags.h"
+#include "camera_driver/open_source.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/output_folder.h"
@@ -37,6 +39,7 @@ namespace fs = std::filesystem;
 struct Arguments {
   std::string first, second;  // CONFIG, INPUT, or one of them
   std::string config, input, snapshot;
+  std::optional<std::string> asked_snapshot;
   UpOptions up;  // what flags say; empty: nothing
   std::vector<std::string> settings;
   std::vector<std::string> camera_settings;  // by flags, for a camera_driver
@@ -123,6 +126,7 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
     add("camera_driver", 0, {up.input});
     children.back().source = true;
     children.back().reloads = true;
+    children.back().fails_once = !camera_driver::is_camera(up.input);  // a camera may be plugged in again
   }
   return children;
 }
@@ -188,6 +192,8 @@ bool is_yaml(const std::string& name) {
 
 // CONFIG and INPUT, of which each may be left out. What is wrong, or an empty string.
 std::string sort_out(Arguments* arguments) {
+  arguments->snapshot = arguments->asked_snapshot.value_or("");
+  if (arguments->asked_snapshot && arguments->snapshot.empty()) return "--output is empty: give a folder";
   for (const std::string& name : {arguments->first, arguments->second}) {
     if (name.empty()) continue;
     std::string& meant = is_yaml(name) ? arguments->config : arguments->input;
@@ -250,6 +256,8 @@ int up(Arguments& arguments) {
   listen_to_signals();
   start_logging("rumi", false, /*quiet=*/true);
   try {
+    if (!arguments.snapshot.empty())
+      if (const std::string why = check_output_folder(arguments.snapshot); !why.empty()) throw std::runtime_error(why);
     if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
     tell_of_map(options, arguments.fresh);
     warn_of_little_space(options.map_server.database);
@@ -306,7 +314,7 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
       ->type_name("KEY=VALUE")
       .one_each();
   command
-      ->add_option("-o,--output,--snapshot", arguments->snapshot,
+      ->add_option("-o,--output,--snapshot", arguments->asked_snapshot,
                    "write the outputs of `rumi replay` into this folder at the end")
       ->type_name("FOLDER");
   command->add_flag("--fresh", arguments->fresh,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,6 +22,13 @@ int64_t median_period_us(const std::vector<TimedPose>& poses) {
   return median(&periods);
 }
 
+// Of the box that holds the path, corner to corner.
+double extent(const std::vector<TimedPose>& path) {
+  Eigen::AlignedBox3d box;
+  for (const TimedPose& pose : path) box.extend(pose.map_from_cam.translation);
+  return path.empty() ? 0 : box.sizes().norm();
+}
+
 double rmse(const std::vector<double>& values) {
   double sum = 0;
   for (double v : values) sum += v * v;
@@ -32,6 +40,13 @@ double rmse_after(const Sim3& truth_from_estimate, const std::vector<Eigen::Vect
   std::vector<double> distances;
   for (size_t i = 0; i < truth.size(); ++i) distances.push_back((truth_from_estimate * estimate[i] - truth[i]).norm());
   return rmse(distances);
+}
+
+// Of what does not move neither size nor direction is known.
+bool is_one_place(const std::vector<Eigen::Vector3d>& places) {
+  constexpr double kSmallest = 1e-6;  // of a path, m
+  return std::all_of(places.begin(), places.end(),
+                     [&places](const Eigen::Vector3d& place) { return (place - places[0]).norm() < kSmallest; });
 }
 
 // Compares the motion over the interval, from every pose that has another one that much later (a pose or so more does
@@ -99,15 +114,26 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
     actual.push_back(truth[t].map_from_cam.translation);
   }
   for (size_t i = 1; i < actual.size(); ++i) metrics.path_m += (actual[i] - actual[i - 1]).norm();
+  if (is_one_place(actual)) {
+    metrics.reason = fmt::format(
+        "the truth of all {} poses is one and the same place: did the tracker stand still, or are these other columns?",
+        pairs.size());
+    return metrics;
+  }
   const std::optional<Sim3> similarity = umeyama(estimated, actual, true);
   const std::optional<Sim3> rigid = umeyama(estimated, actual, false);
   if (!similarity || !rigid) {
     metrics.reason = fmt::format("{} poses that all are in one place cannot be aligned", pairs.size());
     return metrics;
   }
+  const double ate_m = rmse_after(*similarity, estimated, actual), rigid_m = rmse_after(*rigid, estimated, actual);
+  if (!std::isfinite(ate_m) || !std::isfinite(rigid_m)) {
+    metrics.reason = "some positions are too large to be computed with";
+    return metrics;
+  }
   metrics.truth_from_estimate = *similarity;
-  metrics.ate_rmse_m = rmse_after(*similarity, estimated, actual);
-  metrics.ate_se3_rmse_m = rmse_after(*rigid, estimated, actual);
+  metrics.ate_rmse_m = ate_m;
+  metrics.ate_se3_rmse_m = rigid_m;
   for (size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Vector3d aligned = *similarity * estimated[i];
     metrics.errors.push_back({estimate[pairs[i].first].utime_us, aligned, actual[i], (aligned - actual[i]).norm()});
@@ -150,7 +176,9 @@ RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std
     if (error.distance_m <= options.true_distance_m) true_frames += static_cast<int>(times.count(error.utime_us));
   }
   const bool is_known = metrics.map.truth_from_estimate || map.empty();
-  if (is_known && may_be_true > 0) metrics.true_rate = std::min(1.0, true_frames / may_be_true);
+  // Where all of the truth is as near as that, every pose is.
+  const bool tells_anything = extent(truth) > options.true_distance_m;
+  if (is_known && tells_anything && may_be_true > 0) metrics.true_rate = std::min(1.0, true_frames / may_be_true);
 
   std::set<int64_t> in_a_submap;
   for (const auto& submap : submaps) {

@@ -162,6 +162,11 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   evaluation->run = evaluate_run(map.poses, submaps, frames.frames, truth.poses, metric_options, images);
   const RunMetrics& metrics = evaluation->run;
   evaluation->notes = truth.notes;
+  if (metrics.map.ate_rmse_m && metrics.frames_with_truth > 0 && !metrics.true_rate)
+    evaluation->notes.push_back(
+        fmt::format("all of the truth lies within {:g} m, so that true_rate would tell nothing: ask with a smaller "
+                    "--true-distance",
+                    metric_options.true_distance_m));
   if (const std::string doubt = doubt_about_unit(truth.poses); !doubt.empty()) evaluation->notes.push_back(doubt);
   if (map.skipped_lines > 0)
     evaluation->notes.push_back(fmt::format(

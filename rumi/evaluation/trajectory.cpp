@@ -76,8 +76,10 @@ std::optional<TimedPose> parse_pose(const std::string& line) {
   if (!v) return std::nullopt;
   const Eigen::Quaterniond q((*v)[7], (*v)[4], (*v)[5], (*v)[6]);
   const int64_t utime_us = to_us((*v)[0]);
+  const Eigen::Vector3d position((*v)[1], (*v)[2], (*v)[3]);
   if (std::abs(q.norm() - 1.0) > 0.01 || !is_time(utime_us)) return std::nullopt;
-  return TimedPose{utime_us, SE3(q, {(*v)[1], (*v)[2], (*v)[3]})};
+  if (position.cwiseAbs().maxCoeff() > kLargestPosition) return std::nullopt;
+  return TimedPose{utime_us, SE3(q, position)};
 }
 
 }  // namespace

@@ -22,6 +22,10 @@ namespace fs = std::filesystem;
 
 constexpr double kLatestNumber = 1e8;  // as seconds three years; more is no number of an image
 
+constexpr const char* kColmap =
+    "is of a model of COLMAP, whose images.txt has the world as each camera sees it, and no times: write the cameras' "
+    "poses as TUM's lines (time tx ty tz qx qy qz qw), with the inverse of each";
+
 struct Unit {
   const char* name;
   double per_second;
@@ -94,7 +98,13 @@ class LineReader {
       if (!value) return std::nullopt;
       v[k] = *value;
     }
-    return v;
+    if (is_position(v)) return v;
+    return std::nullopt;
+  }
+  bool is_position(const Eigen::Vector3d& v) {
+    const bool is_one = v.cwiseAbs().maxCoeff() <= kLargestPosition;
+    if (!is_one) why_ = fmt::format("{:g}, {:g}, {:g} is no position", v.x(), v.y(), v.z());
+    return is_one;
   }
   std::optional<SE3> read_quaternion(const std::vector<std::string>& fields, const Eigen::Vector3d& position) {
     double q[4];
@@ -117,6 +127,7 @@ class LineReader {
     }
     const Eigen::Matrix3d r = m.leftCols<3>();
     const bool is_rotation = (r * r.transpose() - Eigen::Matrix3d::Identity()).norm() < 0.02 && r.determinant() > 0;
+    if (is_rotation && !is_position(m.col(3))) return std::nullopt;
     if (is_rotation) return SE3(r, m.col(3));
     why_ = "its matrix is no rotation";
     return std::nullopt;
@@ -156,6 +167,25 @@ double median_step(std::vector<RawPose> poses) {
   for (size_t i = 1; i < poses.size(); ++i)
     if (poses[i].time.value > poses[i - 1].time.value) steps.push_back(poses[i].time.value - poses[i - 1].time.value);
   return steps.empty() ? 0 : median(&steps);
+}
+
+// Numbers of the lines that lie alone, far from those before and behind them: where a tracker slipped for a moment.
+std::vector<int> lines_apart(const TruthTable& table, const std::vector<RawPose>& poses) {
+  constexpr double kUsualSteps = 100;  // it is so many of them away
+  std::vector<double> steps;
+  const auto distance = [&poses](size_t a, size_t b) {
+    return (poses[a].pose.translation - poses[b].pose.translation).norm();
+  };
+  for (size_t i = 1; i < poses.size(); ++i) steps.push_back(distance(i - 1, i));
+  if (steps.size() < 3) return {};
+  const double farthest = kUsualSteps * median(&steps);
+  std::vector<int> lines;
+  for (size_t i = 0; farthest > 0 && i < poses.size(); ++i) {
+    const size_t before = i > 0 ? i - 1 : 2, behind = i + 1 < poses.size() ? i + 1 : i - 2;
+    if (std::min(distance(i, before), distance(i, behind)) > farthest && distance(before, behind) < farthest)
+      lines.push_back(table.lines[poses[i].index].number);
+  }
+  return lines;
 }
 
 bool are_small_and_whole(const std::vector<RawPose>& poses) {
@@ -218,6 +248,15 @@ bool has_no_rotation(const TruthTable& table, const TruthColumns& columns) {
   });
 }
 
+// Lines of ten fields whose last one is the name of an image; those between them are of its points.
+bool are_images_of_colmap(const TruthTable& table) {
+  const auto is_image = [](const TruthLine& line) {
+    return line.fields.size() == 10 && !to_number(line.fields[9]) && line.fields[9].find('.') != std::string::npos;
+  };
+  const auto images = std::count_if(table.lines.begin(), table.lines.end(), is_image);
+  return images > 0 && 3 * static_cast<size_t>(images) >= table.lines.size();
+}
+
 class TruthReader {
  public:
   TruthReader(std::string file, const TruthOptions& options) : file_(std::move(file)), options_(options) {}
@@ -229,6 +268,7 @@ class TruthReader {
       const std::string why = why_unreadable(file_, "give the file of the true poses");
       return refuse(why.empty() ? "is no file that can be read" : why);
     }
+    if (are_images_of_colmap(*table)) return refuse(kColmap);
     if (table->lines.empty()) return refuse("holds no poses: give the file of the true poses");
     const bool has_names_of_euroc = std::any_of(table->names.begin(), table->names.end(), [](const std::string& name) {
       return name.find("_rs_") != std::string::npos;
@@ -241,6 +281,7 @@ class TruthReader {
     if (!columns) return refuse(problem);
     std::vector<RawPose> raw = read_lines(*table, &*columns);
     if (raw.empty()) return std::move(result_);
+    tell_of_jumps(lines_apart(*table, raw));
     set_times(*columns, table->lines.size(), raw);
     if (!result_.ok()) return std::move(result_);
     sort_by_time();
@@ -260,14 +301,16 @@ class TruthReader {
       return fs::exists(fs::path(file_) / "data.csv", code) ? "is a folder: give the data.csv in it"
                                                             : "is a folder: give the file of the true path in it";
     std::ifstream in(file_, std::ios::binary);
-    std::string head(16, '\0');
+    std::string head(500, '\0');
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<size_t>(in.gcount()));
     const auto begins = [&head](const char* sign) { return head.starts_with(sign); };
     if (begins("#ROSBAG") || begins("\x89MCAP") || begins("SQLite format"))
       return "is a bag of ROS: write its poses as TUM's lines (time tx ty tz qx qy qz qw), as evo_traj --save_as_tum "
              "does";
     if (begins("PK") || begins("\x93NUMPY")) return "is an archive, or a file of NumPy: write its poses as TUM's lines";
     if (begins("\xFF\xFE") || begins("\xFE\xFF")) return "is UTF-16 (as PowerShell writes it): save it as UTF-8";
+    if (head.find("IMAGE_ID") != std::string::npos || head.find("POINT3D_ID") != std::string::npos) return kColmap;
     if (begins("{")) return "is JSON: write its poses as TUM's lines (time tx ty tz qx qy qz qw)";
     return "";
   }
@@ -285,6 +328,14 @@ class TruthReader {
           fmt::format("{} of {} lines are no poses (first: {})", reader.skipped(), table.lines.size(), reader.first()));
     if (!result_.has_rotations) tell_of_positions(table, *columns);
     return raw;
+  }
+
+  void tell_of_jumps(const std::vector<int>& lines) {
+    if (lines.empty()) return;
+    note(fmt::format(
+        "{} of its positions {} more than 100 usual steps away from those before and behind (first: line {}): if the "
+        "tracker slipped there, remove such lines",
+        lines.size(), lines.size() == 1 ? "is" : "are", lines[0]));
   }
 
   void tell_of_positions(const TruthTable& table, const TruthColumns& columns) {

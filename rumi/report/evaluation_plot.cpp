@@ -5,6 +5,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -108,6 +111,10 @@ cv::Mat draw_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>&
 
 std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
                             const std::string& png_file) {
+  // The library does not say why.
+  errno = 0;
+  if (!std::ofstream(png_file, std::ios::app))
+    return fmt::format("{}: cannot be written ({})", png_file, std::strerror(errno));
   try {
     if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return "";
   } catch (const cv::Exception&) {

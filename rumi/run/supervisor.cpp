@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "base/exit_codes.h"
@@ -71,6 +72,13 @@ class Patience {
   int looks_ = 0, seen_at_work_ = 0;
 };
 
+// "10:15:00.123 camera_driver error a.mp4: ...": what follows the level.
+std::string without_log_head(const std::string& line) {
+  constexpr std::string_view kLevel = " error ";
+  const size_t level = line.find(kLevel);
+  return level == std::string::npos ? line : line.substr(level + kLevel.size());
+}
+
 }  // namespace
 
 Supervisor::Supervisor(std::vector<Supervised> processes, const SupervisorOptions& options, LineHandler on_line)
@@ -101,7 +109,8 @@ void Supervisor::drain(Process& process) {
     process.partial.append(buffer, static_cast<size_t>(n));
     size_t begin = 0;
     for (size_t end; (end = process.partial.find('\n', begin)) != std::string::npos; begin = end + 1) {
-      on_line_(process.what.name, process.partial.substr(begin, end - begin));
+      process.last_line = process.partial.substr(begin, end - begin);
+      on_line_(process.what.name, process.last_line);
     }
     process.partial.erase(0, begin);
     if (process.partial.size() > kLongestLine) {
@@ -128,7 +137,7 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
   if (!process.child || !process.child->has_ended()) return std::nullopt;
   const ChildEnd end = process.child->reap();  // and with it what it may have left behind, such as COLMAP
   drain(process);
-  if (!process.partial.empty()) on_line_(process.what.name, process.partial);
+  if (!process.partial.empty()) on_line_(process.what.name, process.last_line = process.partial);
   process.partial.clear();
   process.child.reset();
   not_all_ |= is_not_all(end);
@@ -139,6 +148,9 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
 std::string Supervisor::on_death(Process& process, const ChildEnd& end) {
   const std::string what = fmt::format("{} {}", process.what.name, end.describe());
   if (end.exited() && end.exit_code() == kNotAgain) return what + ": starting it again would not help";
+  if (end.exited() && process.what.fails_once)
+    return process.last_line.empty() ? what
+                                     : fmt::format("{}: {}", process.what.name, without_log_head(process.last_line));
   const auto now = Clock::now();
   process.failed_starts = now - process.started < options_.failed_start ? process.failed_starts + 1 : 0;
   if (process.failed_starts >= options_.max_failed_starts) {

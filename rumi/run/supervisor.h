@@ -21,6 +21,7 @@ struct Supervised {
   int stop_stage = 0;                // stages are stopped one after another, lowest first
   bool finishes = false;             // at the end of the source it is asked (SIGUSR1) to end when its work is done
   bool reloads = false;              // reads its options again when asked (SIGUSR2)
+  bool fails_once = false;           // when it ends with a failure, another start would end so, too
 };
 
 struct SupervisorOptions {
@@ -73,6 +74,7 @@ class Supervisor {
     Supervised what;
     std::optional<Child> child;  // while it runs
     std::string partial;         // a line without its end
+    std::string last_line;       // before that
     Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;

@@ -3,6 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "base/whole_file.h"
 
 namespace rumi {
 namespace {
@@ -28,6 +34,19 @@ class CommandLineTest : public testing::Test {
   std::string input_, output_;
   int every_ = 1;
 };
+
+TEST(CommandLineOfAProgram, AFileThatGrowsTooLargeIsAnErrorAndNotTheEnd) {
+  const auto write_too_much = [] {
+    const CommandLine app("a program", "rumi");
+    const rlimit limit{100, 100};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    WholeFile file(testing::TempDir() + "/too_large");
+    file.write(std::string(1000, 'x'));
+    std::fputs(file.commit().c_str(), stderr);
+    std::_Exit(7);
+  };
+  EXPECT_EXIT(write_too_much(), testing::ExitedWithCode(7), "too_large: File too large");
+}
 
 TEST_F(CommandLineTest, AMisspeltFlagHasTheNearOneBesideIt) {
   EXPECT_EQ(error({"replay", "in", "-o", "out", "--evry", "2"}),

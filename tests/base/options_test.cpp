@@ -76,7 +76,8 @@ TEST_F(OptionsTest, NothingToSetIsNoError) {
   EXPECT_EQ(load(""), "");
   EXPECT_EQ(load("# only a comment\n"), "");
   EXPECT_EQ(load("tracker:\n"), "");
-  EXPECT_EQ(load("another_program: {whatever: [1, 2]}\n"), "");
+  EXPECT_EQ(load("map_server: {whatever: [1, 2]}\nup:\n"), "") << "of another process";
+  EXPECT_EQ(load("---\n# nothing\n---\n"), "");
 }
 
 TEST_F(OptionsTest, ErrorsNameFileLineKeyValueAndRange) {
@@ -95,6 +96,27 @@ TEST_F(OptionsTest, AFileWithAnErrorChangesNothing) {
 TEST_F(OptionsTest, UnknownKeySuggestsTheNearest) {
   EXPECT_THAT(load("tracker: {keypiont: 70}\n"), HasSubstr("did you mean tracker.keypoints?"));
   EXPECT_THAT(table_.set("traker.ratio=0.5"), HasSubstr("did you mean tracker.ratio?"));
+}
+
+TEST_F(OptionsTest, ASectionOfNobodyIsAnError) {
+  EXPECT_THAT(load("tracker: {keypoints: 70}\ntrackr:\n  keypoints: 70\n"),
+              AllOf(HasSubstr("x.yaml:3: trackr.keypoints"), HasSubstr("did you mean tracker?")));
+  EXPECT_THAT(load("mapserver: {database: a.db}\n"), HasSubstr("did you mean map_server?")) << "of another process";
+  EXPECT_THAT(load("mapserver:\n"), HasSubstr("did you mean map_server?"));
+  EXPECT_THAT(load("keypoints: 70\n"), HasSubstr("did you mean tracker.keypoints?"));
+  EXPECT_EQ(o_.keypoints, Example().keypoints);
+}
+
+TEST_F(OptionsTest, ACalibrationIsNoFileOfOptions) {
+  for (const char* text : {"model: pinhole\nfx: 1\n", "fx: 525\nfy: 525\n", "camera_matrix: {data: [1]}\n",
+                           "cam0:\n  intrinsics: [1]\n", "Camera.fx: 500\n"})
+    EXPECT_THAT(load(text), HasSubstr("--camera FILE")) << text;
+}
+
+TEST_F(OptionsTest, ASecondDocumentIsAnError) {
+  EXPECT_THAT(load("tracker:\n  keypoints: 70\n---\ntracker:\n  keypoints: 80\n"),
+              AllOf(HasSubstr("x.yaml:4: a second document"), HasSubstr("remove it")));
+  EXPECT_EQ(load("---\ntracker: {keypoints: 70}\n...\n"), "");
 }
 
 TEST_F(OptionsTest, AKeyOfAMegabyteIsNotComparedLetterByLetter) {
@@ -157,7 +179,7 @@ TEST_F(OptionsTest, AnchorsDoNotMakeAFileEndless) {
     groups += "}\n";
   }
   EXPECT_THAT(load(groups), HasSubstr("anchors"));
-  EXPECT_EQ(load("others: &a {x: 1}\nmore: *a\ntracker: {keypoints: 70}\n"), "");
+  EXPECT_EQ(load("up: &a {x: 1}\nimage: *a\ntracker: {keypoints: 70}\n"), "");
 }
 
 TEST_F(OptionsTest, UnreadableFilesAreNamed) {

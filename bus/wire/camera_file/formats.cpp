@@ -131,6 +131,7 @@ FileCameras too_many_cameras(const Fields& in) {
 
 FileCameras read_fields(const Fields& in) {
   if (!in.error().empty()) return {"", {}, in.error()};
+  if (in.has("fisheye_params.camera_matrix")) return read_gyroflow(in);
   const FileCameras groups = read_groups(in);
   return groups.cameras.empty() && groups.error.empty() ? read_one(in) : groups;
 }
@@ -149,8 +150,7 @@ std::string known_stranger(const std::string& text) {
     return "is a file of a ZED camera, which is not read: take the numbers below the [LEFT_CAM...] of your size; " +
            own;
   if (holds("projection:") && holds("+-")) return "is Kalibr's text of results: give the camchain YAML made with it";
-  for (const char* model : {"Pinhole ", "RadTan ", "EquiDistant ", "KannalaBrandt ", "FOV ", "EUCM "})
-    if (begins(model)) return "is a file of DSO, which is not read: " + own;
+  if (const std::string dso = known_dso(text); !dso.empty()) return dso;
   if (text.find_first_not_of("0123456789.+-eE,;[]() \t\r\n") == std::string::npos)
     return "has numbers without names, and no size of the images: " + own;
   const size_t first = text.find_first_not_of(" \t\r\n");

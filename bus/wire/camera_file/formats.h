@@ -43,7 +43,8 @@ FileCameras read_orbslam(const Fields& in);  // ORB-SLAM2 and 3, OpenVSLAM, stel
 FileCameras read_basalt(const Fields& in);
 FileCameras read_camodocal(Fields in);  // VINS's cameras, too
 FileCameras read_depthai(const Fields& in);
-FileCameras read_nerf(Fields in);  // transforms.json
+FileCameras read_nerf(Fields in);      // transforms.json
+FileCameras read_gyroflow(Fields in);  // lens profiles, of GoPro and others
 
 bool is_realsense_listing(const std::string& text);
 FileCameras read_realsense(const std::string& text, const std::string& file);
@@ -56,6 +57,8 @@ FileCameras read_nerf_list(const std::string& text, const std::string& file);
 FileCameras read_fields(const Fields& in);
 // What a text that is no YAML, or a file that is no text, is known to be: with what to do. Empty if not known.
 std::string known_stranger(const std::string& text);
+// The same for DSO's camera.txt.
+std::string known_dso(const std::string& text);
 // OpenCV's FileStorage in XML, as YAML; empty if it is none. For files, not for what comes from the network.
 std::string yaml_of_opencv_xml(const std::string& xml);
 

@@ -49,6 +49,11 @@ void set_radial_tangential(Fields& in, const std::vector<double>& d, const std::
   camera->model = Camera::Model::kPinhole;
   if (d.empty()) return;
   if (d.size() < 4) return in.fail(fmt::format("{} has {} values: must have 4 or 5 (k1 k2 p1 p2 k3)", field, d.size()));
+  if (d.size() == 4 && lower_case(in.full(field)).find("fisheye") != std::string::npos)
+    return in.fail(
+        fmt::format("{} is of a fisheye, as its name says, and its format here of a lens that is none: write "
+                    "the numbers as model: fisheye, fx, fy, cx, cy, k1, k2, k3, k4, width, height",
+                    field));
   camera->k1 = d[0], camera->k2 = d[1], camera->p1 = d[2], camera->p2 = d[3];
   if (d.size() > 4) camera->k3 = d[4];
   for (size_t i = 5; i < d.size(); ++i) {

@@ -53,6 +53,21 @@ void emit(const cv::FileNode& node, int depth, YAML::Emitter* out) {
   }
 }
 
+// Four numbers are k1 k2 p1 p2, or a fisheye's k1 k2 k3 k4: as a key or value of some program may tell.
+void refuse_other_fisheyes(Fields& in) {
+  for (const std::string& name : in.names()) {
+    const std::string key = name.substr(in.full("").size()), value = lower_case(in.text(key, ""));
+    const bool says_no = value == "0" || value == "false" || value == "no";
+    const bool is_meant = lower_case(key).find("fisheye") != std::string::npos ||
+                          value.find("fisheye") != std::string::npos || value.find("equidistant") != std::string::npos;
+    if (is_meant && !says_no)
+      return in.fail(
+          fmt::format("{} is {}: for a fisheye add 'fisheye_model: 1', for another lens 'fisheye_model: 0' "
+                      "and remove it",
+                      name, in.quoted(key)));
+  }
+}
+
 }  // namespace
 
 FileCameras read_opencv(Fields in) {
@@ -67,6 +82,7 @@ FileCameras read_opencv(Fields in) {
   const std::vector<double> d = in.list(lens, "k1, k2, p1, p2, k3");
   // Only the key written by OpenCV's calibration sample tells fisheye from pinhole.
   const bool fisheye = in.optional_number("fisheye_model") != 0;
+  if (!fisheye && d.size() == 4) refuse_other_fisheyes(in);
   fisheye ? set_fisheye(in, d, lens, &camera) : set_radial_tangential(in, d, lens, &camera);
   in.pass_over({"calibration_time",
                 "calibration_date",

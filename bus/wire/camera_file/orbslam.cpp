@@ -70,6 +70,22 @@ void tell_what_rectified_leaves_out(Fields& in, const std::string& prefix) {
                     fmt::join(given, ", ")));
 }
 
+void refuse_rational(Fields& in, const std::string& prefix) {
+  const bool is_rational = in.optional_number(prefix + "k5") != 0 || in.optional_number(prefix + "k6") != 0;
+  for (const char* key : {"k4", "k5", "k6"}) {
+    const double value = in.optional_number(prefix + key);
+    if (value == 0) continue;
+    in.fail(is_rational
+                ? fmt::format("{}{} is {:.6g}: the rational model (k4 k5 k6) is not supported; calibrate again with k1 "
+                              "k2 p1 p2 k3 only, or rectify the images and give the rectified camera",
+                              prefix, key, value)
+                : fmt::format("{}{} is {:.6g}, which a perspective camera (PinHole) has not: if it is of a fisheye, "
+                              "write its model (Camera.model: \"fisheye\", Camera.type: \"KannalaBrandt8\"); the "
+                              "rational model, with k4 k5 k6, is not supported",
+                              prefix, key, value));
+  }
+}
+
 void read_coefficients(Fields& in, Lens lens, const std::string& prefix, Camera* camera) {
   const std::string list = coefficient_list(in, prefix);
   const std::string field = list.empty() ? prefix + "k1 ..." : list;
@@ -82,12 +98,9 @@ void read_coefficients(Fields& in, Lens lens, const std::string& prefix, Camera*
     set_fisheye(in, coefficients(in, prefix, {"k1", "k2", "k3", "k4"}), field, camera);
   } else {
     set_radial_tangential(in, coefficients(in, prefix, {"k1", "k2", "p1", "p2", "k3"}), field, camera);
-    for (const char* key : {"k4", "k5", "k6"})
-      if (const double value = in.optional_number(prefix + key); value != 0)
-        in.fail(
-            fmt::format("{}{} is {:.6g}, which a perspective camera (PinHole) has not: if these are the coefficients "
-                        "of a fisheye, write its model (Camera.model: \"fisheye\", Camera.type: \"KannalaBrandt8\")",
-                        prefix, key, value));
+    refuse_rational(in, prefix);
+    if (const double value = in.optional_number("Camera.bFishEye"); value != 0)
+      in.fail(fmt::format("Camera.bFishEye is {:.6g}: for a fisheye write Camera.type: \"KannalaBrandt8\"", value));
   }
 }
 

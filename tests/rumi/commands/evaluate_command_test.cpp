@@ -88,6 +88,46 @@ TEST_F(EvaluateCommandTest, DoubtsATruthInMillimetres) {
   EXPECT_THAT(evaluate(millimetres).out, HasSubstr("if it is in millimetres, divide it by 1000"));
 }
 
+TEST_F(EvaluateCommandTest, ATruthThatStandsStillMeasuresNothing) {
+  std::string truth;
+  for (int i = 0; i < 40; ++i) truth += fmt::format("{:.6f} -0.7 0.1 0.4 0 0 0 1\n", 1.4e9 + 0.1 * i);
+  const Said said = evaluate(truth, {"--json"});
+  EXPECT_EQ(said.code, 1);
+  EXPECT_THAT(said.err, HasSubstr("one and the same place"));
+  EXPECT_THAT(said.out, AllOf(HasSubstr("\"true_rate\": null"), HasSubstr("\"ate_rmse_m\": null")));
+}
+
+TEST_F(EvaluateCommandTest, ATruthOfAFewCentimetresHasNoTrueRate) {
+  std::string truth;
+  for (int i = 0; i < 40; ++i) truth += fmt::format("{:.6f} {:.6f} 0 0 0 0 0 1\n", 1.4e9 + 0.1 * i, 0.001 * i);
+  const Said said = evaluate(truth);
+  EXPECT_THAT(said.out, AllOf(HasSubstr("all of the truth lies within 0.1 m"), HasSubstr("--true-distance")));
+  EXPECT_EQ(evaluate(truth, {"--true-distance", "0.01"}).out.find("lies within"), std::string::npos);
+}
+
+TEST_F(EvaluateCommandTest, LinesThatCannotBeAreLeftOutAndJumpsAreTold) {
+  std::string truth = walk(0, 40, 1.4e9);
+  const Said huge = evaluate(walk(0, 20, 1.4e9) + "1400000002.0 1e308 1e308 0 0 0 0 1\n" + walk(21, 40, 1.4e9));
+  EXPECT_EQ(huge.code, 0) << huge.err;
+  EXPECT_THAT(huge.out,
+              AllOf(HasSubstr("1 of 40 lines are no poses (first: line 21, 1e+308, 1e+308, 0 is no position)"),
+                    HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m")));
+  const Said jump = evaluate(walk(0, 20, 1.4e9) + "1400000002.0 1e6 0 0 0 0 0 1\n" + walk(21, 40, 1.4e9));
+  EXPECT_THAT(jump.out, HasSubstr("1 of its positions is more than 100 usual steps away"));
+  EXPECT_THAT(jump.out, HasSubstr("first: line 21"));
+  EXPECT_EQ(evaluate(truth).out.find("usual steps"), std::string::npos);
+  write("trajectory.txt", walk(0, 39, 1.4e9) + "1400000003.9 1e200 0 0 0 0 0 1\n");
+  EXPECT_THAT(evaluate(truth).out, HasSubstr("trajectory.txt: 1 lines are not counted"));
+}
+
+TEST_F(EvaluateCommandTest, WithoutItsPictureTheNumbersAreWorthAsMuch) {
+  std::filesystem::create_directory(folder_.path() / "evaluation.png");
+  const Said said = evaluate(walk(0, 40, 1.4e9));
+  EXPECT_EQ(said.code, 0);
+  EXPECT_THAT(said.out, HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m"));
+  EXPECT_THAT(said.err, HasSubstr("evaluation.png: cannot be written (Is a directory): there is no picture"));
+}
+
 TEST_F(EvaluateCommandTest, RefusesAnotherClockWithBothSpans) {
   const Said said = evaluate(walk(0, 40, 12.5));
   EXPECT_EQ(said.code, 1);

@@ -197,6 +197,8 @@ TEST_F(Messages, OfOptions) {
   file("key.yaml", "camera_driver:\n  evry: 2\n");
   file("yaml.yaml", "camera_driver: [\n");
   file("good.yaml", "");
+  file("section.yaml", "fronttracker:\n  keypoints: 500\n");
+  file("c.yaml", testing::kCalibration);
   file("mine/trajectory.txt", "my own\n");
   std::vector<Case> cases = {
       {"rumi", 2, {"a command is missing", "rumi --help"}},
@@ -222,6 +224,14 @@ TEST_F(Messages, OfOptions) {
        2,
        {"mine/map.db: is the map of map_server.database", "choose another folder"}},
       {"rumi up tum -o mine --set map_server.database=mine/map.db", 2, {"mine/map.db: is the map of"}},
+      {"rumi up tum -o good.yaml", 1, {"good.yaml", "it is a file; give another name"}},
+      {"rumi up tum -o ''", 2, {"--output is empty"}},
+      {"rumi replay tum -o ''", 2, {"--output is empty"}},
+      {"rumi replay tum -o out --config section.yaml",
+       2,
+       {"section.yaml:2: fronttracker", "did you mean front_tracker?"}},
+      {"map_server --config section.yaml", 2, {"section.yaml:2: fronttracker", "did you mean front_tracker?"}},
+      {"rumi replay tum -o out --config c.yaml", 2, {"c.yaml:1: ", "calibration with --camera FILE"}},
       {"rumi replay tum -o good.yaml", 1, {"good.yaml", "it is a file"}},
       {"rumi replay tum -o mine --set map_server.database=kept.db", 1, {"kept.db is not used", "localize_only=true"}},
       {"rumi replay tum -o out --log mine/trajectory.txt",

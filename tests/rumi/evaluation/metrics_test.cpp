@@ -110,6 +110,15 @@ TEST(Metrics, SaysWhyInsteadOfZero) {
   EXPECT_FALSE(brief.rpe_trans_m) << "no second pose a second later";
 }
 
+TEST(Metrics, WhatCannotBeComputedWithIsNoNumber) {
+  std::vector<TimedPose> truth = walk(30);
+  const std::vector<TimedPose> estimate = truth;
+  for (TimedPose& pose : truth) pose.map_from_cam.translation *= 1e200;
+  const TrajectoryMetrics metrics = evaluate_trajectory(estimate, truth);
+  EXPECT_FALSE(metrics.ate_rmse_m);
+  EXPECT_FALSE(metrics.reason.empty());
+}
+
 TEST(Metrics, RelativeErrorsDoNotBridgeGaps) {
   const auto truth = walk(300);
   std::vector<TimedPose> islands(truth.begin(), truth.begin() + 20);

@@ -168,9 +168,11 @@ TEST_F(TruthTest, OfAnotherKindIsRefusedByItsName) {
   EXPECT_THAT(read("{\"frames\": []}").error, HasSubstr("is JSON"));
   EXPECT_THAT(read("1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
   EXPECT_THAT(read("0 0 1\n1 0 0 0.5\n0 1 0 0.2\n0 0 1 0.1\n0 0 0 1\n").error, HasSubstr("over four lines"));
-  // COLMAP's images.txt: no quaternion where TUM has it, and not nothing either.
-  EXPECT_THAT(read("1 0.85 0.17 0.01 0.49 -0.67 1.27 1.02 1 a.jpg\n2 0.8 0.2 0 0.5 -0.6 1.2 1.1 1 b.jpg\n").error,
-              HasSubstr("none of 2 lines"));
+  const std::string images =
+      "1 0.85 0.17 0.01 0.49 -0.67 1.27 1.02 1 a.jpg\n1.5 2.5 -1\n2 0.8 0.2 0 0.5 -0.6 1.2 1.1 1 b.jpg\n\n";
+  for (const std::string& text :
+       {images, "# Image list\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n" + images})
+    EXPECT_THAT(read_groundtruth(write("images.txt", text), {30}).error, HasSubstr("COLMAP")) << text;
 }
 
 constexpr const char* kKitti =

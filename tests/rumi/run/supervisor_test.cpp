@@ -150,6 +150,15 @@ TEST_F(SupervisorTest, GivesUpAtOnceWhereStartingAgainWouldNotHelp) {
   EXPECT_EQ(restarts_, 0);
 }
 
+TEST_F(SupervisorTest, WhatWouldFailAgainIsNotStartedAgainAndItsWordsAreTheReason) {
+  Supervised source = shell("camera", "echo hello; echo '10:15:00.123 camera error a.mp4: is no video' >&2; exit 1");
+  source.source = source.fails_once = true;
+  EXPECT_EQ(run({source, shell("server", "sleep 10")}), "camera: a.mp4: is no video");
+  EXPECT_EQ(restarts_, 0);
+  source.command.back() = "exit 1";
+  EXPECT_EQ(run({source}), "camera ended with exit code 1");
+}
+
 TEST_F(SupervisorTest, SaysThatAnExecutableIsMissing) {
   EXPECT_EQ(run({{"server", {"/no/such/file"}, false, 0}}),
             "server cannot be started: /no/such/file: cannot be executed: No such file or directory");
@@ -363,12 +372,12 @@ TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
   Supervisor::Hooks hooks;
   std::string failed, missing, killed;
   hooks.before_stop = [&] {
-    failed = supervisor.run_beside(shell("snapshot", "exit 3"), at_once_);
+    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_);
     missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_);
     killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_);
   };
   EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
-  EXPECT_EQ(failed, "snapshot ended with exit code 3");
+  EXPECT_EQ(failed, "snapshot ended with exit code 4");
   EXPECT_THAT(missing, HasSubstr("snapshot cannot be started: /no/such/file"));
   EXPECT_THAT(killed, HasSubstr("snapshot was killed"));
 }

@@ -479,6 +479,64 @@ TEST(FilesOfOthers, AreRefusedByTheirNames) {
 }
 
 // Anchors make a list of a few bytes as long as they like.
+TEST(CameraOfGyroflow, IsAFisheyeInTheSizeOfItsCalibration) {
+  const std::string profile =
+      R"({"name":"a","calib_dimension":{"w":64,"h":48},"orig_dimension":{"w":128,"h":96},"fisheye_params":{"RMS_error":0.5,)"
+      R"("camera_matrix":[[50,0,32],[0,51,24],[0,0,1]],"distortion_coeffs":[0.03,0.02,-0.01,0.002]}})";
+  const CameraFileResult result = parse(profile);
+  EXPECT_EQ(result.error, "");
+  EXPECT_EQ(result.camera.model, Camera::Model::kKannalaBrandt);
+  expect_size_and_matrix(result.camera);
+  EXPECT_EQ(result.camera.k4, 0.002);
+  EXPECT_THAT(error_of(with(profile, "\"name\"", "\"distortion_model\":\"poly5\",\"name\"")), HasSubstr("'poly5'"));
+  EXPECT_THAT(error_of(with(profile, "\"RMS", "\"image_width\":640,\"RMS")), HasSubstr("calib_dimension is 64 x 48"));
+}
+
+TEST(CameraOfAFisheye, IsNeverTakenForAPinhole) {
+  const std::string text =
+      "camera_matrix: [50, 0, 32, 0, 51, 24, 0, 0, 1]\ndist_coeffs: [0.1, 0.2, 0.01, 0.02]\nimage_width: 64\n"
+      "image_height: 48\n";
+  EXPECT_EQ(error_of(text), "");
+  EXPECT_EQ(error_of(text + "is_fisheye: false\n"), "");
+  EXPECT_EQ(parse(text + "fisheye_model: 1\n").camera.model, Camera::Model::kKannalaBrandt);
+  for (const char* sign : {"is_fisheye: true\n", "camera_model: fisheye\n", "model: Equidistant\n"})
+    EXPECT_THAT(error_of(text + sign), HasSubstr("fisheye_model: 1")) << sign;
+  EXPECT_THAT(
+      error_of("fisheye_left:\n  camera_matrix: [50, 0, 32, 0, 51, 24, 0, 0, 1]\n  dist_coeffs: [0.1, 0.2, 0.01, "
+               "0.02]\n  image_width: 64\n  image_height: 48\n"),
+      HasSubstr("fisheye"));
+}
+
+TEST(CameraOfOrbSlam, OfTheRationalModelIsRefusedAsThat) {
+  EXPECT_THAT(error_of(std::string(kOpenVslam) + "Camera.k4: 0.4\nCamera.k5: 0.1\nCamera.k6: 0.2\n"),
+              AllOf(HasSubstr("Camera.k4 is 0.4: the rational model"), Not(HasSubstr("fisheye"))));
+}
+
+TEST(CameraOfDso, IsRefusedWithWhatToWrite) {
+  EXPECT_THAT(
+      error_of("0.5 0.75 0.5 0.5 0\n640 480\ncrop\n640 480\n"),
+      HasSubstr("DSO, which is not read: write fx: 320, fy: 360, cx: 319.5, cy: 239.5, width: 640, height: 480"));
+  EXPECT_THAT(error_of("0.53 0.66 0.49 0.50 0.89\n640 480\ncrop\n640 480\n"), HasSubstr("DSO with its model FOV"));
+  EXPECT_THAT(error_of("Pinhole 500 501 320 240 0\n640 480\ncrop\n640 480\n"), HasSubstr("fx: 500, fy: 501, cx: 320"));
+  EXPECT_THAT(error_of("RadTan 500 501 320 240 -0.2 0.1 0 0\n640 480\ncrop\n640 480\n"),
+              HasSubstr("k1: -0.2, k2: 0.1"));
+  EXPECT_THAT(error_of("KannalaBrandt 500 501 320 240 -0.2 0.1 0 0\n640 480\ncrop\n640 480\n"),
+              HasSubstr("model: fisheye, k1: -0.2"));
+}
+
+TEST(CameraWhoseLensFolds, IsRefused) {
+  const std::string wide = "fx: 380\nfy: 380\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(error_of(wide + "k1: -0.28\nk2: 0.074\n"), "");
+  EXPECT_EQ(error_of(wide + "k1: 0.26\nk2: -0.95\nk3: 1.16\n"), "");
+  EXPECT_THAT(error_of(wide + "k1: -0.9\nk2: 0.9\nk3: -5.3\n"),
+              AllOf(HasSubstr("folds the image"), HasSubstr("k1 = -0.9, k2 = 0.9, k3 = -5.3"),
+                    HasSubstr("pixels from cx, cy")));
+  EXPECT_THAT(error_of(wide + "k1: -20\n"), HasSubstr("folds the image"));
+  EXPECT_THAT(error_of(wide + "model: fisheye\nk1: -20\n"), HasSubstr("folds the image"));
+  const std::string far = "fx: 1200\nfy: 1200\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(error_of(far + "k1: -0.9\nk2: 0.9\nk3: -5.3\n"), "") << "where nobody looks";
+}
+
 TEST(FilesOfOthers, CannotGrowInMemory) {
   std::string text = "a0: &a0 {x: 1, y: 2}\n";
   for (int i = 1; i < 9; ++i) {

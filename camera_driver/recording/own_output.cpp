@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/own_output.h"
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string beginning_of(const fs::path& file) {
+  std::string text(200, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return text;
+}
+
+bool is_of_a_run(const fs::path& name) {
+  static const std::set<std::string> kNames = {"run.json",    "trajectory.txt", "trajectory.png", "trajectory.mp4",
+                                               "frames.csv",  "map.ply",        "windows.csv",    "evaluation.png",
+                                               "report.html", "windows",        "submaps",        "pictures",
+                                               "map.db.lock", "map.db"};
+  return kNames.contains(name.filename().string());
+}
+
+bool is_output_folder(const fs::path& folder) {
+  if (beginning_of(folder / "run.json").find("\"program\": \"rumi\"") == std::string::npos) return false;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    if (!is_of_a_run(it->path())) return false;
+  return !error;
+}
+
+}  // namespace
+
+std::string advice_on_own_output(const fs::path& path) {
+  std::error_code error;
+  if (fs::is_directory(path, error))
+    return is_output_folder(path)
+               ? "is the output folder of a run, and no recording: give the recording that its run.json names (input)"
+               : "";
+  if (!beginning_of(path).starts_with("SQLite format 3")) return "";
+  return "is a database, such as the map of a run (map.db), and no recording: to find a recording's place in a map "
+         "give "
+         "the recording, with --set map_server.localize_only=true --set map_server.database=" +
+         path.string();
+}
+
+}  // namespace rumi::camera_driver
