@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/file_list.h"
 #include "camera_driver/recording/foreign_recording.h"
+#include "camera_driver/recording/own_output.h"
 #include "camera_driver/recording/recorded_source.h"
 #include "camera_driver/v4l2/v4l2_source.h"
 
@@ -195,16 +198,20 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
+  if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
-  return refuse(std::string("is neither a file nor a folder; ") + kWhatToGive);
+  return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);
 }
 
 }  // namespace
 
 bool is_camera(const std::string& input) {
-  std::error_code code;
-  return names_camera(input) || fs::is_character_file(input, code);
+  constexpr unsigned kMajorOfVideo = 81;  // of Linux, for all V4L2 devices, whatever their names
+  struct stat info {};
+  const bool is_video =
+      stat(input.c_str(), &info) == 0 && S_ISCHR(info.st_mode) && major(info.st_rdev) == kMajorOfVideo;
+  return names_camera(input) || is_video;
 }
 
 OpenedReader open_frames(const std::string& input, const CameraOptions& options) {

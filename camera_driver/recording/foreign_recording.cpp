@@ -46,17 +46,6 @@ std::string advice_on_ros2(const std::string& what) {
                        "`ros2 run image_view video_recorder --ros-args -r image:=/TOPIC` while `ros2 bag play` runs");
 }
 
-constexpr const char* kAdviceOnMaps =
-    "the map of a run (map.db) is written for other programs by `rumi export-map`, and drawn by `rumi view`";
-
-// It may be beside a recording, in its folder.
-bool is_output_folder(const fs::path& folder) {
-  std::error_code ignored;
-  const auto has = [&](const char* name) { return fs::exists(folder / name, ignored); };
-  return has("run.json") && has("map.db") && !has("rgb.txt") && !has("mav0") && !has("data.csv") &&
-         !has("calibration.yaml");
-}
-
 // Archives, and files that only stand for others.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
   using namespace std::string_literals;
@@ -93,7 +82,6 @@ std::string advice_on_file(const fs::path& file) {
   if (beginning.starts_with("\x89MCAP")) return advice_on_ros2("an MCAP file (a ROS 2 bag)");
   if (extension == ".db3" || (extension == ".sqlite3" && beginning.starts_with("SQLite format 3\0"s)))
     return advice_on_ros2("a ROS 2 bag (SQLite)");
-  if (beginning.starts_with("SQLite format 3\0"s)) return fmt::format("is a database and no recording; {}", kAdviceOnMaps);
   if (extension == ".bag") return advice_on_ros1();
   if (extension == ".mcap") return advice_on_ros2("an MCAP file (a ROS 2 bag)");
   struct Other {
@@ -174,7 +162,6 @@ std::string advice_on_input(const std::string& input) {
 std::string advice_on_foreign_recording(const fs::path& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return advice_on_file(path);
-  if (is_output_folder(path)) return fmt::format("is the output folder of a run and no recording; {}", kAdviceOnMaps);
   const std::string metadata = beginning_of(path / "metadata.yaml", 1000);
   return metadata.find("rosbag2_bagfile_information") == std::string::npos
              ? ""

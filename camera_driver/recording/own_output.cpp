@@ -40,12 +40,14 @@ std::string advice_on_own_output(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
     return is_output_folder(path)
-               ? "is the output folder of a run, and no recording: give the recording that its run.json names (input)"
+               ? "is the output folder of a run and no recording: give the recording that its run.json names (input); "
+                 "`rumi export-map` writes its map for other programs"
                : "";
   if (!beginning_of(path).starts_with("SQLite format 3")) return "";
-  return "is a database, such as the map of a run (map.db), and no recording: to find a recording's place in a map "
-         "give "
-         "the recording, with --set map_server.localize_only=true --set map_server.database=" +
+  return "is a database and no recording: the map of a run (map.db) is written for other programs by `rumi "
+         "export-map`, "
+         "and drawn by `rumi view`; to find the place of a recording in it give the recording, with --set "
+         "map_server.localize_only=true --set map_server.database=" +
          path.string();
 }
 

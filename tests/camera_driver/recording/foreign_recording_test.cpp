@@ -31,18 +31,6 @@ TEST(ForeignRecording, AFolderOfARos2BagIsKnownByItsMetadata) {
   EXPECT_THAT(advice_on_foreign_recording(folder.path()), HasSubstr("the folder of a ROS 2 bag"));
 }
 
-TEST(ForeignRecording, AMapIsNone) {
-  const TemporaryFolder folder;
-  const std::string map = folder.write("map.db", "SQLite format 3\0"s);
-  EXPECT_THAT(advice_on_foreign_recording(map), HasSubstr("is a database and no recording; the map of a run"));
-  EXPECT_EQ(advice_on_foreign_recording(folder.path()), "");
-  folder.write("run.json", "{}");
-  EXPECT_THAT(open_recording(folder.path().string(), {}).error,
-              AllOf(HasSubstr("is the output folder of a run and no recording"), HasSubstr("rumi export-map")));
-  folder.write("rgb.txt", "");
-  EXPECT_EQ(advice_on_foreign_recording(folder.path()), "") << "a run wrote into the folder of its recording";
-}
-
 TEST(ForeignRecording, OthersAreKnownByTheirNames) {
   const TemporaryFolder folder;
   EXPECT_THAT(advice_on_foreign_recording(folder.write("walk.SVO2", "x")), HasSubstr("ZED"));

@@ -21,6 +21,7 @@ TEST(OutputOfARun, IsNoRecording) {
   folder.write("trajectory.png", "x");
   EXPECT_THAT(open_recording(folder.path().string(), {}).error, HasSubstr("is the output folder of a run"));
   const std::string map = folder.write("map.db", "SQLite format 3\0..."s);
+  EXPECT_THAT(open_recording(map, {}).error, HasSubstr("rumi export-map"));
   EXPECT_THAT(open_recording(map, {}).error, HasSubstr("localize_only=true --set map_server.database=" + map));
 }
 
