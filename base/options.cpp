@@ -223,7 +223,8 @@ std::string OptionTable::unknown(const std::string& key) const {
   const std::string shown = shortened(key);
   if (keys.empty()) return fmt::format("{}: unknown option; this program has none", shown);
   const std::string meant = key_meant_by(key, keys);
-  if (meant.empty()) return fmt::format("{}: unknown option (`rumi config` and `rumi config --expert` list all)", shown);
+  if (meant.empty())
+    return fmt::format("{}: unknown option (`rumi config` and `rumi config --expert` list all)", shown);
   return fmt::format("{}: unknown option; did you mean {}?", shown, meant);
 }
 

@@ -16,8 +16,8 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
-#include "lcmtypes/rumi/map_pose_t.hpp"
 #include "bus/wire/working_image.h"
+#include "lcmtypes/rumi/map_pose_t.hpp"
 
 namespace rumi::front_tracker {
 namespace {

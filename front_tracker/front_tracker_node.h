@@ -20,9 +20,9 @@
 
 namespace rumi::front_tracker {
 
-// CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_MAP_POSE, RUMI_SUBMAP and
-// RUMI_MAP_REQUEST out. The calibration comes
-// with the images unless an option names a file; a camera_file that cannot be read throws std::runtime_error.
+// CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_MAP_POSE,
+// RUMI_SUBMAP and RUMI_MAP_REQUEST out. The calibration comes with the images unless an option names a file; a
+// camera_file that cannot be read throws std::runtime_error.
 class FrontTrackerNode : public Node {
  public:
   FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options);

@@ -61,7 +61,8 @@ std::vector<Bytes> seeds() {
           to_bytes(second + "#timestamp,name\n1403636579763555584,a.jpg\n1403636579813555456,a.jpg\n"),
           to_bytes(first + "1.5 a.jpg 1.51 depth/a.png\n1.6 a.jpg 1.61 depth/b.png\n"),
           to_bytes("\xC0# names\na.jpg\nb.jpg\n1400000000000.0,a.jpg\n"),
-          to_bytes(third + "1403636579763555584.jpg"), to_bytes(third + "12.5000.png")};
+          to_bytes(third + "1403636579763555584.jpg"),
+          to_bytes(third + "12.5000.png")};
 }
 
 const Registered registered({"image_list", run, seeds});

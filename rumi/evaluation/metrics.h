@@ -56,7 +56,7 @@ struct RunMetrics {
   int tracked_frames = 0;     // with a pose in the served map
   // Absent without frames.
   std::optional<double> tracked_frame_ratio;
-  std::optional<double> span_rate;           // the paper's tracking rate: first to last pose / first to last frame
+  std::optional<double> span_rate;  // the paper's tracking rate: first to last pose / first to last frame
   // Frames within true_distance_m / frames that have a truth; absent where all of the truth is so near to itself.
   std::optional<double> true_rate;
   std::optional<double> submap_frame_ratio;  // frames with a pose in any submap / all frames
