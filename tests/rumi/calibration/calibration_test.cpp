@@ -124,8 +124,8 @@ TEST_F(CalibrationTest, NoImagesAtAll) {
                   folder_ / "none", "CAMERA", 1, [] { return true; }, &collector_),
               HasSubstr("no such file or folder"));
   EXPECT_THAT(collect_from_recording(
-                  "/dev/null", "CAMERA", 1, [] { return true; }, &collector_),
-              HasSubstr("is a camera: start `rumi camera_driver '/dev/null'`"));
+                  "/dev/video7", "CAMERA", 1, [] { return true; }, &collector_),
+              HasSubstr("is a camera: start `rumi camera_driver '/dev/video7'`"));
 }
 
 TEST_F(CalibrationTest, NoBoardInAnyImage) {
