@@ -61,6 +61,7 @@ std::vector<Words> read_lines(const fs::path& file) {
 // "2011-09-26 13:02:25.964389445"
 std::vector<std::string> dates_in(const std::vector<Words>& lines) {
   std::vector<std::string> texts;
+  texts.reserve(lines.size());
   for (const Words& words : lines) texts.push_back(fmt::format("{}.x", fmt::join(words, " ")));
   FileNameTimes found = times_in_names(texts);
   return found.times;

@@ -256,9 +256,9 @@ int up(Arguments& arguments) {
   listen_to_signals();
   start_logging("rumi", false, /*quiet=*/true);
   try {
+    if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
     if (!arguments.snapshot.empty())
       if (const std::string why = check_output_folder(arguments.snapshot); !why.empty()) throw std::runtime_error(why);
-    if (const std::string why = why_not_here(options); !why.empty()) throw std::runtime_error(why);
     tell_of_map(options, arguments.fresh);
     warn_of_little_space(options.map_server.database);
     const auto begin = std::chrono::system_clock::now().time_since_epoch();
