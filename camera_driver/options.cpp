@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "camera_driver/recording/image_file.h"
+#include "camera_driver/source/max_side.h"
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
 
@@ -23,7 +24,6 @@ constexpr double kMinSpeed = 0.001, kMaxSpeed = 10'000;
 // Also false for NaN.
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
-constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 constexpr double kMaxLockS = 3600, kMinStallS = 0.1, kMaxStallS = 600;
 constexpr double kMaxControl = 1e6;
 

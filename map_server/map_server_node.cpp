@@ -231,11 +231,11 @@ void MapServerNode::serve_present() {
 
 // Whether the present sessions have their place in the map of earlier ones.
 void MapServerNode::note_localization() {
-  const Atlas::FrameCounts counts = atlas_.count_frames();
+  if (localized_us_) return;
   const auto is_present = [this](const auto& item) { return atlas_.present().contains(item.first.session); };
-  const bool has_submap = std::any_of(atlas_.submaps().begin(), atlas_.submaps().end(), is_present);
-  if (has_submap && !first_submap_us_) first_submap_us_ = last_utime_us_;
-  if (counts.is_joined && !localized_us_) localized_us_ = last_utime_us_;
+  if (!first_submap_us_ && std::any_of(atlas_.submaps().begin(), atlas_.submaps().end(), is_present))
+    first_submap_us_ = last_utime_us_;
+  if (atlas_.count_frames().is_joined) localized_us_ = last_utime_us_;
 }
 
 void MapServerNode::tell_of_localization() const {

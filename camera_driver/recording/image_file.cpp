@@ -14,13 +14,13 @@
 #include "bus/wire/jpeg_decoder.h"
 #include "camera_driver/recording/image_header.h"
 #include "camera_driver/recording/library_messages.h"
+#include "camera_driver/source/max_side.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
-constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 
 bool is_lfs_pointer(const std::vector<uint8_t>& bytes) {
   constexpr std::string_view kMark = "version https://git-lfs";

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "camera_driver/source/max_side.h"
+
 extern "C" {
 #include <libavutil/display.h>
 #include <libavutil/intreadwrite.h>
@@ -12,8 +14,6 @@ extern "C" {
 
 namespace rumi::camera_driver {
 namespace {
-
-constexpr int kMaxSide = 16384;  // pixels; what Camera::check() allows
 
 // How phones say that they were held upright. Null if the video does not.
 const int32_t* display_matrix(const AVStream& stream) {

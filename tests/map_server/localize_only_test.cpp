@@ -72,6 +72,15 @@ class LocalizeOnlyTest : public ::testing::Test {
     pass(3);
     return result;
   }
+  // Another database, of one front submap that nobody has placed.
+  void make_single_map() {
+    options_.database = database_ = folder_ / "single.db";
+    options_.merge.enabled = false;
+    start();
+    EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
+    end();
+    node_.reset();
+  }
   void end() {
     node_->finish();
     pass(5);
@@ -153,12 +162,7 @@ TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
 // A map that is one front submap as it is: nobody has placed it.
 TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
   options_.localize_only = false;
-  options_.database = database_ = folder_ / "single.db";
-  options_.merge.enabled = false;
-  start();
-  EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
-  end();
-  node_.reset();
+  make_single_map();
   bytes_ = read_file(database_);
   const Atlas before = MapStore::copy_in_memory(database_).load();
   ASSERT_EQ(before.find(kFirst)->placement.revision, 0);
@@ -271,12 +275,7 @@ TEST_F(NextSessionTest, LeavesTheMapBeforeWhereItLayForTheOneAfter) {
 
 // Nobody has placed it yet: it was all there was.
 TEST_F(NextSessionTest, JoinsAMapOfASingleSubmapInItsFrameOfReference) {
-  options_.database = database_ = folder_ / "single.db";
-  options_.merge.enabled = false;
-  start();
-  EXPECT_TRUE(send(film(kFirst, points_, scene_.path(0, 0, 0), map_from_world_)).ok);
-  end();
-  node_.reset();
+  make_single_map();
   options_.merge.enabled = true;
   start();
   ASSERT_TRUE(send(film(kLater, points_, scene_.path(0.4, 0, 0.1), scene_.gauge(0.7))).ok);

@@ -54,10 +54,8 @@ std::string fold_of(const Camera& camera) {
   if (outside <= kMostOutside) return "";
   return fmt::format(
       "the distortion folds the image: with {} nothing is imaged farther than {:.0f} pixels from cx, cy, and {:.0f} % "
-      "of "
-      "the image is farther; look at the coefficients and their order, or calibrate again with the board in the "
-      "corners "
-      "of the images, too",
+      "of the image is farther; look at the coefficients and their order, or calibrate again with the board in the "
+      "corners of the images, too",
       fisheye ? fmt::format("k1 = {:.6g}, k2 = {:.6g}, k3 = {:.6g}, k4 = {:.6g}", camera.k1, camera.k2, camera.k3,
                             camera.k4)
               : fmt::format("k1 = {:.6g}, k2 = {:.6g}, k3 = {:.6g}", camera.k1, camera.k2, camera.k3),
