@@ -307,7 +307,11 @@ void FrontTrackerNode::finish() {
   retire_session();
 }
 
-bool FrontTrackerNode::finished() const { return retired_.empty(); }
+std::string FrontTrackerNode::waits_for() const {
+  if (retired_.empty()) return {};
+  const std::string& failure = publisher_.failure();
+  return fmt::format("map_server has not taken the last of the submaps{}{}", failure.empty() ? "" : ": ", failure);
+}
 
 int64_t FrontTrackerNode::undecodable() const {
   const auto refused = refused_.find(kUndecodable);

@@ -32,7 +32,7 @@ class FrontTrackerNode : public Node {
   // Images that could not be decoded.
   int64_t undecodable() const;
   void finish() override;
-  bool finished() const override;
+  std::string waits_for() const override;
   int64_t handed_on() const override { return publisher_.handed_on(); }
 
   // Sessions get higher numbers than this one: a map that they come into may have it.

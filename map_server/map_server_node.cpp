@@ -351,11 +351,12 @@ NodeStatus MapServerNode::status() {
   return status;
 }
 
-bool MapServerNode::finished() const {
-  const bool all_is_said = sender_.pending() == 0 && merged_.empty() && !copying_for_ && !status_pages_.round_goes_on();
-  const bool all_is_stored = !store_.is_behind() || !trouble_.empty();
-  const bool all_is_merged = to_cull_.empty() && merger_.idle(atlas_);
-  return all_is_said && all_is_stored && (!finishing_ || all_is_merged);
+std::string MapServerNode::waits_for() const {
+  if (sender_.pending() > 0 || copying_for_) return "somebody who asked for a part of the map has not all of it";
+  if (!merged_.empty() || status_pages_.round_goes_on()) return "the map is not told of";
+  if (store_.is_behind() && trouble_.empty()) return fmt::format("{} is not written", options_.database);
+  if (finishing_ && !(to_cull_.empty() && merger_.idle(atlas_))) return "submaps are not joined";
+  return {};
 }
 
 void MapServerNode::tell_all() {

@@ -34,7 +34,7 @@ class MapServerNode : public Node {
   NodeStatus status() override;
   void finish() override;
   void stop() override;
-  bool finished() const override;
+  std::string waits_for() const override;
   int exit_code() const override;  // kNotAll: nothing that came was found in the map (localize_only)
 
   const Atlas& atlas() const { return atlas_; }

@@ -108,9 +108,7 @@ void RuminatorNode::process(const track_t& track) {
   }
   if (!sampler_.open()) motion_.reset();
   if (frame.has_image && sampler_.wants_measure(frame)) frame.image = motion_.measure(*ring_.find(image_of(track)));
-  const auto phase = [this] {
-    return sampler_.open() ? std::pair(sampler_.open()->id, sampler_.open()->is_lost()) : std::pair(0, false);
-  };
+  const auto phase = [this] { return std::pair(sampler_.open() ? sampler_.open()->id : 0, sampler_.phase()); };
   const auto before = phase();
   std::optional<RuminationWindow> ended = sampler_.process(frame);
   if (ended) hand_on(std::move(*ended));
@@ -185,7 +183,7 @@ void RuminatorNode::tick(int64_t now_us) {
 
 void RuminatorNode::end_window() {
   process_pending(bus_.now_us(), true);
-  const bool was_lost = sampler_.open() && sampler_.open()->is_lost();
+  const bool was_lost = sampler_.phase() == WindowSampler::Phase::kGap;
   if (auto ended = sampler_.finish(was_lost ? "the input ended while tracking was lost" : "the input ended"))
     hand_on(std::move(*ended));
   settle(last_utime_us_);

@@ -44,7 +44,7 @@ class RuminatorNode : public Node {
   NodeStatus status() override;
   void finish() override;
   void stop() override;
-  bool finished() const override { return queue_.finished(); }
+  std::string waits_for() const override { return queue_.waits_for(); }
 
   const FrameRing& frames() const { return ring_; }
   const RebuildQueue& queue() const { return queue_; }

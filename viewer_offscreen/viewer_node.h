@@ -29,7 +29,7 @@ class ViewerNode : public Node {
   NodeStatus status() override;
   // Fetches what is still missing, for 3 s at most, and draws a last picture.
   void finish() override;
-  bool finished() const override { return phase_ == Phase::kFinished; }
+  std::string waits_for() const override { return phase_ == Phase::kFinished ? "" : "the last picture is not drawn"; }
 
   int64_t pictures() const { return pictures_; }
 

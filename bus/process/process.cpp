@@ -162,7 +162,8 @@ std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne*
     step();
     if (std::exchange(handed_on, node.handed_on()) != handed_on) deadline = Clock::now() + kFinishTimeout;
   }
-  if (!node.finished()) log_warning("not everything could be handed on before the end");
+  if (const std::string what = node.waits_for(); !what.empty())
+    log_warning("not everything could be handed on before the end: {}", what);
   status.stopping(node, bus.now_us());
   return {};
 }

@@ -39,7 +39,9 @@ class Node {
   virtual void stop() { finish(); }
   // Live: true ends the process (a camera_driver that came to the end of its dataset).
   virtual bool done() const { return false; }
-  virtual bool finished() const { return true; }
+  // What it has yet to do or to hand on, for a person; empty: nothing.
+  virtual std::string waits_for() const { return {}; }
+  bool finished() const { return waits_for().empty(); }
   // Of the process, where all went well with it: kNotAll if not with all of the input.
   virtual int exit_code() const { return 0; }
   // How much of what others wait for they have; another number each time they have more.

@@ -23,7 +23,7 @@ class SafeNode : public Node {
   void finish() override;
   void stop() override;
   bool done() const override { return node_->done(); }
-  bool finished() const override { return node_->finished(); }
+  std::string waits_for() const override { return node_->waits_for(); }
   int exit_code() const override { return node_->exit_code(); }
   int64_t handed_on() const override { return node_->handed_on(); }
 

@@ -170,7 +170,8 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
     if (progress.frames == 1) outcome->begin_us = progress.utime_us;
     if (run.on_progress) run.on_progress(progress);
   }
-  if (!replay->finish()) outcome->warning = "not everything could be handed on at the end";
+  if (const std::string unfinished = replay->finish(); !unfinished.empty())
+    outcome->warning = "not everything could be handed on at the end: " + unfinished;
 }
 
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {

@@ -120,9 +120,9 @@ bool Replay::step() {
   return true;
 }
 
-bool Replay::finish() {
+std::string Replay::finish() {
   const int64_t deadline_us = bus_.now_us() + kFinishTimeoutUs;
-  bool all_finished = true;
+  std::string unfinished;
   for (const auto& component : components_) {
     {
       const CpuTimer timer(&component->cpu_s);
@@ -134,9 +134,10 @@ bool Replay::finish() {
       bus_.set_now_us(bus_.now_us() + kFinishStepUs);
       settle();
     }
-    all_finished &= component->node->finished();
+    if (const std::string what = component->node->waits_for(); !what.empty())
+      unfinished += fmt::format("{}{}: {}", unfinished.empty() ? "" : "; ", component->name, what);
   }
-  return all_finished;
+  return unfinished;
 }
 
 ReplayProgress Replay::progress() {

@@ -61,9 +61,9 @@ class Replay {
 
   // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
   bool step();
-  // Ends everything in order and returns when nothing is left to do. False if somebody was not finished after a minute
-  // of logical time.
-  bool finish();
+  // Ends everything in order and returns when nothing is left to do. Who was not finished after a minute of logical
+  // time, and with what; empty: all were.
+  std::string finish();
 
   ReplayProgress progress();
   const map_server::Atlas& atlas() const { return map_server_->atlas(); }

@@ -497,14 +497,16 @@ void RebuildQueue::stop() {
   worker_.cancel();
 }
 
-bool RebuildQueue::finished() const {
-  if (worker_.busy()) return false;
-  if (stopping_) {
-    const bool under_way = std::any_of(entries_.begin(), entries_.end(), [](const Entry& e) { return e.in_flight; });
-    return !under_way || bus_.now_us() - stopped_us_ >= kStopDeliveryUs;
+std::string RebuildQueue::waits_for() const {
+  if (worker_.busy()) return "a window is being rebuilt";
+  if (stopping_ && bus_.now_us() - stopped_us_ >= kStopDeliveryUs) return {};
+  for (const Entry& e : entries_) {
+    // What waits and is not claimable is another ruminator's.
+    if (stopping_ ? !e.in_flight : e.given_up) continue;
+    if (e.stage != Stage::kDelivering) return fmt::format("window {} is not rebuilt", e.window.id);
+    return fmt::format("map_server has not taken the back submap of window {}", e.window.id);
   }
-  // What waits and is not claimable is another ruminator's.
-  return std::all_of(entries_.begin(), entries_.end(), [](const Entry& e) { return e.given_up; });
+  return {};
 }
 
 std::string RebuildQueue::detail() const {

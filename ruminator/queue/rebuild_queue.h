@@ -53,7 +53,8 @@ class RebuildQueue {
   // Call off what is under way; the spool keeps it for the next time.
   void stop();
   // After finish(): all is built, and published unless map_server does not take it. After stop(): all is at rest.
-  bool finished() const;
+  bool finished() const { return waits_for().empty(); }
+  std::string waits_for() const;  // what is not, for a person
 
   int last_id(int64_t session) const { return spool_ ? spool_->last_id(session) : 0; }
   int pending() const { return static_cast<int>(entries_.size()); }

@@ -47,11 +47,6 @@ bool GapThinner::halve() {
   return true;
 }
 
-void GapThinner::clear() {
-  frames_.clear();
-  cap_ = max_frames_;
-}
-
 std::vector<Sample> GapThinner::samples() const {
   std::vector<Sample> samples;
   samples.reserve(frames_.size());

@@ -37,7 +37,6 @@ class GapThinner {
   std::optional<GapFrame> take(int64_t utime_us);
   // Halves the frames and the cap; false if there is nothing to halve.
   bool halve();
-  void clear();
 
   const std::vector<GapFrame>& frames() const { return frames_; }
   std::vector<Sample> samples() const;

@@ -29,7 +29,6 @@ struct RuminationWindow {
   int gap_frames = 0;  // frames that the gap had in all; what is not in `gap` was thinned out or came without image
   std::string reason;  // why it ended before it was complete
 
-  bool is_lost() const { return resumed_utime_us == 0; }
   // All of it, in order of time.
   std::vector<Sample> samples() const {
     std::vector<Sample> all;

@@ -22,15 +22,13 @@ constexpr int kMaxDeparture = 40;
 
 std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
 
+Sample sample_of(const FrameEvent& frame) {
+  return {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap};
+}
+
 }  // namespace
 
-WindowSampler::WindowSampler(const WindowOptions& options)
-    : options_(options),
-      approach_(options.stride),
-      before_(options.stride),
-      gap_(options.gap_max_frames),
-      departure_(options.stride),
-      since_resume_(options.gap_max_frames) {}
+WindowSampler::WindowSampler(const WindowOptions& options) : options_(options), approach_(options.stride) {}
 
 std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) {
   if (!has_begun_ || frame.session != session_) {
@@ -45,10 +43,7 @@ std::optional<RuminationWindow> WindowSampler::process(const FrameEvent& frame) 
   }
   last_utime_us_ = frame.utime_us;
   std::optional<RuminationWindow> ended = frame.submap_id == kNoSubmap ? on_untracked(frame) : on_tracked(frame);
-  if (open_) {
-    open_->gap = gap_.samples();
-    open_->departure = list(departure_);
-  }
+  if (open_) list_samples();
   return ended;
 }
 
@@ -57,85 +52,90 @@ void WindowSampler::start_session(const FrameEvent& first) {
   stream_ = first.stream;
   has_begun_ = true;
   last_utime_us_ = std::numeric_limits<int64_t>::min();
-  submap_ = kNoSubmap;
   known_submaps_.clear();
-  approach_.clear();
-  last_tracked_.reset();
+  leave_submap();
 }
 
 GapFrame WindowSampler::measured(const FrameEvent& frame) {
-  if (frame.has_image) path_px_ += frame.image.motion_px.value_or(kGapMotionPx);
-  return {.sample = {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap},
-          .path_px = path_px_,
-          .sharpness = frame.image.sharpness};
+  if (frame.has_image) open_->path_px += frame.image.motion_px.value_or(kGapMotionPx);
+  return {.sample = sample_of(frame), .path_px = open_->path_px, .sharpness = frame.image.sharpness};
 }
 
 std::optional<RuminationWindow> WindowSampler::on_tracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
-  if (open_ && !open_->is_lost() && frame.submap_id != open_->submap_after)
+  if (departure() && frame.submap_id != open_->window.submap_after)
     ended = close(fmt::format("tracking went over to submap {}", frame.submap_id));
   if (frame.submap_id != submap_) {
     approach_.clear();
     tracked_since_us_ = frame.utime_us;
   }
   submap_ = frame.submap_id;
-  if (open_ && open_->is_lost()) resume(frame);
-  const GapFrame measured_frame = measured(frame);
-  approach_.add(measured_frame.sample, frame.has_image);
-  approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
-  if (frame.has_image) last_tracked_ = measured_frame.sample;
-  known_submaps_.insert(frame.submap_id);
-
-  if (!open_) return ended;
-  add_to_departure(measured_frame, frame.has_image);
-  const bool connects = open_->submap_before != kNoSubmap && open_->submap_before != open_->submap_after;
-  if (open_->gap_frames == 0 && !connects)
-    forget_window();
-  else if (is_complete())
+  if (lost()) resume(frame);
+  note_tracked(frame);
+  Departure* const now = departure();
+  if (!now) return ended;
+  now->add(measured(frame), frame.has_image);
+  const RuminationWindow& window = open_->window;
+  const bool connects = window.submap_before != kNoSubmap && window.submap_before != window.submap_after;
+  if (window.gap_frames == 0 && !connects)
+    open_.reset();
+  else if (is_complete(*now))
     ended = close("");
   return ended;
 }
 
-void WindowSampler::resume(const FrameEvent& frame) {
-  open_->submap_after = frame.submap_id;
-  open_->resumed_utime_us = frame.utime_us;
-  resumed_in_known_ = known_submaps_.contains(frame.submap_id);
-  std::sort(late_poses_.begin(), late_poses_.end(),
-            [](const LatePose& a, const LatePose& b) { return a.frame.sample.utime_us < b.frame.sample.utime_us; });
-  for (const LatePose& late : late_poses_) {
-    // Its submap has not been heard of again, or frames after it have no pose yet: it lies in the gap.
-    const bool in_gap = !untracked_.empty() && late.frame.sample.utime_us < *untracked_.rbegin();
-    if (in_gap || late.frame.sample.submap_id != frame.submap_id) {
-      if (late.has_image) gap_.merge({late.frame});
-      continue;
-    }
-    --open_->gap_frames;
-    open_->resumed_utime_us = std::min(open_->resumed_utime_us, late.frame.sample.utime_us);
-    approach_.add(late.frame.sample, late.has_image);
-    add_to_departure(late.frame, late.has_image);
-  }
-  late_poses_.clear();
-  tracked_since_us_ = open_->resumed_utime_us;
+void WindowSampler::note_tracked(const FrameEvent& frame) {
+  approach_.add(sample_of(frame), frame.has_image);
+  approach_.keep_newest(options_.window_length + kMayBeWithdrawn, options_.shared_keyframes + kMayBeWithdrawn);
+  if (frame.has_image) last_tracked_ = sample_of(frame);
+  known_submaps_.insert(frame.submap_id);
 }
 
-void WindowSampler::add_to_departure(const GapFrame& frame, bool has_image) {
-  ++frames_since_resume_;
-  departure_.add(frame.sample, has_image);
-  if (has_image) since_resume_.add(frame);
+void WindowSampler::resume(const FrameEvent& frame) {
+  RuminationWindow& window = open_->window;
+  window.submap_after = frame.submap_id;
+  window.resumed_utime_us = frame.utime_us;
+  std::vector<LatePose> late_poses = std::move(lost()->late_poses);
+  std::sort(late_poses.begin(), late_poses.end(),
+            [](const LatePose& a, const LatePose& b) { return a.frame.sample.utime_us < b.frame.sample.utime_us; });
+  Departure resumed{.samples = StrideSampler(options_.stride),
+                    .all = GapThinner(options_.gap_max_frames),
+                    .in_known_submap = known_submaps_.contains(frame.submap_id)};
+  for (const LatePose& late : late_poses) {
+    // Its submap has not been heard of again, or frames after it have no pose yet: it lies in the gap.
+    const bool in_gap = !open_->untracked.empty() && late.frame.sample.utime_us < *open_->untracked.rbegin();
+    if (in_gap || late.frame.sample.submap_id != frame.submap_id) {
+      if (late.has_image) open_->gap.merge({late.frame});
+      continue;
+    }
+    --window.gap_frames;
+    window.resumed_utime_us = std::min(window.resumed_utime_us, late.frame.sample.utime_us);
+    approach_.add(late.frame.sample, late.has_image);
+    resumed.add(late.frame, late.has_image);
+  }
+  tracked_since_us_ = window.resumed_utime_us;
+  open_->part = std::move(resumed);
+}
+
+void WindowSampler::Departure::add(const GapFrame& frame, bool has_image) {
+  ++frames;
+  samples.add(frame.sample, has_image);
+  if (has_image) all.add(frame);
 }
 
 bool WindowSampler::on_late_pose(const FrameEvent& frame) {
-  if (!open_ || frame.submap_id == kNoSubmap || untracked_.erase(frame.utime_us) == 0) return false;
-  const std::optional<GapFrame> sampled = gap_.take(frame.utime_us);
+  if (!open_ || frame.submap_id == kNoSubmap || open_->untracked.erase(frame.utime_us) == 0) return false;
+  RuminationWindow& window = open_->window;
+  const std::optional<GapFrame> sampled = open_->gap.take(frame.utime_us);
   GapFrame late = sampled.value_or(GapFrame{});
-  late.sample = {frame.utime_us, frame.is_keyframe, frame.submap_id, frame.cam_from_submap};
-  if (open_->is_lost()) {
-    late_poses_.push_back({late, sampled.has_value()});
+  late.sample = sample_of(frame);
+  if (Gap* const gap = lost()) {
+    gap->late_poses.push_back({late, sampled.has_value()});
   } else {  // after the frame that it was to precede: too late to be a sample of the departure
-    --open_->gap_frames;
-    open_->resumed_utime_us = std::min(open_->resumed_utime_us, frame.utime_us);
+    --window.gap_frames;
+    window.resumed_utime_us = std::min(window.resumed_utime_us, frame.utime_us);
   }
-  open_->gap = gap_.samples();
+  list_samples();
   return true;
 }
 
@@ -145,29 +145,30 @@ bool WindowSampler::on_withdrawn(int64_t utime_us) {
       extend_window();
     } else {
       begin_window(utime_us);
-      before_until_us_ = last_utime_us_ + 1;
+      open_->before_until_us = last_utime_us_ + 1;
     }
     leave_submap();
   }
-  if (!open_ || utime_us < before_since_us_ || untracked_.contains(utime_us)) return false;
-  std::optional<GapFrame> withdrawn = gap_.take(utime_us);
-  if (!withdrawn && utime_us < before_until_us_) withdrawn = take_from_approach(utime_us);
+  if (!open_ || utime_us < open_->before_since_us || open_->untracked.contains(utime_us)) return false;
+  std::optional<GapFrame> withdrawn = open_->gap.take(utime_us);
+  if (!withdrawn && utime_us < open_->before_until_us) withdrawn = take_from_approach(utime_us);
   if (withdrawn) {
     withdrawn->sample = {.utime_us = utime_us};
-    gap_.merge({*withdrawn});
+    open_->gap.merge({*withdrawn});
   }
-  untracked_.insert(utime_us);
-  open_->gap = gap_.samples();
+  open_->untracked.insert(utime_us);
+  list_samples();
   return true;
 }
 
 // Nothing if the frame is no sample; it is part of the gap all the same.
 std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
-  ++open_->gap_frames;
-  open_->lost_utime_us = std::min(open_->lost_utime_us, utime_us);
-  const auto newer = std::count_if(before_.samples().begin(), before_.samples().end(),
-                                   [&](const Sample& s) { return s.utime_us >= utime_us; });
-  if (!before_.take(utime_us)) return std::nullopt;
+  ++open_->window.gap_frames;
+  open_->window.lost_utime_us = std::min(open_->window.lost_utime_us, utime_us);
+  const auto& samples = open_->before.samples();
+  const auto newer =
+      std::count_if(samples.begin(), samples.end(), [&](const Sample& s) { return s.utime_us >= utime_us; });
+  if (!open_->before.take(utime_us)) return std::nullopt;
   list_approach();
   // Nobody has looked how its picture moved, nor how sharp it is: nothing speaks against it.
   return GapFrame{.sample = {},
@@ -175,33 +176,33 @@ std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
                   .sharpness = std::numeric_limits<double>::infinity()};
 }
 
-bool WindowSampler::has_enough() const {
-  return departure_.keyframes() >= options_.departure_min_keyframes ||
-         (resumed_in_known_ && static_cast<int>(departure_.samples().size()) >= options_.window_length);
+bool WindowSampler::has_enough(const Departure& departure) const {
+  return departure.samples.keyframes() >= options_.departure_min_keyframes ||
+         (departure.in_known_submap && static_cast<int>(departure.samples.samples().size()) >= options_.window_length);
 }
 
-bool WindowSampler::is_complete() const {
-  const int samples = static_cast<int>(departure_.samples().size());
-  const int keyframes = departure_.keyframes();
-  return keyframes >= std::max(options_.departure_min_keyframes, options_.shared_keyframes) ||
-         samples >= kMaxDeparture || (open_->submap_after == open_->submap_before && samples >= options_.window_length);
+bool WindowSampler::is_complete(const Departure& departure) const {
+  const int samples = static_cast<int>(departure.samples.samples().size());
+  const bool is_back = open_->window.submap_after == open_->window.submap_before;
+  return departure.samples.keyframes() >= std::max(options_.departure_min_keyframes, options_.shared_keyframes) ||
+         samples >= kMaxDeparture || (is_back && samples >= options_.window_length);
 }
 
 std::optional<RuminationWindow> WindowSampler::on_untracked(const FrameEvent& frame) {
   std::optional<RuminationWindow> ended;
-  if (open_ && !open_->is_lost()) {
-    if (has_enough())
+  if (const Departure* const now = departure()) {
+    if (has_enough(*now))
       ended = close("");
     else
       extend_window();
   }
   if (!open_) begin_window(frame.utime_us);
   leave_submap();
-  ++open_->gap_frames;
-  untracked_.insert(frame.utime_us);
-  if (untracked_.size() > kMaxUntracked) untracked_.erase(untracked_.begin());
+  ++open_->window.gap_frames;
+  open_->untracked.insert(frame.utime_us);
+  if (open_->untracked.size() > kMaxUntracked) open_->untracked.erase(open_->untracked.begin());
   const GapFrame measured_frame = measured(frame);
-  if (frame.has_image) gap_.add(measured_frame);
+  if (frame.has_image) open_->gap.add(measured_frame);
   return ended;
 }
 
@@ -212,65 +213,60 @@ void WindowSampler::leave_submap() {
 }
 
 void WindowSampler::begin_window(int64_t utime_us) {
-  open_.emplace();
-  open_->id = last_id_ + 1;
-  open_->session = session_;
-  open_->stream = stream_;
-  open_->submap_before = submap_;
-  open_->lost_utime_us = before_since_us_ = before_until_us_ = utime_us;
+  open_ = Collecting{.window = {.id = last_id_ + 1,
+                                .session = session_,
+                                .stream = stream_,
+                                .submap_before = submap_,
+                                .lost_utime_us = utime_us},
+                     .before = StrideSampler(options_.stride),
+                     .before_since_us = utime_us,
+                     .before_until_us = utime_us,
+                     .gap = GapThinner(options_.gap_max_frames),
+                     .part = Gap()};
   if (submap_ == kNoSubmap) return;
   // The last tracked frame is the nearest to the gap and ties it to the submap.
   if (last_tracked_) approach_.add_last(*last_tracked_);
-  before_ = approach_;
-  before_since_us_ = tracked_since_us_;
+  open_->before = approach_;
+  open_->before_since_us = tracked_since_us_;
   list_approach();
 }
 
 void WindowSampler::list_approach() {
-  StrideSampler newest = before_;
+  StrideSampler newest = open_->before;
   newest.keep_newest(options_.window_length, options_.shared_keyframes);
-  open_->approach = list(newest);
+  open_->window.approach = list(newest);
+}
+
+void WindowSampler::list_samples() {
+  open_->window.gap = open_->gap.samples();
+  open_->window.departure = departure() ? list(departure()->samples) : std::vector<Sample>();
 }
 
 void WindowSampler::extend_window() {
-  gap_.merge(since_resume_.frames());
-  open_->gap_frames += frames_since_resume_;
-  open_->submap_after = kNoSubmap;
-  open_->resumed_utime_us = 0;
-  since_resume_.clear();
-  departure_.clear();
-  frames_since_resume_ = 0;
+  const auto& young = std::get<Departure>(open_->part);
+  open_->gap.merge(young.all.frames());
+  open_->window.gap_frames += young.frames;
+  open_->window.submap_after = kNoSubmap;
+  open_->window.resumed_utime_us = 0;
+  open_->part = Gap();
 }
 
 bool WindowSampler::thin_gap() {
-  if (!open_ || !(gap_.halve() || since_resume_.halve())) return false;
-  open_->gap = gap_.samples();
+  if (!open_ || !(open_->gap.halve() || (departure() && departure()->all.halve()))) return false;
+  list_samples();
   return true;
 }
 
 std::optional<RuminationWindow> WindowSampler::close(const std::string& reason) {
-  for (const LatePose& late : late_poses_)  // of a submap that was never heard of again
-    if (late.has_image) gap_.merge({late.frame});
-  open_->gap = gap_.samples();
-  open_->departure = list(departure_);
-  RuminationWindow window = std::move(*open_);
+  if (const Gap* const gap = lost())
+    for (const LatePose& late : gap->late_poses)  // of a submap that was never heard of again
+      if (late.has_image) open_->gap.merge({late.frame});
+  list_samples();
+  RuminationWindow window = std::move(open_->window);
   window.reason = reason;
   last_id_ = window.id;
-  forget_window();
-  return window;
-}
-
-void WindowSampler::forget_window() {
   open_.reset();
-  before_.clear();
-  gap_.clear();
-  untracked_.clear();
-  late_poses_.clear();
-  departure_.clear();
-  since_resume_.clear();
-  frames_since_resume_ = 0;
-  resumed_in_known_ = false;
-  path_px_ = 0;
+  return window;
 }
 
 std::optional<RuminationWindow> WindowSampler::finish(const std::string& reason) {
@@ -286,11 +282,14 @@ std::set<int64_t> WindowSampler::retained() const {
   add(approach_.samples());
   if (last_tracked_) utimes.insert(last_tracked_->utime_us);
   if (!open_) return utimes;
-  add(before_.samples());
-  add(gap_.samples());
-  add(departure_.samples());
-  add(since_resume_.samples());
-  for (const LatePose& late : late_poses_) utimes.insert(late.frame.sample.utime_us);
+  add(open_->before.samples());
+  add(open_->gap.samples());
+  if (const Gap* const gap = lost())
+    for (const LatePose& late : gap->late_poses) utimes.insert(late.frame.sample.utime_us);
+  if (const auto* const departure = std::get_if<Departure>(&open_->part)) {
+    add(departure->samples.samples());
+    add(departure->all.samples());
+  }
   return utimes;
 }
 

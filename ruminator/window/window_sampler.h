@@ -24,6 +24,19 @@
 //   samples complete the window.
 // - A camera that stands still makes no keyframes: kMaxDeparture samples complete the window.
 // - What is open when the input ends, or front_tracker starts again, ends as it is, with a reason.
+//
+//   phase      what comes                                        next phase
+//   watching   a frame without a pose                            gap: a window opens
+//              poses of the submap that is tracked withdrawn     gap: a window opens with them
+//   gap        a frame without a pose                            gap
+//              a frame with a pose                               departure
+//                that leaves no gap, and connects no two submaps   watching: the window never opened
+//   departure  a frame of the same submap                        departure; with enough samples: complete, watching
+//              a frame of another submap                         watching: the window ends
+//              a frame without a pose, where few were tracked    gap: the same window
+//                ... and where enough were                       gap: complete, and another window opens
+//              poses since it began withdrawn                    gap: the same window
+//   any        another session, the end                          watching: the window ends
 #pragma once
 
 #include <algorithm>
@@ -31,6 +44,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "ruminator/window/gap_thinner.h"
@@ -64,10 +78,12 @@ class WindowSampler {
   // The input has ended: the open window, if any.
   std::optional<RuminationWindow> finish(const std::string& reason);
 
-  // The window that is collecting now.
-  const std::optional<RuminationWindow>& open() const { return open_; }
+  enum class Phase { kWatching, kGap, kDeparture };
+  Phase phase() const { return !open_ ? Phase::kWatching : lost() ? Phase::kGap : Phase::kDeparture; }
+  // The window that is collecting now, or null.
+  const RuminationWindow* open() const { return open_ ? &open_->window : nullptr; }
   // Is it certain that the open window will end as one? A start may yet get all its poses.
-  bool is_settled() const { return open_ && (open_->submap_before != kNoSubmap || !open_->is_lost()); }
+  bool is_settled() const { return open_ && (open_->window.submap_before != kNoSubmap || !lost()); }
   // Would the motion of this frame's image make a difference?
   bool wants_measure(const FrameEvent& frame) const {
     return !is_late(frame) && (open_ || frame.submap_id == kNoSubmap);
@@ -89,23 +105,47 @@ class WindowSampler {
     GapFrame frame;
     bool has_image = false;
   };
+  struct Gap {
+    std::vector<LatePose> late_poses;  // since the loss, in order of arrival
+  };
+  struct Departure {
+    StrideSampler samples;
+    GapThinner all;  // every frame: gap, should the submap die young
+    int frames = 0;
+    bool in_known_submap = false;  // one that had been left
+    void add(const GapFrame& frame, bool has_image);
+  };
+  struct Collecting {
+    RuminationWindow window;
+    StrideSampler before;         // the approach, and what was before it
+    int64_t before_since_us = 0;  // tracked without a break since then ...
+    int64_t before_until_us = 0;  // ... and until before this
+    GapThinner gap;
+    std::set<int64_t> untracked;  // the newest frames of the gap that have no pose, thinned out or not
+    double path_px = 0;           // see GapFrame
+    std::variant<Gap, Departure> part;
+  };
+  Gap* lost() { return open_ ? std::get_if<Gap>(&open_->part) : nullptr; }
+  const Gap* lost() const { return open_ ? std::get_if<Gap>(&open_->part) : nullptr; }
+  Departure* departure() { return open_ ? std::get_if<Departure>(&open_->part) : nullptr; }
+
   std::optional<RuminationWindow> on_tracked(const FrameEvent& frame);
   std::optional<RuminationWindow> on_untracked(const FrameEvent& frame);
   bool on_late_pose(const FrameEvent& frame);
   bool on_withdrawn(int64_t utime_us);
   std::optional<GapFrame> take_from_approach(int64_t utime_us);
+  void note_tracked(const FrameEvent& frame);
   void leave_submap();
   void begin_window(int64_t utime_us);
   void list_approach();
+  void list_samples();  // of gap and departure
   void resume(const FrameEvent& frame);
-  void add_to_departure(const GapFrame& frame, bool has_image);
-  void extend_window();     // lost again too soon
-  bool has_enough() const;  // not to have died young
-  bool is_complete() const;
+  void extend_window();                               // lost again too soon
+  bool has_enough(const Departure& departure) const;  // not to have died young
+  bool is_complete(const Departure& departure) const;
   std::optional<RuminationWindow> close(const std::string& reason);
-  void forget_window();
   void start_session(const FrameEvent& first);
-  GapFrame measured(const FrameEvent& frame);
+  GapFrame measured(const FrameEvent& frame);  // of the open window
 
   WindowOptions options_;
   int64_t session_ = 0, stream_ = 0;
@@ -116,19 +156,7 @@ class WindowSampler {
   int64_t tracked_since_us_ = 0;     // without a break, in submap_
   StrideSampler approach_;           // of submap_
   std::optional<Sample> last_tracked_;
-
-  std::optional<RuminationWindow> open_;
-  StrideSampler before_;         // the open window's approach, and what was before it
-  int64_t before_since_us_ = 0;  // tracked without a break since then ...
-  int64_t before_until_us_ = 0;  // ... and until before this
-  GapThinner gap_;
-  std::set<int64_t> untracked_;       // the newest frames of the gap that have no pose, thinned out or not
-  std::vector<LatePose> late_poses_;  // since the loss, in order of arrival
-  StrideSampler departure_;
-  GapThinner since_resume_;  // every frame: gap, should the submap die young
-  int frames_since_resume_ = 0;
-  bool resumed_in_known_ = false;
-  double path_px_ = 0;
+  std::optional<Collecting> open_;
   int32_t last_id_ = 0;  // of the windows that ended
   int64_t ignored_ = 0;
 };

@@ -286,6 +286,7 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
   ASSERT_FALSE(node_->tracker()->submaps().empty());
   const Submap made = node_->tracker()->submaps()[0]->map;
   node_->finish();
+  EXPECT_EQ(node_->waits_for(), "map_server has not taken the last of the submaps");
   for (int i = 0; i < 500 && !node_->finished(); ++i) {
     bus_.set_now_us(bus_.now_us() + 100'000);
     tick();

@@ -39,8 +39,9 @@ class EchoNode : public rumi::Node {
   rumi::NodeStatus status() override { return {}; }
   bool done() const override { return options_.end_after > 0 && answered_ >= options_.end_after; }
   void finish() override { finish_ = Clock::now(); }
-  bool finished() const override {
-    return !options_.never_finished && finishing_for().count() >= options_.hands_on_for_s;
+  std::string waits_for() const override {
+    const bool finished = !options_.never_finished && finishing_for().count() >= options_.hands_on_for_s;
+    return finished ? "" : "nobody took it";
   }
   int64_t handed_on() const override { return std::llround(10 * finishing_for().count()); }
 

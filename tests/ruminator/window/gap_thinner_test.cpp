@@ -120,9 +120,6 @@ TEST(GapThinner, HalvesAndStaysAtHalf) {
   EXPECT_TRUE(thinner.halve());
   EXPECT_THAT(utimes(thinner), ElementsAre(0, 29));
   EXPECT_FALSE(thinner.halve());
-  thinner.clear();
-  for (int i = 0; i < 90; ++i) thinner.add(frame(i, 5.0 * i));
-  EXPECT_EQ(thinner.frames().size(), 90);
 }
 
 TEST(GapThinner, TakesOutAndMergesByTime) {
