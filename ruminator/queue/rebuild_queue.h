@@ -16,6 +16,7 @@
 #include "lcmtypes/rumi/window_t.hpp"
 #include "ruminator/build/build_options.h"
 #include "ruminator/queue/build_worker.h"
+#include "ruminator/queue/queue_entry.h"
 #include "ruminator/queue/spool.h"
 
 namespace rumi::ruminator {
@@ -62,50 +63,38 @@ class RebuildQueue {
   bool degraded() const;
 
  private:
-  enum class Stage { kQueued, kBuilding, kDelivering };
-  struct Entry {
-    JobName name;
-    RuminationWindow window;
-    Stage stage = Stage::kQueued;
-    int8_t announced = window_t::QUEUED;
-    std::string note;                      // announced as the reason
-    std::string result;                    // kDelivering: what rebuilding gave, for the log
-    std::shared_ptr<const WindowJob> job;  // where it is not in the spool
-    std::string work_folder;               // of such a job, while it is rebuilt
-    std::optional<Spool::Claim> claim;
-    std::vector<uint8_t> submap;  // kDelivering, where it is not in the spool
-    int tries = 0;
-    double build_s = 0;                 // that they took
-    int64_t not_before_us = 0;          // of the next attempt to build or to deliver
-    std::optional<int64_t> resumed_us;  // when tracking resumed, on the bus's clock; images may end, this goes on
-    bool in_flight = false;
-    bool given_up = false;  // for now: left to the next start
-    int64_t announced_us = 0;
-  };
-  using Entries = std::list<Entry>;
+  using Entries = std::list<QueueEntry>;
+  using Place = std::variant<InSpool, InMemory>;
 
   void adopt();
   void adopt_window(JobName name);
   void adopt_submap(JobName name);
   bool knows(JobName name) const;
+  std::optional<Place> place(WindowJob job);
   void limit();
   void drop(Entries::iterator entry, const std::string& reason);
   void start_next(int64_t now_us);
-  bool claim(Entry& entry);
+  bool claim(QueueEntry& entry);
   void start(Entries::iterator entry);
+  std::string make_task(QueueEntry& entry, BuildTask* task);
   void on_progress(const BuildProgress& progress);
   void take_progress();
   void take_report(int64_t now_us);
   void on_built(Entries::iterator entry, const BuildReport& report, int64_t now_us);
+  void tell(const QueueEntry& entry, const BuildResult& result);
   void try_again_or_fail(Entries::iterator entry, const std::string& reason, int64_t now_us);
   void fail(Entries::iterator entry, const std::string& reason);
   void give_up(Entries::iterator entry, const std::string& reason);
-  void store(Entries::iterator entry, std::vector<uint8_t> submap);
+  void leave_built(QueueEntry& entry);
+  void store(QueueEntry& entry, std::vector<uint8_t> submap);
   void deliver(int64_t now_us);
-  void send(Entries::iterator entry, std::vector<uint8_t> submap);
+  void send(QueueEntry& entry, std::vector<uint8_t> submap);
   void on_delivered(JobName name, const TransferResult& result);
-  void announce(Entry& entry, int8_t state, const std::string& reason = {});
+  void on_refused(QueueEntry& entry, const std::string& reason);
+  void announce(QueueEntry& entry, const std::string& note = {});
+  void publish(const QueueEntry& entry, int8_t state, const std::string& reason);
   void announce_all(int64_t now_us);
+  bool is_sending() const;
   Entries::iterator find(JobName name);
   Entries::iterator building();
   int64_t retry_us() const { return static_cast<int64_t>(options_.retry_s * 1e6); }
@@ -127,8 +116,7 @@ class RebuildQueue {
 
   std::mutex progress_mutex_;
   std::optional<BuildProgress> progress_;  // news of the worker, not yet taken
-  BuildProgress last_progress_;
-  BuildWorker worker_;  // last: ends first
+  BuildWorker worker_;                     // last: ends first
 };
 
 }  // namespace rumi::ruminator
