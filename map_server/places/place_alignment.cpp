@@ -51,7 +51,7 @@ class PlaceAligner {
     const auto best = agree(proposals.ranked(), o_.min_consensus, o_.min_consensus_ratio);
     if (!best) return false;
     inliers_ = best->members;
-    result_.b_from_a = best->b_from_a;
+    result_.b_from_a = best->model;
 
     const std::vector<int> among = all();
     std::vector<int> rest;
@@ -64,7 +64,7 @@ class PlaceAligner {
   }
 
   // The similarity that most of them agree with, if those are enough.
-  std::optional<Consensus> agree(const std::vector<PlaceMatch>& matches, int least, double least_ratio) {
+  std::optional<Consensus<Sim3>> agree(const std::vector<PlaceMatch>& matches, int least, double least_ratio) {
     result_.proposed = static_cast<int>(matches.size());
     if (result_.proposed < o_.min_proposed) {
       refuse(fmt::format("{} landmarks look alike, {} wanted", result_.proposed, o_.min_proposed));
@@ -86,7 +86,7 @@ class PlaceAligner {
     return indices;
   }
 
-  std::optional<Consensus> consensus(const std::vector<int>& among) const {
+  std::optional<Consensus<Sim3>> consensus(const std::vector<int>& among) const {
     return find_consensus(equations_, among, camera_a_, camera_b_, o_.consensus_px, o_.ransac_iterations);
   }
 

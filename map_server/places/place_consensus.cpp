@@ -5,79 +5,52 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "slam/geometry/alignment.h"
 
 namespace rumi::map_server {
 namespace {
 
-constexpr double kMissProbability = 1e-4;  // of no sample of three right pairs among those drawn
+constexpr double kMissProbability = 1e-4;
 
-class Ransac {
+class PlaceModel {
  public:
-  Ransac(const std::vector<PlaceEquation>& equations, const std::vector<int>& among, const Camera& camera_a,
-         const Camera& camera_b, double max_error_px)
+  PlaceModel(const std::vector<PlaceEquation>& equations, const std::vector<int>& among, const Camera& camera_a,
+             const Camera& camera_b, double max_error_px)
       : equations_(equations), among_(among), camera_a_(camera_a), camera_b_(camera_b), max_error_px_(max_error_px) {}
 
-  std::optional<Consensus> run(int iterations) {
-    if (among_.size() < 3) return std::nullopt;
-    Consensus best;
-    std::mt19937 rng(4711);  // fixed: the same answer every time
-    for (int i = 0; i < iterations; ++i) {
-      const auto b_from_a = propose(&rng);
-      if (!b_from_a) continue;
-      Consensus found = score(*b_from_a);
-      if (found.members.size() <= best.members.size()) continue;
-      best = std::move(found);
-      iterations = std::min(iterations, needed(best.members.size()));
-    }
-    if (best.members.size() < 3) return std::nullopt;
-    return best;
+  // Of three pairs that agree with what they propose, which pairs with one wrong among them rarely do.
+  std::optional<Sim3> propose(const std::array<int, 3>& sample) const {
+    const auto b_from_a = fit(sample);
+    if (!b_from_a) return std::nullopt;
+    const Sim3 a_from_b = b_from_a->inverse();
+    const bool all_agree =
+        std::all_of(sample.begin(), sample.end(), [&](int i) { return agrees(among_[i], *b_from_a, a_from_b); });
+    return all_agree ? b_from_a : std::nullopt;
+  }
+
+  std::vector<int> agreeing(const Sim3& b_from_a) const {
+    const Sim3 a_from_b = b_from_a.inverse();
+    std::vector<int> members;
+    for (int i = 0; i < static_cast<int>(among_.size()); ++i)
+      if (agrees(among_[i], b_from_a, a_from_b)) members.push_back(i);
+    return members;
   }
 
  private:
-  std::optional<Sim3> fit(const std::vector<int>& members) const {
+  std::optional<Sim3> fit(const std::array<int, 3>& sample) const {
     std::vector<Eigen::Vector3d> from, to;
-    for (int i : members) {
-      from.push_back(equations_[i].point_a);
-      to.push_back(equations_[i].point_b);
+    for (const int i : sample) {
+      from.push_back(equations_[among_[i]].point_a);
+      to.push_back(equations_[among_[i]].point_b);
     }
     auto b_from_a = umeyama(from, to);
     if (b_from_a && !(b_from_a->is_finite() && b_from_a->inverse().is_finite())) b_from_a.reset();
     return b_from_a;
   }
 
-  bool agrees(int i, const Sim3& b_from_a, const Sim3& a_from_b) const {
-    return reprojection_error_px(equations_[i], camera_a_, camera_b_, b_from_a, a_from_b) <= max_error_px_;
-  }
-
-  // Three pairs that agree with what they propose, which pairs with one wrong among them rarely do.
-  std::optional<Sim3> propose(std::mt19937* rng) const {
-    const size_t n = among_.size();
-    const std::array<size_t, 3> draw{(*rng)() % n, (*rng)() % n, (*rng)() % n};
-    if (draw[0] == draw[1] || draw[0] == draw[2] || draw[1] == draw[2]) return std::nullopt;
-    const std::vector<int> sample{among_[draw[0]], among_[draw[1]], among_[draw[2]]};
-    const auto b_from_a = fit(sample);
-    if (!b_from_a) return std::nullopt;
-    const Sim3 a_from_b = b_from_a->inverse();
-    for (int i : sample)
-      if (!agrees(i, *b_from_a, a_from_b)) return std::nullopt;
-    return b_from_a;
-  }
-
-  Consensus score(const Sim3& b_from_a) const {
-    Consensus result{b_from_a, {}};
-    const Sim3 a_from_b = b_from_a.inverse();
-    for (int i : among_)
-      if (agrees(i, b_from_a, a_from_b)) result.members.push_back(i);
-    return result;
-  }
-
-  int needed(size_t members) const {
-    const double share = static_cast<double>(members) / static_cast<double>(among_.size());
-    const double right = std::min(share * share * share, 1 - 1e-9);
-    return static_cast<int>(std::min(1e9, std::ceil(std::log(kMissProbability) / std::log1p(-right))));
+  bool agrees(int equation, const Sim3& b_from_a, const Sim3& a_from_b) const {
+    return reprojection_error_px(equations_[equation], camera_a_, camera_b_, b_from_a, a_from_b) <= max_error_px_;
   }
 
   const std::vector<PlaceEquation>& equations_;
@@ -111,10 +84,17 @@ double reprojection_error_px(const PlaceEquation& e, const Camera& camera_a, con
                   (camera_a.project_undistorted(in_a) - e.pixel_a).norm() / e.sigma_a_px);
 }
 
-std::optional<Consensus> find_consensus(const std::vector<PlaceEquation>& equations, const std::vector<int>& among,
-                                        const Camera& camera_a, const Camera& camera_b, double max_error_px,
-                                        int iterations) {
-  return Ransac(equations, among, camera_a, camera_b, max_error_px).run(iterations);
+std::optional<Consensus<Sim3>> find_consensus(const std::vector<PlaceEquation>& equations,
+                                              const std::vector<int>& among, const Camera& camera_a,
+                                              const Camera& camera_b, double max_error_px, int samples) {
+  const PlaceModel model(equations, among, camera_a, camera_b, max_error_px);
+  std::optional<Consensus<Sim3>> found = find_consensus_of_three(
+      among.size(), {.samples = samples, .miss_probability = kMissProbability, .seed = 4711},
+      [&](const std::array<int, 3>& sample) { return model.propose(sample); },
+      [&](const Sim3& b_from_a) { return model.agreeing(b_from_a); });
+  if (found)
+    for (int& member : found->members) member = among[member];
+  return found;
 }
 
 }  // namespace rumi::map_server

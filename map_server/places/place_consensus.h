@@ -7,6 +7,7 @@
 
 #include "map_server/places/place_matching.h"
 #include "slam/geometry/transform.h"
+#include "slam/numeric/consensus.h"
 
 namespace rumi::map_server {
 
@@ -25,14 +26,10 @@ std::vector<PlaceEquation> make_equations(const PlaceNeighbourhood& a, const Pla
 double reprojection_error_px(const PlaceEquation& equation, const Camera& camera_a, const Camera& camera_b,
                              const Sim3& b_from_a, const Sim3& a_from_b);
 
-struct Consensus {
-  Sim3 b_from_a;
-  std::vector<int> members;  // indices of the equations, ascending
-};
-
-// RANSAC over three pairs, `among` the equations with these indices. Nothing if no three of them agree. Deterministic.
-std::optional<Consensus> find_consensus(const std::vector<PlaceEquation>& equations, const std::vector<int>& among,
-                                        const Camera& camera_a, const Camera& camera_b, double max_error_px,
-                                        int iterations);
+// b_from_a, and the equations that agree with it: their indices, ascending. Of those `among` them. Nothing if no three
+// of them agree. Deterministic.
+std::optional<Consensus<Sim3>> find_consensus(const std::vector<PlaceEquation>& equations,
+                                              const std::vector<int>& among, const Camera& camera_a,
+                                              const Camera& camera_b, double max_error_px, int samples);
 
 }  // namespace rumi::map_server

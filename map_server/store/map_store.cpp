@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -26,60 +25,11 @@ constexpr std::chrono::seconds kStartWait{2};  // for a reader (the sqlite3 tool
 // Later nobody hears us while we wait, and who is refused sends again.
 constexpr std::chrono::milliseconds kSaveWait{20};
 
-std::string holder_of(int fd) {
-  char text[32] = {};
-  const ssize_t n = pread(fd, text, sizeof(text) - 1, 0);
-  return n > 0 ? std::string(text, static_cast<size_t>(n)) : "unknown";
-}
-
-// A process that ends removes its lock file; one that opened the file just before must not take the removed one for it.
-bool is_still_there(int fd, const std::string& file) {
-  struct stat ours {
-  }, there{};
-  return fstat(fd, &ours) == 0 && stat(file.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
-         ours.st_dev == there.st_dev;
-}
-
 }  // namespace
-
-FileLock::FileLock(std::string file) : file_(std::move(file)) {
-  for (;;) {
-    fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (fd_ < 0)
-      throw std::runtime_error(
-          fmt::format("cannot create {}: {}; the folder must exist and be writable", file_, std::strerror(errno)));
-    if (flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-      const std::string pid = holder_of(fd_);
-      ::close(std::exchange(fd_, -1));
-      throw std::runtime_error(fmt::format(
-          "another map_server (pid {}) has the map open: it holds {}; stop that one or give this one another database",
-          pid, file_));
-    }
-    if (is_still_there(fd_, file_)) break;
-    ::close(fd_);
-  }
-  const std::string pid = std::to_string(getpid());
-  // The pid is there for people only; on a full disk the lock holds without it.
-  if (ftruncate(fd_, 0) != 0 || pwrite(fd_, pid.data(), pid.size(), 0) < 0) return;
-}
-
-FileLock::~FileLock() {
-  if (fd_ < 0) return;
-  ::unlink(file_.c_str());
-  ::close(fd_);
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : file_(std::move(other.file_)), fd_(std::exchange(other.fd_, -1)) {}
-
-FileLock& FileLock::operator=(FileLock&& other) noexcept {
-  std::swap(file_, other.file_);
-  std::swap(fd_, other.fd_);
-  return *this;
-}
 
 MapStore::MapStore(const std::string& file) : file_(file) {
   if (file_.empty()) throw std::runtime_error("map_server.database is empty; give a file name or :memory:");
-  if (file_ != kInMemory) lock_ = FileLock(file_ + ".lock");
+  if (file_ != kInMemory) lock_ = DatabaseLock(file_);
   try {
     db_ = Database(file_);
     wait_ = kStartWait;
@@ -186,11 +136,9 @@ std::string MapStore::explain(const SqliteError& error) const {
 }
 
 std::string MapStore::explain_busy() const {
-  const int lock = ::open((file_ + ".lock").c_str(), O_RDONLY | O_CLOEXEC);
-  const bool by_server = lock >= 0 && flock(lock, LOCK_SH | LOCK_NB) != 0;
-  const std::string who = by_server ? fmt::format("a map_server, pid {}, has it open", holder_of(lock))
-                                    : "no map_server has it open; an sqlite3 shell or a backup may";
-  if (lock >= 0) ::close(lock);
+  const std::optional<std::string> pid = holder_of_lock(DatabaseLock::file_of(file_));
+  const std::string who = pid ? fmt::format("a map_server, pid {}, has it open", *pid)
+                              : "no map_server has it open; an sqlite3 shell or a backup may";
   return fmt::format(
       "{} is busy: another program has kept it locked for {} s ({}); let that one finish or end it, then "
       "try again",

@@ -15,25 +15,11 @@
 
 #include "base/sqlite.h"
 #include "map_server/atlas/atlas.h"
+#include "map_server/store/database_lock.h"
 
 namespace rumi::map_server {
 
 inline constexpr std::chrono::milliseconds kSaveBudget{15};  // of map_server's tick: nobody is heard meanwhile
-
-// Held as long as the object lives, by one process at a time; the kernel gives it back when the process dies.
-class FileLock {
- public:
-  // Locks `file` (created). Throws std::runtime_error naming the holder's pid if another process has it.
-  explicit FileLock(std::string file);
-  FileLock() = default;
-  ~FileLock();
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&& other) noexcept;
-
- private:
-  std::string file_;
-  int fd_ = -1;
-};
 
 inline constexpr const char* kInMemory = ":memory:";
 
@@ -127,7 +113,7 @@ class MapStore {
   std::chrono::milliseconds wait_{};  // for other programs, before what is asked for fails
   int64_t bytes_ = 0;
   std::shared_ptr<std::atomic<bool>> copies_called_off_ = std::make_shared<std::atomic<bool>>(false);
-  FileLock lock_;
+  DatabaseLock lock_;
   Database db_;
   Rows stored_;
   std::vector<Link> stored_links_;

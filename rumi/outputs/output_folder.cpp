@@ -111,9 +111,9 @@ std::string check_output_folder(const std::string& folder) {
                        is_file ? "it is a file; give another name" : error.message());
   }
   // Where a map_server has its map in this folder.
-  const std::string lock = (fs::path(folder) / "map.db.lock").string();
-  if (fs::exists(lock, error)) {
-    const std::string held = thrown_by([&lock] { const map_server::FileLock is_free(lock); });
+  const std::string database = (fs::path(folder) / "map.db").string();
+  if (fs::exists(map_server::DatabaseLock::file_of(database), error)) {
+    const std::string held = thrown_by([&database] { const map_server::DatabaseLock is_free(database); });
     if (!held.empty()) return fmt::format("{}: {}", folder, held);
   }
   if (!read_run_json(folder).is_null()) return "";

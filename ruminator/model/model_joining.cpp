@@ -2,11 +2,12 @@
 #include "ruminator/model/model_joining.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "slam/geometry/alignment.h"
+#include "slam/numeric/consensus.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -50,13 +51,16 @@ struct Common {
   const SparseModel::Point *a = nullptr, *b = nullptr;
 };
 
-std::optional<Sim3> fit(const std::vector<Common>& common) {
+template <class Indices>
+std::optional<Sim3> fit(const std::vector<Common>& common, const Indices& those) {
   std::vector<Eigen::Vector3d> a, b;
-  for (const Common& c : common) {
-    a.push_back(c.a->position);
-    b.push_back(c.b->position);
+  for (const int i : those) {
+    a.push_back(common[i].a->position);
+    b.push_back(common[i].b->position);
   }
-  return umeyama(b, a);
+  auto a_from_b = umeyama(b, a);
+  if (a_from_b && !(a_from_b->is_finite() && a_from_b->scale > 0)) a_from_b.reset();
+  return a_from_b;
 }
 
 struct FrontPose {
@@ -120,29 +124,24 @@ std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowI
   if (static_cast<int>(common.size()) < kMinPoints) return std::nullopt;
   const auto agreeing = [&](const Sim3& a_from_b) {
     const Sim3 b_from_a = a_from_b.inverse();
-    std::vector<Common> inliers;
-    for (const Common& c : common)
-      if (mean_error_px(camera, images, a, *c.a, a_from_b * c.b->position) <= kMaxErrorPx &&
-          mean_error_px(camera, images, b, *c.b, b_from_a * c.a->position) <= kMaxErrorPx)
-        inliers.push_back(c);
-    return inliers;
+    std::vector<int> members;
+    for (int i = 0; i < static_cast<int>(common.size()); ++i)
+      if (mean_error_px(camera, images, a, *common[i].a, a_from_b * common[i].b->position) <= kMaxErrorPx &&
+          mean_error_px(camera, images, b, *common[i].b, b_from_a * common[i].a->position) <= kMaxErrorPx)
+        members.push_back(i);
+    return members;
   };
-  std::mt19937 random(0);
-  std::vector<Common> best;
-  for (int i = 0; i < kSamples; ++i) {
-    std::vector<Common> sample;
-    sample.reserve(3);
-    for (int k = 0; k < 3; ++k) sample.push_back(common[random() % common.size()]);
-    const auto guess = fit(sample);
-    if (!guess || !guess->is_finite() || guess->scale <= 0) continue;
-    if (auto inliers = agreeing(*guess); inliers.size() > best.size()) best = std::move(inliers);
-  }
+  const auto found = find_consensus_of_three(
+      common.size(), {.samples = kSamples}, [&](const std::array<int, 3>& sample) { return fit(common, sample); },
+      agreeing);
+  if (!found) return std::nullopt;
+  std::vector<int> best = found->members;
   for (int round = 0; round < 3 && best.size() >= 3; ++round)
-    if (const auto better = fit(best)) best = agreeing(*better);
+    if (const auto better = fit(common, best)) best = agreeing(*better);
   if (static_cast<int>(best.size()) < kMinPoints ||
       static_cast<double>(best.size()) < kMinShare * static_cast<double>(common.size()))
     return std::nullopt;
-  return fit(best);
+  return fit(common, best);
 }
 
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b) {

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <pwd.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -83,15 +82,6 @@ void gather_logs(const fs::path& work, const std::string& log_file) {
 }  // namespace
 
 std::string to_string(JobName name) { return fmt::format("{}-{}", name.session, name.window_id); }
-
-Spool::Claim& Spool::Claim::operator=(Claim&& other) noexcept {
-  std::swap(fd_, other.fd_);
-  return *this;
-}
-
-Spool::Claim::~Claim() {
-  if (fd_ >= 0) close(fd_);
-}
 
 Spool::Spool(std::string folder, int64_t max_failed_bytes)
     : folder_(std::move(folder)), max_failed_bytes_(max_failed_bytes) {}
@@ -207,10 +197,8 @@ bool Spool::is_waiting(JobName name) const { return exists(window_file(name)) &&
 
 std::optional<Spool::Claim> Spool::claim(JobName name) {
   // Made where it is missing: somebody put a job here by hand.
-  const int fd = ::open(file(name, kId).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd < 0) return std::nullopt;
-  Claim claim(fd);
-  if (flock(fd, LOCK_EX | LOCK_NB) != 0) return std::nullopt;
+  std::optional<Claim> claim = Claim::take(file(name, kId));
+  if (!claim) return std::nullopt;
   // Its last owner may have died between making the submap and removing the job.
   if (is_built(name)) remove_quietly(window_file(name));
   return claim;

@@ -21,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "base/file_lock.h"
 #include "ruminator/window/window_job.h"
 
 namespace rumi::ruminator {
@@ -39,16 +40,7 @@ class Spool {
   static std::unique_ptr<Spool> open(const std::string& folder, int64_t max_failed_bytes, std::string* error);
 
   // The exclusive right to work on a job; given back when it goes out of scope.
-  class Claim {
-   public:
-    explicit Claim(int fd) : fd_(fd) {}
-    Claim(Claim&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
-    Claim& operator=(Claim&& other) noexcept;
-    ~Claim();
-
-   private:
-    int fd_;
-  };
+  using Claim = FileLock;
 
   enum class Added { kAdded, kKnown, kFailed };  // kKnown: a window of this name has been here before
   Added add(const WindowJob& job, std::string* error);

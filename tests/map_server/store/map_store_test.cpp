@@ -332,7 +332,7 @@ TEST(MapStore, ABusyDatabaseIsSaidToBeBusyAndNotTakenForAnEmptyOne) {
   const Database holder = lock_for_oneself(file);
   EXPECT_THAT(copy_error(file), AllOf(HasSubstr("map.db is busy"), HasSubstr("0.005 s"),
                                       HasSubstr("no map_server has it open"), HasSubstr("try again")));
-  const FileLock server(file + ".lock");
+  const DatabaseLock server(file);
   EXPECT_THAT(copy_error(file), HasSubstr("a map_server, pid " + std::to_string(getpid())));
 }
 

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "base/file_lock.h"
+
+namespace rumi::map_server {
+
+// The right to write a database, held as long as the object lives. Its file goes with it.
+class DatabaseLock {
+ public:
+  static std::string file_of(const std::string& database) { return database + ".lock"; }
+
+  DatabaseLock() = default;  // none
+  // Throws std::runtime_error naming the holder's pid if another process has it.
+  explicit DatabaseLock(const std::string& database);
+  ~DatabaseLock();
+  DatabaseLock(DatabaseLock&& other) noexcept { *this = std::move(other); }
+  DatabaseLock& operator=(DatabaseLock&& other) noexcept;
+
+ private:
+  std::string file_;
+  std::optional<FileLock> lock_;
+};
+
+}  // namespace rumi::map_server
