@@ -107,7 +107,7 @@ bool Tracker::find_pose(FoundPose* pose) {
       [[fallthrough]];
     case TrackingState::kLost:
       return relocalize_anywhere(pose) || begin_submap(pose);
-    default:
+    default:  // NOT_INITIALIZED
       return begin_submap(pose);
   }
 }
@@ -124,7 +124,7 @@ bool Tracker::track(FoundPose* pose) {
 void Tracker::accept(FoundPose pose, TrackResult* result) {
   state_ = TrackingState::kTracking;
   initializer_.clear();
-  result->is_keyframe = hang_in(&active(), &pose);
+  result->is_keyframe = add_to_submap(&pose);
   note_pose(active(), pose.frame, result);
   by_patches_.note(pose);
   history_.add(pose.frame);
@@ -134,24 +134,25 @@ void Tracker::accept(FoundPose pose, TrackResult* result) {
     motion_.begin_at(std::move(pose.frame));
 }
 
-// Returns whether it is a keyframe.
-bool Tracker::hang_in(FrontSubmap* submap, FoundPose* pose) {
-  Frame* frame = &pose->frame;
-  if (submap->map.frame(frame->utime_us)) return true;  // it began the submap
-  const Keyframe* reference = submap->map.keyframe(frame->reference_keyframe);
-  frame->cam_from_keyframe = frame->cam_from_submap * reference->cam_from_submap.inverse();
+// As a keyframe if one is due. Returns whether it is one.
+bool Tracker::add_to_submap(FoundPose* pose) {
   constexpr int kMostWaiting = 2;  // keyframes for the mapper
-  const bool is_due =
-      mapping_.pending() <= kMostWaiting && keyframe_policy_.is_due(submap->map, *frame, pose->motion.value_or(0));
-  if (is_due) {
-    const Keyframe& kf = submap->add_keyframe(frame);
-    note_certainty(kf.id, frame->certainty, submap);
-    submap->keep_images(options_.mapping.keyframe_images);
+  FrontSubmap& submap = active();
+  Frame* frame = &pose->frame;
+  if (submap.map.frame(frame->utime_us)) return true;  // it began the submap
+  const Keyframe* reference = submap.map.keyframe(frame->reference_keyframe);
+  frame->cam_from_keyframe = frame->cam_from_submap * reference->cam_from_submap.inverse();
+  const bool is_keyframe =
+      mapping_.pending() <= kMostWaiting && keyframe_policy_.is_due(submap.map, *frame, pose->motion.value_or(0));
+  if (is_keyframe) {
+    const Keyframe& kf = submap.add_keyframe(frame);
+    note_certainty(kf.id, frame->certainty, &submap);
+    submap.keep_images(options_.mapping.keyframe_images);
     keyframe_policy_.note_keyframe(frame->utime_us);
     add_to_index_and_map(kf);
   }
-  submap->add_frame(*frame);
-  return is_due;
+  submap.add_frame(*frame);
+  return is_keyframe;
 }
 
 bool Tracker::relocalize_where_it_was(FoundPose* pose) {

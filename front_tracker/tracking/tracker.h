@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
 //
-// What an image makes of the state (Tracker::find_pose). Wherever its pose is found, the next state is TRACKING.
+// The states. With a pose the next one is TRACKING; find_pose looks for it:
 //
-//   state            its pose is looked for                                             else the next state is
-//   NOT_INITIALIZED  by a beginning: in a back submap, or of two views                  the same
-//   TRACKING         by patches, by corners, by relocalization                          RECENTLY_LOST
-//   RECENTLY_LOST    by relocalization                                                  the same, for recently_lost_s
-//   LOST             by relocalization, by a beginning: in a back submap, or of two views   the same
-//
-// RECENTLY_LOST, and that for longer: in this very image the state is LOST.
+//   state            in this order                               without a pose the next state is
+//   NOT_INITIALIZED  back submaps; two views begin a submap      NOT_INITIALIZED
+//   TRACKING         patches; corners; relocalization            RECENTLY_LOST
+//   RECENTLY_LOST    relocalization                              RECENTLY_LOST for recently_lost_s, then LOST
+//   LOST             relocalization; then as NOT_INITIALIZED     LOST
 #pragma once
 
 #include <deque>
@@ -77,16 +75,16 @@ class Tracker {
  private:
   using Images = std::shared_ptr<const ImagePyramid>;
 
-  // An image's pose; accept() alone changes what the next one's is looked for from.
+  // The pose of an image. What the next one's is looked for from changes in accept() alone.
   bool pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result);
   void pose_with_corners(int64_t utime_us, const Images& images, TrackResult* result);
   Frame find_corners(int64_t utime_us, const Images& images);
   bool find_pose(FoundPose* pose);
   bool track(FoundPose* pose);
   void accept(FoundPose pose, TrackResult* result);
-  bool hang_in(FrontSubmap* submap, FoundPose* pose);
+  bool add_to_submap(FoundPose* pose);
 
-  // The camera is found again.
+  // Finding the camera again.
   bool relocalize_where_it_was(FoundPose* pose);
   bool relocalize_anywhere(FoundPose* pose);
   bool relocalize(size_t submap_index, int keyframe_id, FoundPose* pose);
@@ -94,14 +92,14 @@ class Tracker {
   void go_on_in(size_t submap_index, FoundPose* pose);
   void withdraw_slip(Frame* found);
 
-  // A submap begins.
+  // Beginning a submap.
   void wait_to_begin(const Frame& frame);
   bool begin_submap(FoundPose* pose);
   FrontSubmap& open_submap(Submap known);
   void activate(size_t submap_index);  // it is the one that is tracked from now on
   void add_to_index_and_map(const Keyframe& keyframe);
 
-  // What is told of a loss.
+  // A loss, and what is told of it.
   bool is_long_lost(int64_t utime_us) const;
   void lose(const FoundPose& pose);
   void follow_loss(const TrackResult& result);
