@@ -13,13 +13,16 @@ void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* resul
   result->inliers = frame.matches();
 }
 
-TrackResult result_afterwards(const FrontSubmap& submap, const Frame& frame) {
-  TrackResult result;
-  result.utime_us = frame.utime_us;
-  result.keypoints = static_cast<int>(frame.features->size());
-  result.is_keyframe = submap.map.keyframe(frame.reference_keyframe)->utime_us == frame.utime_us;
-  note_pose(submap, frame, &result);
-  return result;
+std::vector<TrackResult> results_afterwards(const FrontSubmap& submap, const std::vector<Frame>& frames) {
+  std::vector<TrackResult> results;
+  for (const Frame& frame : frames) {
+    TrackResult& result = results.emplace_back();
+    result.utime_us = frame.utime_us;
+    result.keypoints = static_cast<int>(frame.features->size());
+    result.is_keyframe = submap.map.keyframe(frame.reference_keyframe)->utime_us == frame.utime_us;
+    note_pose(submap, frame, &result);
+  }
+  return results;
 }
 
 }  // namespace rumi::front_tracker

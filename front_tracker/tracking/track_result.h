@@ -2,6 +2,8 @@
 // What the tracker says of an image.
 #pragma once
 
+#include <vector>
+
 #include "front_tracker/frame/front_submap.h"
 #include "slam/map/tracking_state.h"
 
@@ -21,7 +23,7 @@ struct TrackResult {
 
 // The frame's pose, which the submap has by now.
 void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result);
-// Of an earlier frame, which has got its pose since.
-TrackResult result_afterwards(const FrontSubmap& submap, const Frame& frame);
+// Of earlier frames, which have got their poses since.
+std::vector<TrackResult> results_afterwards(const FrontSubmap& submap, const std::vector<Frame>& frames);
 
 }  // namespace rumi::front_tracker

@@ -49,6 +49,7 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   TrackResult result;
   result.utime_us = utime_us;
   if (!pose_without_corners(utime_us, images, &result)) pose_with_corners(utime_us, images, &result);
+  result.state = state_;
   for (int keyframe : to_map_)
     mapping_.post([this, &submap = active(), keyframe] { mapper_.process(submap, keyframe, map_mutex_); });
   to_map_.clear();
@@ -61,7 +62,6 @@ bool Tracker::pose_without_corners(int64_t utime_us, const Images& images, Track
   motion_.follow_mapping(active().map);
   FoundPose pose = by_patches_.find(active(), motion_, utime_us, images, &templates_);
   if (!pose.found() || history_.scale_drifts(pose.frame, options_.tracking.max_scale_drift)) return false;
-  result->state = state_;
   result->keypoints = static_cast<int>(pose.frame.features->size());
   accept(std::move(pose), result);
   return true;
@@ -72,8 +72,7 @@ void Tracker::pose_with_corners(int64_t utime_us, const Images& images, TrackRes
   result->keypoints = static_cast<int>(pose.frame.features->size());
   const std::scoped_lock lock(map_mutex_);
   if (find_pose(&pose)) accept(std::move(pose), result);
-  result->state = state_;
-  follow_loss(*result);
+  loss_.image(utime_us, result->submap_id != kNoSubmap, posed_afterwards_.size(), withdrawn_.size());
 }
 
 Frame Tracker::find_corners(int64_t utime_us, const Images& images) {
@@ -89,16 +88,16 @@ Frame Tracker::find_corners(int64_t utime_us, const Images& images) {
 bool Tracker::find_pose(FoundPose* pose) {
   switch (state_) {
     case TrackingState::kTracking:
-      // What relocalization believes in this very image is not lost. It looks farther than tracking does, and believes
-      // a pose that does not carry the scale on where much of what should be in view is there. No motion is told of
-      // such a pose: patches and keyframes of fast motion, which would be built on it, wait.
+      // A camera that relocalization finds in this very image is not lost. Relocalization looks farther than tracking,
+      // and believes a pose that does not carry the scale on, if much of what should be in view is there. The motion to
+      // such a pose is not known: patches and keyframes of fast motion, which would be built on it, wait.
       if (track(pose) || relocalize_where_it_was(pose) || relocalize_anywhere(pose)) return true;
       lose(*pose);
       wait_to_begin(pose->frame);
       return false;
     case TrackingState::kRecentlyLost:
       if (relocalize_where_it_was(pose)) return true;
-      if (!is_long_lost(pose->frame.utime_us)) {
+      if (loss_.seconds_until(pose->frame.utime_us) <= options_.tracking.recently_lost_s) {
         if (relocalize_anywhere(pose)) return true;
         wait_to_begin(pose->frame);
         return false;
@@ -119,6 +118,16 @@ bool Tracker::track(FoundPose* pose) {
   if (pose->found() && history_.scale_drifts(pose->frame, options_.tracking.max_scale_drift))
     pose->why_not = "the scale is not known any more";
   return pose->found();
+}
+
+void Tracker::lose(const FoundPose& pose) {
+  state_ = TrackingState::kRecentlyLost;
+  const Submap& map = active().map;
+  loss_.begin({.first_utime_us = first_utime_us_,
+               .utime_us = pose.frame.utime_us,
+               .submap_id = map.key.id,
+               .frames_before = map.frames.size(),
+               .why = pose.why_not});
 }
 
 void Tracker::accept(FoundPose pose, TrackResult* result) {
@@ -181,25 +190,22 @@ bool Tracker::go_on_in_back_submap(FoundPose* pose) {
   const size_t index = submaps_.size() - 1;
   for (const auto& [id, kf] : submap.map.keyframes) relocalizer_.add_keyframe(index, submap.map, kf);
   go_on_in(index, pose);
-  if (loss_)
-    loss_->outcome =
-        fmt::format("found again in back submap {}: submap {} goes on from it", back_id, submap.map.key.id);
+  loss_.set_outcome(
+      fmt::format("found again in back submap {}: submap {} goes on from it", back_id, submap.map.key.id));
   return true;
 }
 
 void Tracker::go_on_in(size_t submap_index, FoundPose* pose) {
   activate(submap_index);
   *pose = {.frame = std::move(pose->frame)};
-  const Frame& found = pose->frame;
   withdraw_slip(&pose->frame);
-  for (const Frame& frame : past_poses_.track_back(found, initializer_.take_frames(), &active()))
-    posed_afterwards_.push_back(result_afterwards(active(), frame));
-  if (state_ == TrackingState::kLost) keyframe_policy_.note_found_again(found.utime_us);
-  if (loss_)
-    loss_->outcome = fmt::format("found again in submap {}", active().map.key.id);
-  else
-    log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, found.utime_us,
-              found.matches());
+  posed_afterwards_ =
+      results_afterwards(active(), past_poses_.track_back(pose->frame, initializer_.take_frames(), &active()));
+  if (state_ == TrackingState::kLost) keyframe_policy_.note_found_again(pose->frame.utime_us);
+  loss_.set_outcome(fmt::format("found again in submap {}", active().map.key.id));
+  if (!loss_.is_open())
+    log_debug("found by another look in submap {} at {} with {} matches", active().map.key.id, pose->frame.utime_us,
+              pose->frame.matches());
 }
 
 void Tracker::withdraw_slip(Frame* found) {
@@ -208,7 +214,7 @@ void Tracker::withdraw_slip(Frame* found) {
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !active().map.landmark(id)) id = kNone;
-  log_line(loss_ ? LogLevel::kDebug : LogLevel::kInfo,  // else the loss tells it
+  log_line(loss_.is_open() ? LogLevel::kDebug : LogLevel::kInfo,  // else the loss tells it
            fmt::format("submap {} is torn: {} frames from {} on have no pose any more", active().map.key.id,
                        withdrawn_.size(), withdrawn_.front()));
 }
@@ -231,12 +237,11 @@ bool Tracker::begin_submap(FoundPose* pose) {
   std::vector<Frame> frames = add_first_map(std::move(*initial), extractor_, past_poses_, &submap);
   pose->frame = std::move(frames.back());
   frames.pop_back();
-  for (const Frame& frame : frames) posed_afterwards_.push_back(result_afterwards(submap, frame));
+  posed_afterwards_ = results_afterwards(submap, frames);
   keyframe_policy_.note_keyframe(pose->frame.utime_us);
   for (const auto& [id, kf] : submap.map.keyframes) add_to_index_and_map(kf);
-  if (loss_)
-    loss_->outcome = fmt::format("submap {} begins", submap.map.key.id);
-  else
+  loss_.set_outcome(fmt::format("submap {} begins", submap.map.key.id));
+  if (!loss_.is_open())
     log_info("submap {} begins at {:.2f} s: {} images have a pose in it, {} landmarks", submap.map.key.id,
              1e-6 * static_cast<double>(pose->frame.utime_us - first_utime_us_), submap.map.frames.size(),
              submap.map.landmarks.size());
@@ -264,40 +269,10 @@ void Tracker::add_to_index_and_map(const Keyframe& keyframe) {
   to_map_.push_back(keyframe.id);
 }
 
-bool Tracker::is_long_lost(int64_t utime_us) const {
-  return 1e-6 * static_cast<double>(utime_us - loss_->utime_us) > options_.tracking.recently_lost_s;
-}
-
-void Tracker::lose(const FoundPose& pose) {
-  state_ = TrackingState::kRecentlyLost;
-  const Submap& map = active().map;
-  loss_ = Loss{.first_utime_us = first_utime_us_,
-               .utime_us = pose.frame.utime_us,
-               .submap_id = map.key.id,
-               .frames_before = map.frames.size(),
-               .why = pose.why_not};
-}
-
-// One line for a loss, when it is over.
-void Tracker::follow_loss(const TrackResult& result) {
-  if (!loss_) return;
-  if (result.submap_id == kNoSubmap) {
-    ++loss_->images;
-    return;
-  }
-  loss_->posed_afterwards = static_cast<int>(posed_afterwards_.size());
-  loss_->withdrawn = static_cast<int>(withdrawn_.size());
-  log_line(loss_->is_hiccup() ? LogLevel::kDebug : LogLevel::kInfo, describe(*loss_, result.utime_us));
-  loss_.reset();
-}
-
 void Tracker::end() {
-  if (loss_) {
-    loss_->outcome = "not found again until the end";
-    log_info("{}", describe(*loss_, last_utime_us_));
-  } else if (submaps_.empty() && last_utime_us_ != INT64_MIN) {
+  loss_.end(last_utime_us_);
+  if (submaps_.empty() && last_utime_us_ != INT64_MIN)
     log_warning("no submap began; the last try: {}", initializer_.refusal());
-  }
 }
 
 }  // namespace rumi::front_tracker

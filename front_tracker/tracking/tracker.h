@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
 //
-// The states. With a pose the next one is TRACKING; find_pose looks for it:
+// The states. Where an image's pose is found the next one is TRACKING, see find_pose:
 //
-//   state            in this order                               without a pose the next state is
+//   state            what is tried, in this order                else the next state is
 //   NOT_INITIALIZED  back submaps; two views begin a submap      NOT_INITIALIZED
 //   TRACKING         patches; corners; relocalization            RECENTLY_LOST
 //   RECENTLY_LOST    relocalization                              RECENTLY_LOST for recently_lost_s, then LOST
@@ -75,12 +75,13 @@ class Tracker {
  private:
   using Images = std::shared_ptr<const ImagePyramid>;
 
-  // The pose of an image. What the next one's is looked for from changes in accept() alone.
+  // The pose of an image. accept() makes it what the next one's is looked for from.
   bool pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result);
   void pose_with_corners(int64_t utime_us, const Images& images, TrackResult* result);
   Frame find_corners(int64_t utime_us, const Images& images);
   bool find_pose(FoundPose* pose);
   bool track(FoundPose* pose);
+  void lose(const FoundPose& pose);
   void accept(FoundPose pose, TrackResult* result);
   bool add_to_submap(FoundPose* pose);
 
@@ -98,11 +99,6 @@ class Tracker {
   FrontSubmap& open_submap(Submap known);
   void activate(size_t submap_index);  // it is the one that is tracked from now on
   void add_to_index_and_map(const Keyframe& keyframe);
-
-  // A loss, and what is told of it.
-  bool is_long_lost(int64_t utime_us) const;
-  void lose(const FoundPose& pose);
-  void follow_loss(const TrackResult& result);
 
   FrontSubmap& active() { return *submaps_[active_]; }
 
@@ -132,7 +128,7 @@ class Tracker {
   MotionModel motion_;
   LossHistory history_;
   PatchTemplates templates_;  // of the last frames
-  std::optional<Loss> loss_;  // while it is not over
+  LossReport loss_;
   int64_t first_utime_us_ = 0, last_utime_us_ = INT64_MIN;
 
   // Of the last image.
