@@ -51,6 +51,7 @@ TEST_F(PastPosesTest, OfALossAreTrackedBackUpToTheFirstGap) {
 
 TEST_F(PastPosesTest, OfABeginningAreFilledInFromBothSides) {
   std::vector<Frame> frames;
+  frames.reserve(10);
   for (int i = 0; i < 10; ++i) frames.push_back(i == 4 ? posed(i) : scene_.frame(utime_us(i), pose(i)));
   frames[8] = elsewhere_.frame(utime_us(8), pose(8));
   std::vector<bool> has_pose(10, false);
