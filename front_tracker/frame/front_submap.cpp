@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "front_tracker/frame/certainty.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi::front_tracker {
@@ -45,6 +46,11 @@ Keyframe& FrontSubmap::add_keyframe(Frame* frame) {
   frame->reference_keyframe = id;
   frame->cam_from_keyframe = SE3();
   return kf;
+}
+
+void FrontSubmap::add_frame(const Frame& frame) {
+  map.frames[frame.utime_us] = {frame.utime_us, frame.reference_keyframe, frame.cam_from_keyframe, map.stamp(),
+                                sigmas_of(*this, frame)};
 }
 
 Landmark& FrontSubmap::add_landmark(const Eigen::Vector3d& position) {

@@ -35,6 +35,8 @@ struct FrontSubmap {
 
   // A keyframe at the frame's pose, observing what the frame is matched to; the frame hangs on it afterwards.
   Keyframe& add_keyframe(Frame* frame);
+  // The pose of a frame that hangs on a keyframe, with its certainty.
+  void add_frame(const Frame& frame);
   Landmark& add_landmark(const Eigen::Vector3d& position);
   void remove_keyframe(int id, int heir);
   // Takes out the frames from `utime_us` on, with what only their keyframes saw. At least one keyframe must be older.

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "base/log.h"
+
 namespace rumi::front_tracker {
 
 std::string describe(const Loss& loss, int64_t utime_us) {
@@ -15,6 +17,28 @@ std::string describe(const Loss& loss, int64_t utime_us) {
   if (loss.withdrawn > 0)
     text += fmt::format("; the poses of {} images before contradict where it was found: withdrawn", loss.withdrawn);
   return text + "; " + loss.outcome;
+}
+
+void LossReport::set_outcome(std::string outcome) {
+  if (loss_) loss_->outcome = std::move(outcome);
+}
+
+void LossReport::image(int64_t utime_us, bool has_pose, size_t posed_afterwards, size_t withdrawn) {
+  if (!loss_) return;
+  if (!has_pose) {
+    ++loss_->images;
+    return;
+  }
+  loss_->posed_afterwards = static_cast<int>(posed_afterwards);
+  loss_->withdrawn = static_cast<int>(withdrawn);
+  log_line(loss_->is_hiccup() ? LogLevel::kDebug : LogLevel::kInfo, describe(*loss_, utime_us));
+  loss_.reset();
+}
+
+void LossReport::end(int64_t last_utime_us) {
+  if (!loss_) return;
+  loss_->outcome = "not found again until the end";
+  log_info("{}", describe(*loss_, last_utime_us));
 }
 
 }  // namespace rumi::front_tracker

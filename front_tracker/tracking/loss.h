@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace rumi::front_tracker {
@@ -25,5 +26,24 @@ struct Loss {
 
 // utime_us: of the image that ended it, or of the last one.
 std::string describe(const Loss& loss, int64_t utime_us);
+
+// Tells of each loss in one line, when it is over.
+class LossReport {
+ public:
+  void begin(Loss loss) { loss_ = std::move(loss); }
+  // Is something lost, or was it until the present image?
+  bool is_open() const { return loss_.has_value(); }
+  double seconds_until(int64_t utime_us) const { return 1e-6 * static_cast<double>(utime_us - loss_->utime_us); }
+
+  // What the present image brings, if something was lost.
+  void set_outcome(std::string outcome);
+  // After each image; how many frames before it got their poses by it, and how many lost theirs.
+  void image(int64_t utime_us, bool has_pose, size_t posed_afterwards, size_t withdrawn);
+  // No more images come.
+  void end(int64_t last_utime_us);
+
+ private:
+  std::optional<Loss> loss_;  // while it is not over
+};
 
 }  // namespace rumi::front_tracker

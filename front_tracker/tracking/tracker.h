@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
+//
+// The states. Where an image's pose is found the next one is TRACKING, see find_pose:
+//
+//   state            what is tried, in this order                else the next state is
+//   NOT_INITIALIZED  back submaps; two views begin a submap      NOT_INITIALIZED
+//   TRACKING         patches; corners; relocalization            RECENTLY_LOST
+//   RECENTLY_LOST    relocalization                              RECENTLY_LOST for recently_lost_s, then LOST
+//   LOST             relocalization; then as NOT_INITIALIZED     LOST
 #pragma once
 
 #include <deque>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "base/worker.h"
@@ -16,23 +24,18 @@
 #include "front_tracker/patches/patch_templates.h"
 #include "front_tracker/relocalization/back_submaps.h"
 #include "front_tracker/relocalization/relocalizer.h"
+#include "front_tracker/tracking/found_pose.h"
+#include "front_tracker/tracking/keyframe_policy.h"
 #include "front_tracker/tracking/loss.h"
+#include "front_tracker/tracking/loss_history.h"
+#include "front_tracker/tracking/motion_model.h"
+#include "front_tracker/tracking/past_poses.h"
+#include "front_tracker/tracking/pose_by_corners.h"
+#include "front_tracker/tracking/pose_by_patches.h"
+#include "front_tracker/tracking/track_result.h"
 #include "front_tracker/tracking/tracker_options.h"
-#include "slam/map/tracking_state.h"
 
 namespace rumi::front_tracker {
-
-struct TrackResult {
-  int64_t utime_us = 0;
-  TrackingState state = TrackingState::kNotInitialized;
-  int submap_id = kNoSubmap;  // kNoSubmap: no pose
-  int64_t submap_revision = 0;
-  int reference_keyframe = kNone;
-  SE3 cam_from_keyframe, cam_from_submap;
-  PoseSigmas sigmas;
-  bool is_keyframe = false;
-  int keypoints = 0, inliers = 0;
-};
 
 class Tracker {
  public:
@@ -70,87 +73,69 @@ class Tracker {
   const Camera& camera() const { return camera_; }
 
  private:
-  // A keyframe that the mapper has to be told of, once the map's mutex is free.
-  using MappingTask = std::pair<FrontSubmap*, int>;
-  struct Support {
-    int64_t utime_us = 0;
-    int inliers = 0;
-    double log_scale_variance = 0;  // see PoseCertainty
-  };
+  using Images = std::shared_ptr<const ImagePyramid>;
 
-  Frame find_corners(int64_t utime_us, const ImagePyramid& images, int keypoints);
-  bool follow(int64_t utime_us, const std::shared_ptr<const ImagePyramid>& images, TrackResult* result);
-  bool track(Frame* frame);
-  bool look_again(Frame* frame);
-  void predict_pose(Frame* frame);
-  void note_motion(const Frame& frame);
-  bool match_last_frame(Frame* frame);
-  bool match_regardless_of_place(Frame* frame);
-  bool patches_may_help(const Frame& frame, int inliers) const;
-  bool match_local_map(Frame* frame);
-  int support_by_epipolar_matches(Frame* frame);
-  bool relocalize(size_t submap_index, int keyframe_id, Frame* frame);
-  bool relocalize_anywhere(Frame* frame);
-  bool is_certain(Frame* frame, int* inliers);
-  bool drifts(const Frame& frame) const;
-  std::vector<const Landmark*> local_landmarks(Frame* frame);
-  bool needs_keyframe(const Frame& frame) const;
-  double motion_since_last_frame(const Frame& frame) const;
-  bool recover(Frame* frame);
-  bool go_on_in_back_submap(Frame* frame);
-  void activate(size_t submap_index);  // it is the one that is tracked from now on
-  void go_on_in(size_t submap_index, Frame* frame);
-  bool is_torn(const Frame& found) const;
-  std::deque<Support>::const_iterator slip_begins() const;
-  void withdraw_torn_end(Frame* found);
+  // The pose of an image. accept() makes it what the next one's is looked for from.
+  bool pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result);
+  void pose_with_corners(int64_t utime_us, const Images& images, TrackResult* result);
+  Frame find_corners(int64_t utime_us, const Images& images);
+  bool find_pose(FoundPose* pose);
+  bool track(FoundPose* pose);
+  void lose(const FoundPose& pose);
+  void accept(FoundPose pose, TrackResult* result);
+  bool add_to_submap(FoundPose* pose);
+
+  // Finding the camera again.
+  bool relocalize_where_it_was(FoundPose* pose);
+  bool relocalize_anywhere(FoundPose* pose);
+  bool relocalize(size_t submap_index, int keyframe_id, FoundPose* pose);
+  bool go_on_in_back_submap(FoundPose* pose);
+  void go_on_in(size_t submap_index, FoundPose* pose);
+  void withdraw_slip(Frame* found);
+
+  // Beginning a submap.
+  void wait_to_begin(const Frame& frame);
+  bool begin_submap(FoundPose* pose);
   FrontSubmap& open_submap(Submap known);
-  bool begin_submap(Frame* frame);
-  void add_initial_map(InitialMap map, FrontSubmap* submap);
-  bool pose_from_neighbour(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, double max_image_px,
-                           Frame* frame);
-  PoseCertainty certainty_where_it_is(const Frame& posed);
-  void give_poses_afterwards(std::vector<Frame>* frames, std::vector<bool>* posed);
-  void track_back(const Frame& found, std::deque<Frame> frames);
-  void lose(const Frame& frame);
-  void follow_loss(const TrackResult& result);
-  void accept(Frame frame, TrackResult* result);
-  void record_pose(FrontSubmap* submap, const Frame& frame);
-  void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result) const;
-  void note_pose_afterwards(const Frame& frame);
+  void activate(size_t submap_index);  // it is the one that is tracked from now on
+  void add_to_index_and_map(const Keyframe& keyframe);
+
   FrontSubmap& active() { return *submaps_[active_]; }
 
   Camera camera_;
   TrackerOptions options_;
   int64_t session_, stream_;
+
+  // How a pose is found.
   OrbExtractor extractor_;
-  std::vector<double> scales_;
+  PoseByPatches by_patches_;
+  PoseByCorners by_corners_;
+  PastPoses past_poses_;
   Initializer initializer_;
   Relocalizer relocalizer_;
   BackSubmaps back_submaps_;
-  PatchTemplates templates_;  // of the last frame
-  Mapper mapper_;
+
+  // The submaps.
   std::mutex map_mutex_;
   std::vector<std::unique_ptr<FrontSubmap>> submaps_;
-  std::vector<MappingTask> tasks_;
+  size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST
+  KeyframePolicy keyframe_policy_;
+  Mapper mapper_;
+  std::vector<int> to_map_;  // keyframes of the active submap that the mapper has to be told of, without the lock
+
+  // Where tracking stands, in the active submap.
+  TrackingState state_ = TrackingState::kNotInitialized;
+  MotionModel motion_;
+  LossHistory history_;
+  PatchTemplates templates_;  // of the last frames
+  LossReport loss_;
+  int64_t first_utime_us_ = 0, last_utime_us_ = INT64_MIN;
+
+  // Of the last image.
   std::vector<TrackResult> posed_afterwards_;
   std::vector<int64_t> withdrawn_;
 
-  std::string why_lost_;  // the last frame that was not tracked
-
-  TrackingState state_ = TrackingState::kNotInitialized;
-  size_t active_ = 0;           // index into submaps_, while TRACKING or RECENTLY_LOST
-  std::deque<Support> recent_;  // frames tracked in the active submap, that may yet turn out to be wrong
-  Frame last_;                  // last tracked frame
-  SE3 velocity_;                // this_cam_from_last_cam
-  int64_t velocity_dt_us_ = 0;
-  int64_t first_utime_us_ = 0;
-  int64_t last_utime_us_ = INT64_MIN;
-  std::optional<Loss> loss_;          // while it is not over
-  int64_t found_us_ = INT64_MIN / 2;  // when it was last found again after it was LOST
-  int64_t last_keyframe_us_ = 0;
-  int64_t last_corners_us_ = 0;      // of the last image that corners were looked for in
-  double motion_since_corners_ = 0;  // of the images since then, of their width
-  Worker mapping_;                   // last: its thread ends first
+  Worker mapping_;  // last: its thread ends first
 };
 
 }  // namespace rumi::front_tracker

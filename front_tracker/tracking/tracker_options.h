@@ -4,18 +4,10 @@
 #include "front_tracker/frame/tracking_options.h"
 #include "front_tracker/initialization/initializer_options.h"
 #include "front_tracker/mapping/mapping_options.h"
+#include "front_tracker/tracking/keyframe_options.h"
 #include "slam/features/orb_extractor.h"
 
 namespace rumi::front_tracker {
-
-struct KeyframeOptions {
-  double min_tracked_ratio = 0.7;     // of the reference keyframe's landmarks; fewer: a keyframe is due
-  double urgent_tracked_ratio = 0.6;  // the same, whatever the interval since the last keyframe
-  double max_motion = 0.03;           // of the image between two frames (median, of its width); more: one is due
-  double min_interval_s = 0.09;
-  double max_interval_s = 1.0;
-  int min_inliers = 100;  // fewer: a keyframe is due sooner
-};
 
 struct TrackerOptions {
   OrbOptions orb;

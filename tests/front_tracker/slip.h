@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <map>
 #include <vector>
 
 #include "front_tracker/frame/front_submap.h"
@@ -22,6 +23,25 @@ inline void slip(FrontSubmap* s, int64_t utime_us) {
   }
   for (auto& [id, kf] : s->map.keyframes)
     if (is_bent(id)) kf.cam_from_submap = kf.cam_from_submap * bent_from_true.inverse();
+}
+
+// A second later, with landmarks of its own: of what it sees nothing hangs on what was there before.
+inline void append(const FrontSubmap& end, FrontSubmap* s) {
+  std::map<int, int> id_of;
+  for (const auto& [id, kf] : end.map.keyframes) {
+    Frame frame;
+    frame.utime_us = kf.utime_us + 1'000'000;
+    frame.features = kf.features;
+    frame.cam_from_submap = kf.cam_from_submap;
+    frame.clear_matches();
+    const int added = s->add_keyframe(&frame).id;
+    for (size_t i = 0; i < kf.landmark_ids.size(); ++i) {
+      const int theirs = kf.landmark_ids[i];
+      if (theirs == kNone) continue;
+      if (!id_of.contains(theirs)) id_of[theirs] = s->add_landmark(end.map.landmark(theirs)->position).id;
+      s->map.add_observation(id_of[theirs], added, static_cast<int>(i));
+    }
+  }
 }
 
 }  // namespace rumi::testing

@@ -225,31 +225,12 @@ TEST(Relocalizer, FindsTheCameraAndNeverInventsOne) {
   EXPECT_EQ(found, tried);
 }
 
-// A second later, with landmarks of its own: of what it sees nothing hangs on what was there before.
-void append(const FrontSubmap& end, FrontSubmap* s) {
-  std::map<int, int> id_of;
-  for (const auto& [id, kf] : end.map.keyframes) {
-    Frame frame;
-    frame.utime_us = kf.utime_us + 1'000'000;
-    frame.features = kf.features;
-    frame.cam_from_submap = kf.cam_from_submap;
-    frame.clear_matches();
-    const int added = s->add_keyframe(&frame).id;
-    for (size_t i = 0; i < kf.landmark_ids.size(); ++i) {
-      const int theirs = kf.landmark_ids[i];
-      if (theirs == kNone) continue;
-      if (!id_of.contains(theirs)) id_of[theirs] = s->add_landmark(end.map.landmark(theirs)->position).id;
-      s->map.add_observation(id_of[theirs], added, static_cast<int>(i));
-    }
-  }
-}
-
 TEST(Relocalizer, SeesThatASubmapIsTorn) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     FeatureScene scene(seed);
     const std::vector<SE3> poses = walk(6);
     const auto s = scene.submap({poses.begin(), poses.begin() + 4});
-    append(*scene.submap({poses.begin() + 4, poses.end()}), s.get());
+    testing::append(*scene.submap({poses.begin() + 4, poses.end()}), s.get());
     const Relocalizer relocalizer(test_camera(), {}, test_octave_scales());
     Frame frame = scene.frame(1, poses[3]);
     ASSERT_TRUE(relocalizer.relocalize(s->map, 3, &frame));

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the tracker says of an image.
+#pragma once
+
+#include <vector>
+
+#include "front_tracker/frame/front_submap.h"
+#include "slam/map/tracking_state.h"
+
+namespace rumi::front_tracker {
+
+struct TrackResult {
+  int64_t utime_us = 0;
+  TrackingState state = TrackingState::kNotInitialized;
+  int submap_id = kNoSubmap;  // kNoSubmap: no pose
+  int64_t submap_revision = 0;
+  int reference_keyframe = kNone;
+  SE3 cam_from_keyframe, cam_from_submap;
+  PoseSigmas sigmas;
+  bool is_keyframe = false;
+  int keypoints = 0, inliers = 0;
+};
+
+// The frame's pose, which the submap has by now.
+void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result);
+// Of earlier frames, which have got their poses since.
+std::vector<TrackResult> results_afterwards(const FrontSubmap& submap, const std::vector<Frame>& frames);
+
+}  // namespace rumi::front_tracker

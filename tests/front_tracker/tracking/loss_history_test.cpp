@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "front_tracker/tracking/loss_history.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/front_tracker/feature_scene.h"
+#include "tests/front_tracker/slip.h"
+
+namespace rumi::front_tracker {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Frame tracked(int64_t utime_us, int inliers, double log_scale_variance = 0) {
+  Frame frame;
+  frame.utime_us = utime_us;
+  frame.landmark_ids.assign(inliers, 1);
+  frame.certainty.log_scale_variance = log_scale_variance;
+  return frame;
+}
+
+TEST(LossHistory, TheScaleDriftsByWhatCameToItWithinASecond) {
+  constexpr double kMost = 0.1;
+  LossHistory history;
+  EXPECT_FALSE(history.scale_drifts(tracked(0, 50, 1), kMost)) << "nothing to compare with";
+  history.add(tracked(0, 50, 0.001));
+  history.add(tracked(600'000, 50, 0.008));
+  EXPECT_FALSE(history.scale_drifts(tracked(900'000, 50, 0.0105), kMost));
+  EXPECT_TRUE(history.scale_drifts(tracked(900'000, 50, 0.0115), kMost));
+  EXPECT_FALSE(history.scale_drifts(tracked(1'100'000, 50, 0.0115), kMost)) << "slower";
+  EXPECT_TRUE(history.scale_drifts(tracked(9'000'000, 50, 0.0185), kMost)) << "since the last frame there was";
+}
+
+// Keyframes at 0.1, 0.2, 0.3, 0.4 s, and, after a slip, at 1.1 and 1.2 s. A frame that sees what all of them see is
+// found again in the fourth.
+class WithdrawSlip : public ::testing::Test {
+ protected:
+  WithdrawSlip() {
+    for (int i = 0; i < 6; ++i) poses_.push_back(SyntheticScene::pose(0.1 * i, 0, 0));
+    submap_ = scene_.submap({poses_.begin(), poses_.begin() + 4});
+    testing::append(*scene_.submap({poses_.begin() + 4, poses_.end()}), submap_.get());
+    for (const int64_t utime_us : {900'000, 1'000'000, 1'100'000, 1'200'000}) {
+      Frame frame = tracked(utime_us, 0);
+      frame.reference_keyframe = 3;
+      submap_->add_frame(frame);
+    }
+    found_ = scene_.frame(5'000'000, poses_[3]);
+    EXPECT_TRUE(relocalizer_.relocalize(submap_->map, 3, &found_));
+  }
+  std::vector<int64_t> withdraw() { return history_.withdraw_slip(relocalizer_, found_, submap_.get()); }
+
+  FeatureScene scene_{1};
+  std::vector<SE3> poses_;
+  std::unique_ptr<FrontSubmap> submap_;
+  Relocalizer relocalizer_{test_camera(), {}, test_octave_scales()};
+  Frame found_;
+  LossHistory history_;
+};
+
+TEST_F(WithdrawSlip, FromTheWeakestFrameOnOrOneBeforeItThatIsHardlyStronger) {
+  for (const auto& [utime_us, inliers] :
+       std::map<int64_t, int>{{400'000, 100}, {900'000, 35}, {1'000'000, 20}, {1'100'000, 90}, {1'200'000, 90}})
+    history_.add(tracked(utime_us, inliers));
+  EXPECT_THAT(withdraw(), IsEmpty()) << "nothing contradicts";
+  testing::slip(submap_.get(), 1'000'000);
+  EXPECT_THAT(withdraw(), ElementsAre(900'000, 1'000'000, 1'100'000, 1'200'000));
+  EXPECT_EQ(submap_->map.frames.rbegin()->first, 400'000);
+  EXPECT_EQ(submap_->map.keyframes.size(), 4u);
+  EXPECT_THAT(withdraw(), IsEmpty()) << "once";
+}
+
+TEST_F(WithdrawSlip, NotWhereNothingOlderIsLeft) {
+  for (const int64_t utime_us : {100'000, 400'000, 1'100'000, 1'200'000})
+    history_.add(tracked(utime_us, utime_us == 100'000 ? 20 : 90));
+  testing::slip(submap_.get(), 1'000'000);
+  EXPECT_THAT(withdraw(), IsEmpty());
+  EXPECT_EQ(submap_->map.keyframes.size(), 6u);
+}
+
+TEST_F(WithdrawSlip, OnlyOfWhatWasTrackedJustBefore) {
+  history_.add(tracked(1'000'000, 20));
+  history_.add(tracked(1'200'000, 90));
+  testing::slip(submap_.get(), 1'000'000);
+  history_.add(tracked(5'300'000, 90));
+  EXPECT_THAT(withdraw(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace rumi::front_tracker
