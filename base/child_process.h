@@ -34,12 +34,12 @@ struct ChildEnd {
   std::string describe() const;  // "ended with exit code 3", "was ended by signal 9 (Killed)"
 };
 
-// A process in a group of its own, so that whatever it starts can be ended with it, and so that Ctrl-C in a terminal is
-// ours to handle. It inherits no descriptor, reads from /dev/null, writes both outputs to us, and starts with default
-// signal handling.
+// A running program. It has a process group of its own, so that whatever it starts can be ended with it, and so that a
+// Ctrl-C in the terminal reaches only us. It inherits no descriptor, reads from /dev/null, writes both outputs to us,
+// and starts with default signal handling.
 class Child {
  public:
-  // Nothing, and why in *error, if it cannot be executed.
+  // Nothing, and the reason in *error, if the program cannot be executed.
   static std::optional<Child> start(const ChildLaunch& launch, std::string* error);
   Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, 0)), output_(std::move(other.output_)) {}
   Child& operator=(Child&& other) noexcept;
@@ -49,11 +49,11 @@ class Child {
   // Our end of what it writes, which does not block; -1 once it is closed.
   int output() const { return output_.get(); }
   void close_output() { output_.reset(); }
-  // It stays waitable: until reap() neither its id nor its group's can belong to anyone else.
+  // Does not reap it: until reap() no other process can get its id or its group's id.
   bool has_ended() const;
   void send(int signal) const { kill(pid_, signal); }
   void send_to_group(int signal) const { kill(-pid_, signal); }
-  // Waits for its end and kills what it left behind. Once.
+  // Waits for its end and kills the processes that it left behind. To be called once.
   ChildEnd reap();
 
  private:

@@ -6,7 +6,7 @@
 
 namespace rumi {
 
-// The project's version, "0.1.0".
+// The project's version, "0.2.0".
 const char* version();
 std::string host_name();
 // "name@host:pid", unique among all processes: sender and receiver in chunk transfers, files that are being written.

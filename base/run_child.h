@@ -13,14 +13,13 @@
 namespace rumi {
 
 struct ChildCommand {
-  std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
-  std::vector<std::string> environment;  // NAME=value, besides ours
-  std::string log_file;                  // stdout and stderr are appended to it; empty: no log
-  size_t log_limit_bytes = 1 << 20;      // what is said beyond it is left out of the log, but not of last_output
-  std::function<void(std::string_view)>
-      on_output;             // called in this thread with what it says, as it comes; may be empty
-  double time_limit_s = 60;  // of the wall clock; against a child that hangs
-  // Of the time in which its first process uses hardly any CPU time and says nothing.
+  std::vector<std::string> arguments;               // the program (found in PATH, or a path) and its arguments
+  std::vector<std::string> environment;             // NAME=value, besides ours
+  std::string log_file;                             // stdout and stderr are appended to it; empty: no log
+  size_t log_limit_bytes = 1 << 20;                 // output beyond it is left out of the log, but not of last_output
+  std::function<void(std::string_view)> on_output;  // called in this thread with the output as it comes; may be empty
+  double time_limit_s = 60;                         // of the wall clock; against a child that hangs
+  // How long its first process may use hardly any CPU time and print nothing.
   double idle_limit_s = std::numeric_limits<double>::infinity();
   double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
   int nice = 0;                                                  // ours, if that is higher
@@ -34,15 +33,15 @@ struct ChildResult {
   int signal = 0;                // kSignalled
   bool was_idle = false;         // kTimedOut, by idle_limit_s
   double wall_s = 0, cpu_s = 0;  // CPU: its own and that of the children it waited for
-  std::string last_output;       // the end of what it said, at most 16 KiB
+  std::string last_output;       // the end of its output, at most 16 KiB
   bool ok() const { return outcome == Outcome::kExited && exit_code == 0; }
   std::string describe() const;  // "killed by signal 9 (Killed)", "colmap: not found in PATH; install ...", ...
   std::string error;             // kNotStarted: why
 };
 
-// Blocks. The child runs in a process group of its own, which is killed as a whole when it has to end (SIGTERM, and
-// SIGKILL a second later) and when its first process has ended. That process dies with the calling thread
-// (PR_SET_PDEATHSIG). It inherits no descriptor, reads from /dev/null, and starts with default signal handling.
+// Runs the command and blocks until it has ended. The child has a process group of its own. The whole group is killed
+// when a limit is met or `cancel` becomes true (SIGTERM, and SIGKILL a second later), and when its first process has
+// ended. The first process dies with the calling thread (PR_SET_PDEATHSIG).
 ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& cancel);
 
 }  // namespace rumi

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # What Rumi holds out, in one go, on a recording: processes that are killed, datagrams that are lost, bytes that make no
-# sense, hours of running. Prints the tables that docs/reliability.md has.
+# sense, hours of running. Prints the tables that docs/experiments/2026-11-reliability.md has.
 #   scripts/campaign.sh BUILD_DIR INPUT OUT [--kills N] [--minutes M] [--fuzz S] [--seed S] [--jobs J]
 # INPUT: a recording of some 30 s or more, images as JPEG files. OUT: a new folder; the tables are OUT/*.md, too.
 #   --kills N    of each of the five processes (40: 25 minutes with J = 2; 100: 55 minutes)      scripts/kills.sh

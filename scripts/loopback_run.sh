@@ -31,7 +31,7 @@ out=/run/out
 # What is told in seconds is meant for a camera's pace: as many images as there.
 fps=$(sed -n 's/^fps: *//p' "$recording/calibration.yaml")
 slower() { awk -v f="${fps:-30}" -v r="$rate" -v s="$1" 'BEGIN {print s * f / r}'; }
-echo 2097152 >/proc/sys/net/core/rmem_max # as the README says
+echo 2097152 >/proc/sys/net/core/rmem_max # as docs/camera.md says
 
 all_run() { [ "$("$build/bin/rumi" status --json 2>/dev/null | grep -c '"state": "running"')" -ge 5 ]; } # and live_stats
 {

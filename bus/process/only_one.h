@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Of some processes there may be one on a bus: two front_trackers, or two drivers on one channel, would be taken for
-// one. Whoever begins says so (RUMI_STATUS, STARTING), whoever is there already answers at once, and the later one
-// ends.
+// A bus may have only one process of some names: receivers could not tell two front_trackers, or two drivers on one
+// channel, apart. A process that begins says so (RUMI_STATUS, STARTING). One that is there already answers at once, and
+// the later one ends.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 
 namespace rumi {
 
-// The name under which `rumi up` asks for everybody before it starts anything.
+// The name under which `rumi up` asks all processes for an answer before it starts any.
 inline constexpr const char* kAsksEverybody = "rumi";
 
 // STARTING, of this process.
 process_status_t starting_status(const std::string& process, int64_t now_us, int64_t started_us);
-// Is the message of a process that lives, and not of this one? (The last words of one that was killed may still come.)
+// Is the message from another process that is alive? (A message of a process that was killed may still arrive.)
 bool is_of_another(const process_status_t& status);
 // "map_server, pid 12 on kitchen, for 7 s".
 std::string describe(const process_status_t& status);

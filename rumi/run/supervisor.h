@@ -25,16 +25,16 @@ struct Supervised {
 };
 
 struct SupervisorOptions {
-  std::chrono::milliseconds source_delay{1000};  // of the source's start: the others are to hear all of it
-  // Before the restart of one that died soon; doubles up to the next one. Who has run for longer than that is started
-  // at once.
+  std::chrono::milliseconds source_delay{1000};  // the source starts later, so that the others hear all of it
+  // A process that died soon after its start waits so long for the next one; the wait doubles each time, up to
+  // restart_delay_max. A process that ran for longer than that is started again at once.
   std::chrono::milliseconds restart_delay{500};
   std::chrono::milliseconds restart_delay_max{10000};
-  std::chrono::milliseconds failed_start{2000};  // dead within this time: it did not start
-  int max_failed_starts = 3;                     // in a row, of one process: then all is given up
+  std::chrono::milliseconds failed_start{2000};  // a process that dies within this time did not start
+  int max_failed_starts = 3;                     // of one process, in a row; then the supervisor gives up
   std::chrono::milliseconds settle{2000};        // from the end of the source to the stop of the others
-  // From being asked to end to being killed: while nothing is done by any of those that run (they wait 5 s for one
-  // another), and at all. How long work takes depends on the machine.
+  // A process that was asked to end is killed after stop_idle in which no running process did any work (they wait 5 s
+  // for one another), and after stop_limit in any case.
   std::chrono::milliseconds stop_idle{6500};
   std::chrono::milliseconds stop_limit{60000};
 };
@@ -44,28 +44,28 @@ class Supervisor {
   using LineHandler = std::function<void(const std::string& name, const std::string& line)>;
 
   Supervisor(std::vector<Supervised> processes, const SupervisorOptions& options, LineHandler on_line);
-  // Its end kills what is left.
+  // The destructor kills all processes that still run.
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  // What to do while all runs, and on the way to the end, unless all was given up.
+  // Called while the processes run and before they are stopped; the first two not if the supervisor gave up.
   struct Hooks {
-    std::function<void()> before_stop;        // everybody but the source is alive
-    std::function<void()> before_last_stage;  // only the last stage is
-    std::function<bool()> reload;             // often; true: those who can are asked to read their options again
+    std::function<void()> before_stop;        // all processes except the source are alive
+    std::function<void()> before_last_stage;  // only those of the last stage are alive
+    std::function<bool()> reload;             // called often; true: processes that can are asked to read their options
   };
-  // Runs until the source ends and those who finish have done so, stop becomes true, or a process cannot be kept alive.
-  // Whoever is not done with ending when `at_once` becomes true is killed. Returns an empty string, or why it was given
-  // up.
+  // Runs until the source and the processes with `finishes` have ended, `stop` becomes true, or a process cannot be
+  // kept alive. When `at_once` becomes true, processes that still run are killed. Returns an empty string, or why the
+  // supervisor gave up.
   std::string run(const std::atomic<bool>& stop, const std::atomic<bool>& at_once, const Hooks& hooks);
 
-  // In a hook: runs a process to its end, or until `at_once` becomes true, while what the others say is read on (who is
-  // not listened to waits in the middle of its work) and those of them that die are started again. Returns an empty
-  // string, or why it failed.
+  // For use in a hook: runs a process to its end, or until `at_once` becomes true. Meanwhile the output of the others
+  // is read (a process whose pipe is full would stand still), and those that die are started again. Returns an empty
+  // string, or why the process failed.
   std::string run_beside(const Supervised& what, const std::atomic<bool>& at_once);
 
   int restarts() const { return restarts_; }
-  // A process said at its end that it has not done all (kNotAll): the input was not all played, or not localized.
+  // A process ended with kNotAll: not all of the input was played, or the run was not localized.
   bool not_all() const { return not_all_; }
 
  private:

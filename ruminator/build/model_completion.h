@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What becomes of a model once it is found, the same for every candidate so that they can be compared: points from the
-// tracks, everything adjusted with the calibrated camera, slips of the scale repaired, what is torn off grown anew,
-// images left out tried once more, sides of unrelated scale tied by front_tracker's poses; and what does not belong
-// together then is left out.
+// Completes a model, in the same way for every candidate, so that they can be compared. It triangulates points from the
+// tracks, adjusts everything with the calibrated camera, repairs slips of the scale, grows anew what is torn off, tries
+// once more the images that were left out, and ties sides of unrelated scale by front_tracker's poses. What then does
+// not belong together is left out.
 #pragma once
 
 #include <string>

@@ -23,8 +23,8 @@ struct WindowModel {
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
   int broken_off = 0;             // images left out because nothing ties them, or their scale, to the others
-  bool is_tied_to_front = false;  // the scales of its parts are as front_tracker's poses tell
-  // Median difference between the relative rotations that the pairs' essential matrices tell and those of the model.
+  bool is_tied_to_front = false;  // front_tracker's poses give the scales of its parts
+  // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;
   std::string doubt;  // empty, or why it cannot be believed
@@ -34,7 +34,7 @@ struct WindowModelResult {
   WindowModel best;     // with `failure` empty
   std::string failure;  // why there is none
   bool retryable = false, cancelled = false;
-  std::string warning;  // of something that went wrong on the way, e.g. no COLMAP
+  std::string warning;  // a problem that did not prevent a model, such as missing COLMAP
   int attempts = 0;
   double child_cpu_s = 0;
 };
@@ -52,8 +52,9 @@ struct WindowModelInput {
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate);
 
-// How the rival, which COLMAP's mapper began with a pair of images, differs in shape from the global model, if it does:
-// it may be larger, but two that contradict each other are not both true, and a first pair can be a wrong one.
+// Compares the shape of the global model with that of a rival, which COLMAP's mapper began with a pair of images.
+// Returns how they differ, or an empty string. The rival may be larger, but two models that contradict each other
+// cannot both be right, and the first pair may be a wrong one.
 std::string contradiction(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
                           const BuildOptions& options);
 

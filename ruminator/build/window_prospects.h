@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is there anything to be had from a window? What cannot be rebuilt is told before time is spent on it. Each function
-// returns the reason why there is nothing, a sentence for a person, or an empty string.
+// Can a window be rebuilt at all? These tests refuse hopeless windows before time is spent on them. Each function
+// returns the reason, a sentence for a person, or an empty string.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,18 @@
 
 namespace rumi::ruminator {
 
-// A look at a few images of a long gap: is there anything to be seen in them?
+// Looks at a few images of a long gap: do they show anything?
 std::string find_blind_gap(const WindowJob& job, const BuildOptions& options);
 
-// Does the camera move, and do the images of the gap hang together with those around it? camera: of the features;
+// Does the camera move, and do matches connect the images of the gap with those around it? camera: of the features;
 // utimes: of the images.
 std::string find_hopeless(const WindowJob& job, const Camera& camera, const std::vector<int64_t>& utimes_us,
                           const std::vector<SiftFeatures>& images, const std::vector<ImagePair>& pairs,
                           const BuildOptions& options);
 
-// Do the images show depth, those numbered in `which`? Of each the pairs are looked at that are farthest apart, and the
-// one with the most parallax; three images must take part in those that show it. Matches are the verified ones. Nothing
-// is said if it is called off.
+// Do the images in `which` show depth? For each image, the pairs that are farthest apart and the pair with the most
+// parallax are tested. Three images must take part in pairs that show depth. Matches are the verified ones. Returns an
+// empty string if it is cancelled.
 std::string find_no_depth(const Camera& camera, const std::vector<SiftFeatures>& images,
                           const std::vector<ImagePair>& pairs, const std::set<int>& which,
                           const std::atomic<bool>& cancel);

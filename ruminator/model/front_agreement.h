@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does a rebuilt window agree with what front_tracker saw? It tracked the approach and the departure, each within one
-// submap, so that the two models of them must have the same shape.
+// Does a rebuilt window agree with front_tracker's poses? front_tracker tracked the approach and the departure, each in
+// one submap, so the window and the submap must have the same shape there.
 #pragma once
 
 #include <map>

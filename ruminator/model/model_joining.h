@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two models of one window in one unit and one frame: from what both see, or from the poses that front_tracker had.
+// Brings two models of one window into one unit and one frame of reference, by the points that both see or by
+// front_tracker's poses.
 #pragma once
 
 #include <optional>
@@ -17,11 +18,11 @@ namespace rumi::ruminator {
 std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
                                  const std::vector<Track>& tracks, const SparseModel& a, const SparseModel& b);
 
-// The images of both: those that both have a pose of as in `a`. Without points: they are to be triangulated anew.
+// The images of both models; an image of both keeps its pose in `a`. Without points: triangulate them anew.
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b);
 
-// before_from_after: two models put to each other as the frames of one front submap in both of them tell. Nothing where
-// there are fewer than kMinFrontFrames in a model, or where a model disagrees with the submap. utimes: of the images.
+// before_from_after, from the frames of one front submap that both models have. Nothing if a model has fewer than
+// kMinFrontFrames of them, or disagrees with the submap. utimes: of the images.
 std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
                               const SparseModel& before, const SparseModel& after);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Is the scale of a model the same from its beginning to its end? Where a camera turns more than it moves, the two
-// sides of the turn can have different units: the reprojection errors stay small, because the points that tell of it
-// are taken for outliers.
+// sides of the turn can have different units. The reprojection errors stay small all the same, because the points that
+// would show it are treated as outliers.
 #pragma once
 
 #include <optional>
@@ -19,9 +19,9 @@ constexpr double kMaxScaleChange = 0.25;  // of the scale along a model, relativ
 
 struct ScaleCut {
   int image = 0;   // the last one before the cut
-  int tracks = 0;  // that cross it
-  int points = 0;  // of which either side can triangulate by itself
-  // Both sides see depth, but too few points tell how that of the one relates to that of the other.
+  int tracks = 0;  // that cross the cut
+  int points = 0;  // tracks among them that either side can triangulate by itself
+  // Both sides see depth, but too few points connect the scale of one side with that of the other.
   bool is_break = false;
   // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
   // from `image`, and its standard error.
@@ -33,7 +33,7 @@ struct ScaleCut {
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
                                   const std::vector<Track>& tracks, const SparseModel& model);
 
-// Do the points across the cut leave nothing to ask front_tracker?
+// Do the points across the cut determine the scale well enough without front_tracker's poses?
 bool is_certain(const ScaleCut& cut);
 
 // The cut where the scale certainly changes the most, if it does.
@@ -45,8 +45,8 @@ std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
 // Removes the images on that side of the cut that has fewer. Returns how many.
 int keep_larger_side(const ScaleCut& cut, SparseModel* model);
 
-// Brings everything after the cut to the scale before it, seen from the image of the cut. Points are to be triangulated
-// anew.
+// Scales everything after the cut to the scale before it, about the image of the cut. Triangulate the points anew after
+// it.
 void repair_scale(const ScaleCut& cut, SparseModel* model);
 
 }  // namespace rumi::ruminator

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does a model hang together? Where a camera turns on the spot, two groups of images can each be right and be put
-// anywhere to each other: what the one sees and the other too is taken for outliers, and no error shows it. But the
-// verified matches between the two groups then belong to a point on one side only.
+// Is a model torn? Where a camera turns on the spot, two groups of images can each be right, but have any position
+// relative to each other. What both groups see is then treated as outliers, and no error shows it. But the verified
+// matches between the two groups then belong to a point on one side only.
 #pragma once
 
 #include <set>
@@ -12,8 +12,8 @@
 
 namespace rumi::ruminator {
 
-// Part of two images' matches that a model may contradict; more is torn. The second where else nothing is left that
-// joins the window to the front.
+// The share of two images' matches that a model may contradict; beyond it the model is torn. The second limit is used
+// if otherwise no image is left that joins the window to a front submap.
 constexpr double kMaxSevered = 0.15;
 constexpr double kMaxSeveredAdrift = 0.25;
 
@@ -21,16 +21,16 @@ constexpr double kMaxSeveredAdrift = 0.25;
 struct PairAgreement {
   int first = 0, second = 0;  // images
   int shared = 0;             // matches that are observations of one point
-  int severed = 0;            // of which one keypoint alone belongs to a point, or each to another
+  int severed = 0;            // matches with a point at one keypoint only, or another point at each
 };
 
 // Of all pairs of the model's images, in their order.
 std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, const SparseModel& model);
 
-// Images that are torn off from the largest part of the model. Parts are images that hang together over sound
-// agreements, the strongest first, unless what they have in common is torn as a whole: so a few matches around a loop
-// do not hold what is torn at its neighbours, and a tear that few matches of any one pair cross shows in all of them
-// together. Empty for a sound model.
+// Images that are torn off from the largest part of the model; empty for a sound model. Parts grow by joining images
+// over sound pairs, the strongest first. Two parts are not joined if what they have in common is torn as a whole. So a
+// few matches around a loop cannot hold a tear together, and a tear that crosses few matches of each pair shows in
+// their sum.
 std::set<int> torn_off(const std::vector<PairAgreement>& agreements, double max_severed, const SparseModel& model);
 
 }  // namespace rumi::ruminator

@@ -39,21 +39,21 @@ class RebuildQueue {
   // After every attempt to rebuild a window.
   using BuiltHandler = std::function<void(const RuminationWindow&, const BuildResult&)>;
 
-  // Takes up what an earlier process left in the spool. A spool that cannot be used is said in the log and in status().
+  // Takes up what an earlier process left in the spool. If the spool cannot be used, the log and the status say so.
   RebuildQueue(Bus& bus, const RebuildQueueOptions& options, Builder builder, BuiltHandler on_built);
 
   void add(WindowJob job);
-  // A window that cannot become a job.
+  // Announces a window that cannot become a job as failed.
   void refuse(const RuminationWindow& window, const std::string& reason);
   void tick(int64_t now_us);
-  // Of the newest frame: announcements carry it, and it tells how long ago tracking resumed when a window is added.
+  // The time of the newest frame. Announcements carry it; it also says how long before add() tracking had resumed.
   void set_frame_time(int64_t utime_us) { frame_utime_us_ = std::max(frame_utime_us_, utime_us); }
 
-  // Nothing will be added: rebuild and publish what waits; nothing is tried again later.
+  // No more windows will be added. What waits is rebuilt and published; nothing is tried a second time.
   void finish();
-  // Call off what is under way; the spool keeps it for the next time.
+  // Cancels the build that is running. The spool keeps its window for the next start.
   void stop();
-  // After finish(): all is built, and published unless map_server does not take it. After stop(): all is at rest.
+  // After finish(): all windows are built, and published unless map_server refuses them. After stop(): no build runs.
   bool finished() const { return waits_for().empty(); }
   std::string waits_for() const;  // what is not, for a person
 

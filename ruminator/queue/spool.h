@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where windows wait to be rebuilt, and back submaps to be taken by map_server: a folder that outlives the process.
+// The folder in which windows wait to be rebuilt, and back submaps wait until map_server has stored them. It outlives
+// the process.
 //
-//   S-W.id        window W of session S has been here. Empty; whoever holds a lock (flock) on it works on the window,
-//                 and when that process dies, however it dies, the lock is gone.
+//   S-W.id        window W of session S has been here. The file is empty. The process that holds a lock (flock) on it
+//                 works on the window; when that process dies, the lock is gone.
 //   S-W.window    the job: waits, or is being rebuilt
-//   S-W.tries     as many bytes as its rebuilding has been begun
+//   S-W.tries     a byte for each time that rebuilding has begun
 //   S-W.work/     while it is rebuilt
 //   S-W.submap    rebuilt: a submap_update_t that map_server has not acknowledged. The job is over from here on.
 //   failed/       jobs that could not be rebuilt, each with a .txt that says why and COLMAP's log
 //
-// Every step is one rename or removal, so whenever a process dies, what is there says what remains to be done. Several
+// Every step is one rename or removal. So whenever a process dies, the files say what remains to be done. Several
 // ruminators may share a spool.
 #pragma once
 
@@ -49,22 +50,22 @@ class Spool {
 
   std::vector<JobName> waiting() const;  // to be rebuilt, or being rebuilt, in order
   std::vector<JobName> built() const;    // to be sent to map_server
-  // Nothing if somebody else works on it or it is no longer here.
+  // Nothing if another process works on the job, or if it is no longer here.
   std::optional<Claim> claim(JobName name);
 
-  // What follows is for the holder of the claim.
+  // The functions below are for the holder of the claim.
   bool is_waiting(JobName name) const;
   bool is_built(JobName name) const;
-  // Counts on disk, so that a job that brings the whole process down is not tried for ever. Returns how many times
-  // rebuilding has been begun, this time included. Leaves a clean work folder's name.
+  // Counts on disk how many times rebuilding has begun, this time included, and returns the count: a job that ends the
+  // whole process must not be tried for ever. Removes the work folder of an earlier try.
   int begin_try(JobName name);
-  void forget_try(JobName name);  // it was called off
+  void forget_try(JobName name);  // the try was cancelled and does not count
   // Each returns what went wrong, or an empty string.
   std::string store_submap(JobName name, std::span<const uint8_t> submap);  // ends the job
   std::string read_submap(JobName name, std::vector<uint8_t>* submap) const;
   std::string complete(JobName name);  // map_server has it: nothing remains but the id
-  // Moves the job to failed/, and removes the oldest there until all fit or, unless nothing is to be kept, it is alone.
-  // Returns where it is now, or an empty string.
+  // Moves the job to failed/, then removes the oldest jobs there until the rest fit. This one stays, even alone, unless
+  // nothing is to be kept. Returns its new path, or an empty string.
   std::string fail(JobName name, const std::string& reason);
 
   std::string window_file(JobName name) const { return file(name, ".window"); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the README says is read is read: each name of its lists has an input here.
+// What the README and docs/ say is read is read: each name of their lists has an input here.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -24,7 +24,7 @@ using namespace testing;
 
 const char* const kMatrix = "fx: 50\nfy: 51\ncx: 32\ncy: 24\n";
 
-// A file of each tool that the README names.
+// A file of each tool that docs/calibration.md names.
 const std::map<std::string, std::string>& camera_files() {
   static const std::map<std::string, std::string> kFiles = {
       {"ROS",
@@ -188,10 +188,10 @@ std::set<std::string> rows_between(const std::string& text, const std::string& b
   return names;
 }
 
-TEST(FormatsOfTheReadme, CameraFilesAreRead) {
+TEST(FormatsInTheDocs, CameraFilesAreRead) {
   const std::set<std::string> known = names_of(camera_files());
-  const std::string readme = documentation("README.md");
-  EXPECT_EQ(list(between(readme, "also reads, as they are, the files of ", ". Of several"), known), known);
+  const std::string page = documentation("docs/calibration.md");
+  EXPECT_EQ(list(between(page, "also reads, as they are, the files of ", ". Of several"), known), known);
   const TemporaryFolder folder;
   for (const auto& [name, text] : camera_files()) {
     const CameraFileResult read = read_camera_file(folder.write("camera", text));
@@ -203,7 +203,7 @@ TEST(FormatsOfTheReadme, CameraFilesAreRead) {
   EXPECT_TRUE(read_camera_file(folder.write("own", std::string(kMatrix) + "width: 64\nheight: 48\n")).ok());
 }
 
-TEST(FormatsOfTheReadme, RecordingsAreRead) {
+TEST(FormatsInTheDocs, RecordingsAreRead) {
   EXPECT_EQ(rows_between(documentation("README.md"), "`RECORDING` is one of", "Odd times"), names_of(recordings()));
   std::set<std::string> in_docs;
   for (const auto& [name, recording] : recordings()) in_docs.insert(recording.in_docs);
@@ -218,9 +218,9 @@ TEST(FormatsOfTheReadme, RecordingsAreRead) {
   }
 }
 
-TEST(FormatsOfTheReadme, TruthsAreRead) {
+TEST(FormatsInTheDocs, TruthsAreRead) {
   const std::set<std::string> known = names_of(truths());
-  EXPECT_EQ(list(between(documentation("README.md"), "Read are ", ", with any separator"), known), known);
+  EXPECT_EQ(list(between(documentation("docs/evaluation.md"), "Read are ", ", with any separator"), known), known);
   for (const auto& [name, text] : truths()) {
     const TemporaryFolder folder;
     folder.write("times.txt", "0\n0.1\n");

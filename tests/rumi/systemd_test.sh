@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# What the README says of systemd, done as it says, with the real systemd in a virtual machine: Rumi is installed, started,
-# killed, stopped, started with a camera, and with a config that is wrong.
+# What docs/installing.md says of systemd, done as it says, with the real systemd in a virtual machine: Rumi is
+# installed, started, killed, stopped, started with a camera, and with a config that is wrong.
 #   systemd_test.sh SOURCE BUILD     runs itself there as root, with --inside
 # Exit code 77 (CTest: skipped) where something needed is missing. Writes into BUILD/tests/virtual_machine only.
 set -eu

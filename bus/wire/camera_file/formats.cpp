@@ -10,7 +10,8 @@
 namespace rumi {
 namespace {
 
-constexpr const char* kWriteOwn = "write its numbers as fx, fy, cx, cy, k1, k2, p1, p2, k3, width, height (README)";
+constexpr const char* kWriteOwn =
+    "write its numbers as fx, fy, cx, cy, k1, k2, p1, p2, k3, width, height (docs/calibration.md)";
 
 struct Stranger {
   const char* sign;  // a key, or its beginning; or a piece of the text
