@@ -146,8 +146,8 @@ class Server {
     time("store it", [&] { save(); });
     time("copy", [&] { copy(); });
     input_.scope = map_server::BuildScope::kWeld;
-    time("search", [&] { search(); });
-    time("search, no news", [&] { search(); });
+    time("search", [&] { search(graph_); });
+    time("search, no news", [&] { search(next_graph_); });
     time("weld", [&] { build(); });
     welded_views_ = built_.report.adjusted_views;
     absorb("");
@@ -157,7 +157,7 @@ class Server {
     copy();
     input_.scope = map_server::BuildScope::kAll;
     time("adjust all", [&] {
-      search();
+      search(graph_);
       build();
     });
     absorb(" all");
@@ -196,10 +196,10 @@ class Server {
   }
 
   // As MapMerger does. It keeps the graph of before until a build is taken over.
-  void search() { next_graph_ = finder_.find(graph_, input_); }
+  void search(const map_server::LinkGraph& before) { next_graph_ = finder_.find(before, input_); }
   void build() {
     built_ = builder_.build(std::move(next_graph_), input_);
-    graph_ = built_.graph;
+    graph_ = std::move(built_.graph);
   }
 
   // As MapMerger does.
@@ -232,7 +232,7 @@ class Server {
         return std::string();
       });
     time("place" + which, [&] {
-      atlas_.set_links(built_.graph.links());
+      atlas_.set_links(graph_.links());
       if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
     });
     for (auto& [key, placement] : input_.placed) placement.revision = atlas_.find(key)->placement.revision;

@@ -70,7 +70,7 @@ SubmapPairs LinkGraph::contacts() const {
 }
 
 bool LinkGraph::are_joined(const ImageId& a, const ImageId& b) const {
-  return built.similar.contains(std::minmax(a, b));
+  return std::binary_search(built.similar.begin(), built.similar.end(), std::pair<ImageId, ImageId>(std::minmax(a, b)));
 }
 
 const LinkEdge* LinkGraph::edge_between(SubmapKey a, SubmapKey b) const {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// All that is known of how submaps lie to each other: a value. LinkFinder makes the next one of it, and MapBuilder the
-// one after that: with its doubts, and with what touches what in the map it has built.
+// All that is known of how submaps lie to each other: a value. LinkFinder adds what it finds and makes the next one.
+// MapBuilder makes the one after that, with the edges that it refused and what touches what in the map that it built.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ struct ComparedPair {
 
 // What touches what in the map that was built last.
 struct BuiltContacts {
-  std::set<SubmapKey> submaps;                    // that it is made of
-  SubmapPairs touching;                           // submaps that have points in common
-  std::set<std::pair<ImageId, ImageId>> similar;  // images that have many points in common, lower first
+  std::set<SubmapKey> submaps;                       // that it is made of
+  SubmapPairs touching;                              // submaps that have points in common
+  std::vector<std::pair<ImageId, ImageId>> similar;  // images that have many points in common, lower first; ascending
 };
 
 struct LinkGraph {
@@ -38,7 +38,7 @@ struct LinkGraph {
   // Of a map that another graph held together this one may have fewer edges: without a reason it does not come apart.
   // What an edge holds together since is the edge's.
   std::vector<SubmapPair> inherited;
-  bool has_inherited = false;  // once, before the first build
+  bool has_inherited = false;  // false: nobody has looked yet for such a map
 
   // All that are accepted. Pointers hold until the graph changes.
   std::vector<const LinkEdge*> edges() const;

@@ -39,6 +39,42 @@ bool is_up_to_date(const std::set<SubmapKey>& members, const BuildInput& input, 
   return members == input.fixed || (input.scope == BuildScope::kWeld && members == graph.built.submaps);
 }
 
+// Images with so many points in common; ascending.
+std::vector<std::pair<ImageId, ImageId>> similar_images(const MapModel& model, int points) {
+  std::vector<std::pair<ImageId, ImageId>> similar;
+  std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
+  for (size_t v = 0; v < model.views.size(); ++v) {
+    for (int point : model.views[v].points)
+      if (point != kNone)
+        for (const MapModel::Observation& o : model.points[point].observations)
+          if (o.view < static_cast<int>(v) && shared[o.view]++ == 0) met.push_back(o.view);
+    for (int other : met)
+      if (std::exchange(shared[other], 0) >= points)
+        similar.emplace_back(std::minmax(model.views[other].image, model.views[v].image));
+    met.clear();
+  }
+  std::sort(similar.begin(), similar.end());
+  return similar;
+}
+
+// Those of a part are added to those of before, those of the whole map take their place.
+BuiltContacts contacts_of(const MapModel& model, const Arrangement& arranged, int points, const BuiltContacts& before) {
+  const bool is_whole = arranged.part.submaps == arranged.members;
+  BuiltContacts contacts{.submaps = arranged.members, .touching = {}, .similar = similar_images(model, points)};
+  if (!is_whole) {
+    const auto of_part = std::exchange(contacts.similar, {});
+    contacts.touching = before.touching;
+    std::set_union(before.similar.begin(), before.similar.end(), of_part.begin(), of_part.end(),
+                   std::back_inserter(contacts.similar));
+  }
+  for (const MapModel::Point& point : model.points)
+    for (size_t i = 0; i < point.landmarks.size(); ++i)
+      for (size_t j = 0; j < i; ++j)
+        if (point.landmarks[i].submap != point.landmarks[j].submap)
+          contacts.touching.insert(std::minmax(point.landmarks[i].submap, point.landmarks[j].submap));
+  return contacts;
+}
+
 }  // namespace
 
 BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
@@ -55,7 +91,7 @@ BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
   built.report = adjust(input, built.graph.built, &map.model);
   built.report.members = static_cast<int>(arranged->members.size());
   if (input.is_cancelled()) return built;
-  note_contacts(map.model, *arranged, &built.graph.built);
+  built.graph.built = contacts_of(map.model, *arranged, options_.joined_points, built.graph.built);
   map.placements = split(map.model, map.submaps);
   if (input.scope != BuildScope::kWeld)
     built.culled = MapCulling(options_.culling, options_.links.pairs).cull(input, &built.graph, &map);
@@ -130,28 +166,6 @@ MapBuildReport MapBuilder::adjust(const BuildInput& input, const BuiltContacts& 
   report.outliers = bundle.outliers;
   report.rmse = bundle.rmse;
   return report;
-}
-
-void MapBuilder::note_contacts(const MapModel& model, const Arrangement& arranged, BuiltContacts* contacts) const {
-  const bool is_whole = arranged.part.submaps == arranged.members;
-  if (is_whole) *contacts = {};
-  contacts->submaps = arranged.members;
-  std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
-  for (size_t v = 0; v < model.views.size(); ++v) {
-    for (int point : model.views[v].points)
-      if (point != kNone)
-        for (const MapModel::Observation& o : model.points[point].observations)
-          if (o.view < static_cast<int>(v) && shared[o.view]++ == 0) met.push_back(o.view);
-    for (int other : met)
-      if (std::exchange(shared[other], 0) >= options_.joined_points)
-        contacts->similar.insert(std::minmax(model.views[other].image, model.views[v].image));
-    met.clear();
-  }
-  for (const MapModel::Point& point : model.points)
-    for (size_t i = 0; i < point.landmarks.size(); ++i)
-      for (size_t j = 0; j < i; ++j)
-        if (point.landmarks[i].submap != point.landmarks[j].submap)
-          contacts->touching.insert(std::minmax(point.landmarks[i].submap, point.landmarks[j].submap));
 }
 
 }  // namespace rumi::map_server

@@ -61,7 +61,6 @@ class MapBuilder {
   // What is adjusted; none: all.
   std::vector<int> window_of(const BuildInput& input, const BuiltContacts& before, const MapModel& model) const;
   MapBuildReport adjust(const BuildInput& input, const BuiltContacts& before, MapModel* model) const;
-  void note_contacts(const MapModel& model, const Arrangement& arranged, BuiltContacts* contacts) const;
 
   MapBuilderOptions options_;
 };

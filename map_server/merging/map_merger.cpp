@@ -229,7 +229,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
     give_up(reason);
     return std::nullopt;
   }
-  graph_ = std::move(next_graph_);
+  std::swap(graph_, next_graph_);  // the one before is freed where the map is built
   suspects_.built();
   wants_adjustment_ = result_.scope != BuildScope::kAll && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
@@ -238,6 +238,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
     suspects_.replaced(key, submap->revision);
   }
   if (result_.scope != BuildScope::kWeld) note_adjusted();
+  input_.submaps.clear();
   chosen_.clear();
   return std::move(result_);
 }
@@ -259,8 +260,8 @@ void MapMerger::keep_what_was_left_out() {
 void MapMerger::give_up(const std::string& reason) {
   result_ = {};
   to_be_placed_.clear();
+  input_.submaps.clear();
   chosen_.clear();
-  next_graph_ = {};
   refused_.note(reason, now_us_);
   const std::set<SubmapKey> before = left_out();
   const bool some_are_new = suspects_.broke_off(std::exchange(to_blame_, {}), now_us_);

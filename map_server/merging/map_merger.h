@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
-// that the atlas goes on changing meanwhile. A build that throws is refused: the map stays as it is, and the next build
-// goes without what is in doubt. Of a build that was taken over the next one knows the links, of another one nothing.
+// that the atlas goes on changing meanwhile. A build that throws is refused: map and links stay as they are, and the
+// next build goes without what is in doubt.
 #pragma once
 
 #include <atomic>
@@ -94,7 +94,7 @@ class MapMerger {
   // Of the submaps, and of where they lay, when the last build began.
   Copies copies_, chosen_;           // all, and those it is made of
   BuildInput input_;                 // what was chosen, and where that lay
-  LinkGraph next_graph_;             // that the build made of graph_
+  LinkGraph next_graph_;             // that the build made of graph_; else the one before graph_
   Placements to_be_placed_;          // copies of the last result, made where it was
   std::set<SubmapKey> left_in_map_;  // not chosen
   Suspects suspects_;
@@ -103,7 +103,7 @@ class MapMerger {
   bool last_broke_off_ = false;
   int64_t now_us_ = 0;
   bool running_ = false, hurry_ = false, hurried_ = false;  // hurried_: the last build was
-  bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (Scope::kAll)
+  bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (BuildScope::kAll)
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
   int views_ = 0;                                         // of the map as it was built last

@@ -141,7 +141,7 @@ TEST_F(LinkGraphTest, ARevisionThatChangesNothingIsTakenAsCompared) {
 
 TEST_F(LinkGraphTest, ImagesAreJoinedWhicheverComesFirst) {
   const ImageId a{1, 7}, b{2, 7};
-  graph_.built.similar.insert({a, b});
+  graph_.built.similar = {{a, b}};
   EXPECT_TRUE(graph_.are_joined(a, b));
   EXPECT_TRUE(graph_.are_joined(b, a));
   EXPECT_FALSE(graph_.are_joined(a, a));
