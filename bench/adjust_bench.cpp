@@ -17,13 +17,14 @@ int main(int argc, char** argv) {
   try {
     rumi::map_server::MapStore store = rumi::map_server::MapStore::copy_in_memory(file);
     const rumi::map_server::Atlas atlas = store.load();
-    rumi::map_server::MapBuilder::Submaps submaps;
-    for (const auto& [key, owner] : atlas.submaps()) submaps[key] = &owner.submap;
-    rumi::map_server::MapBuilder builder(rumi::map_server::MapServerOptions().merge.builder);
+    rumi::map_server::BuildInput input;
+    for (const auto& [key, owner] : atlas.submaps()) input.submaps[key] = &owner.submap;
+    const rumi::map_server::MapBuilderOptions options = rumi::map_server::MapServerOptions().merge.builder;
     const double start_s = rumi::thread_cpu_s();
-    builder.find_links(submaps);
+    rumi::map_server::LinkGraph graph = rumi::map_server::LinkFinder(options.links).find({}, input);
     const double linked_s = rumi::thread_cpu_s();
-    const rumi::map_server::MapBuildReport report = builder.build(submaps, {}).report;
+    const rumi::map_server::MapBuildReport report =
+        rumi::map_server::MapBuilder(options).build(std::move(graph), input).report;
     fmt::print("{} submaps, {} images, {} points, {} observations ({} by association), rmse {:.4f} sigma\n",
                report.members, report.views, report.points, report.observations, report.observed, report.rmse);
     fmt::print("links {:.2f}, adjustment {:.2f} CPU s\n", linked_s - start_s, rumi::thread_cpu_s() - linked_s);

@@ -134,7 +134,7 @@ void forget_peak_memory() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 class Server {
  public:
-  explicit Server(const std::string& file) : store_(file), builder_(map_server::MergeOptions{}.builder) {}
+  explicit Server(const std::string& file) : store_(file), finder_({}), builder_({}) {}
 
   void arrive(const Submap& made) {
     times_.clear();
@@ -145,16 +145,21 @@ class Server {
     });
     time("store it", [&] { save(); });
     time("copy", [&] { copy(); });
-    time("search", [&] { builder_.find_links(submaps_); });
-    time("search, no news", [&] { builder_.find_links(submaps_); });
-    time("weld", [&] { built_ = builder_.build(submaps_, placed_, map_server::MapBuilder::Scope::kWeld); });
+    input_.scope = map_server::BuildScope::kWeld;
+    time("search", [&] { search(graph_); });
+    time("search, no news", [&] { search(next_graph_); });
+    time("weld", [&] { build(); });
     welded_views_ = built_.report.adjusted_views;
     absorb("");
   }
 
   void adjust() {
     copy();
-    time("adjust all", [&] { built_ = builder_.build(submaps_, placed_, map_server::MapBuilder::Scope::kAll); });
+    input_.scope = map_server::BuildScope::kAll;
+    time("adjust all", [&] {
+      search(graph_);
+      build();
+    });
     absorb(" all");
   }
 
@@ -190,12 +195,19 @@ class Server {
     return longest_s;
   }
 
+  // As MapMerger does. It keeps the graph of before until a build is taken over.
+  void search(const map_server::LinkGraph& before) { next_graph_ = finder_.find(before, input_); }
+  void build() {
+    built_ = builder_.build(std::move(next_graph_), input_);
+    graph_ = std::move(built_.graph);
+  }
+
   // As MapMerger does.
   void copy() {
     for (const auto& [key, owner] : atlas_.submaps()) {
       std::shared_ptr<const Submap>& copy = copies_[key];
       if (!copy || copy->revision != owner.submap.revision) copy = std::make_shared<const Submap>(owner.submap);
-      submaps_[key] = copy.get();
+      input_.submaps[key] = copy.get();
     }
   }
 
@@ -203,9 +215,9 @@ class Server {
   std::set<SubmapKey> find_same() {
     std::set<SubmapKey> same;
     for (const auto& [key, placement] : built_.placements) {
-      const auto before = placed_.find(key);
-      if (before != placed_.end() && same_place(before->second, placement)) same.insert(key);
-      placed_[key] = placement;
+      const auto before = input_.placed.find(key);
+      if (before != input_.placed.end() && same_place(before->second, placement)) same.insert(key);
+      input_.placed[key] = placement;
     }
     return same;
   }
@@ -220,10 +232,10 @@ class Server {
         return std::string();
       });
     time("place" + which, [&] {
-      atlas_.set_links(builder_.links());
+      atlas_.set_links(graph_.links());
       if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
     });
-    for (auto& [key, placement] : placed_) placement.revision = atlas_.find(key)->placement.revision;
+    for (auto& [key, placement] : input_.placed) placement.revision = atlas_.find(key)->placement.revision;
     time("tell", [&] { status_pages_.next(atlas_, 0); });
     double longest_s = 0;
     time("store" + which, [&] { longest_s = save(); });
@@ -232,11 +244,12 @@ class Server {
 
   map_server::Atlas atlas_;
   map_server::MapStore store_;
+  map_server::LinkFinder finder_;
   map_server::MapBuilder builder_;
+  map_server::LinkGraph graph_, next_graph_;
   map_server::MapStatusPages status_pages_;
   std::map<SubmapKey, std::shared_ptr<const Submap>> copies_;
-  map_server::MapBuilder::Submaps submaps_;
-  std::map<SubmapKey, map_server::Placement> placed_;
+  map_server::BuildInput input_;
   map_server::BuiltMap built_;
   int welded_views_ = 0;
   std::vector<std::pair<std::string, double>> times_;

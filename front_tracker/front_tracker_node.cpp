@@ -29,6 +29,8 @@ constexpr QueueOptions kImageQueue{60, DropPolicy::kDropOldest};
 // recording started again. With ours between them they are a second camera's, or a hiccup.
 constexpr size_t kImagesOfNewSession = 10;
 
+constexpr int64_t kSilenceUs = 10'000'000;  // without an image from the start, that somebody should know of
+
 constexpr const char* kUndecodable = "image";  // a kind of refusal
 
 // From publication to pose where the driver says when it published, else from capture.
@@ -38,6 +40,9 @@ float latency_ms(const image_t& image, int64_t now_us) {
   std::from_chars(published.data(), published.data() + published.size(), from_us);
   return static_cast<float>(1e-3 * static_cast<double>(now_us - from_us));
 }
+
+// More than every hundredth.
+bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > images.received; }
 
 }  // namespace
 
@@ -58,6 +63,7 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
     log_notes(file);
     camera_from_file_ = file.camera;
   }
+  silent_since_us_ = bus.now_us();
   bus.subscribe<image_t>(channels::kCamera, kImageQueue, [this](const image_t& image) { on_image(image); });
   bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
 }
@@ -77,7 +83,7 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
   const std::string text = metadata(image, kCalibrationKey);
   if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
   if (text.empty()) {
-    refuse("calibration", "it carries no calibration: give the camera's with --camera FILE");
+    refuse("calibration", "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
     return std::nullopt;
   }
   const CameraFileResult parsed = parse_camera(text, "calibration of the image");
@@ -224,6 +230,7 @@ void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, doubl
   track.latency_ms = latency_ms(image, bus_.now_us());
   bus_.publish(channels::kTrack, track);
   if (r.submap_id == kNoSubmap) return remember(track, kMostRetoldFrames, &without_pose_);
+  has_posed_ = true;
   without_pose_.clear();
   remember(track, kMostRetoldFrames, &with_pose_);
   bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
@@ -292,6 +299,7 @@ void FrontTrackerNode::on_map_status(const map_status_t& status) {
 }
 
 void FrontTrackerNode::tick(int64_t now_us) {
+  tell_of_silence(now_us);
   note_broken_mapping();
   publisher_.tick(now_us);
   if (back_submaps_) back_submaps_->tick(now_us);
@@ -302,7 +310,44 @@ void FrontTrackerNode::tick(int64_t now_us) {
   });
 }
 
+ChannelCounts FrontTrackerNode::images() const {
+  for (const ChannelCounts& counts : bus_.counts())
+    if (counts.channel == channels::kCamera) return counts;
+  return {};
+}
+
+// A user who named another channel, or whose camera's program has ended, would wait for ever.
+void FrontTrackerNode::tell_of_silence(int64_t now_us) {
+  if (silent_since_us_ == 0) return;
+  const ChannelCounts counts = images();
+  if (counts.received > counts.undecodable) silent_since_us_ = 0;
+  if (silent_since_us_ == 0 || now_us - silent_since_us_ < kSilenceUs) return;
+  silent_since_us_ = 0;
+  if (counts.undecodable > 0)
+    log_warning(
+        "{} messages came on the camera's channel, and none is an image_t: is the channel another's (--channel)?",
+        counts.undecodable);
+  else
+    log_warning("no image has come for {} s: is the camera's program running, on this channel (--channel)?",
+                kSilenceUs / 1'000'000);
+}
+
+void FrontTrackerNode::tell_of_dropped() const {
+  const ChannelCounts counts = images();
+  if (dropped_many(counts))
+    log_warning(
+        "{} of {} images were dropped: they came faster than they could be tracked; smaller ones take less time "
+        "(image.max_image_side)",
+        counts.dropped, counts.received);
+}
+
+int FrontTrackerNode::exit_code() const {
+  const ChannelCounts counts = images();
+  return dropped_many(counts) || (counts.received > 0 && !has_posed_) ? kNotAll : 0;
+}
+
 void FrontTrackerNode::finish() {
+  if (!finishing_) tell_of_dropped();
   finishing_ = true;
   retire_session();
 }

@@ -33,6 +33,7 @@ class FrontTrackerNode : public Node {
   int64_t undecodable() const;
   void finish() override;
   std::string waits_for() const override;
+  int exit_code() const override;  // kNotAll: many images were dropped, or none got a pose
   int64_t handed_on() const override { return publisher_.handed_on(); }
 
   // Sessions get higher numbers than this one: a map that they come into may have it.
@@ -47,6 +48,9 @@ class FrontTrackerNode : public Node {
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
   cv::Mat usable_image(const image_t& image);
   void retire_session();
+  void tell_of_silence(int64_t now_us);
+  void tell_of_dropped() const;
+  ChannelCounts images() const;  // that came
   void note_broken_mapping();
   // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell or
   // is another camera's.
@@ -67,6 +71,8 @@ class FrontTrackerNode : public Node {
   void refuse(const std::string& kind, const std::string& problem);
 
   Bus& bus_;
+  int64_t silent_since_us_ = 0;  // 0: images have come, or it was said that none do
+  bool has_posed_ = false;
   NewestSender map_states_{"RUMI_MAP_STATUS", kLateUs};
   FrontTrackerOptions options_;
   std::optional<Camera> camera_from_file_;

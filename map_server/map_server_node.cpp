@@ -193,7 +193,7 @@ void MapServerNode::merge(int64_t now_us) {
   std::optional<MergeResult> result = merger_.tick(now_us, atlas_);
   // An adjustment that had begun before somebody asked lacks what came since.
   const bool all_is_merged =
-      merger_.idle(atlas_) || (result && result->scope == MapBuilder::Scope::kAll && !merger_.hurried());
+      merger_.idle(atlas_) || (result && result->scope == BuildScope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
   if (all_is_merged) {
     merged_.insert(merged_.end(), waiting_.begin(), waiting_.end());

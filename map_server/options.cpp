@@ -4,8 +4,8 @@
 namespace rumi::map_server {
 
 void describe(OptionTable& table, MergeOptions& o) {
-  AlignmentOptions& a = o.builder.pairs.alignment;
-  PlaceSearchOptions& p = o.builder.places;
+  AlignmentOptions& a = o.builder.links.pairs.alignment;
+  PlaceSearchOptions& p = o.builder.links.places;
   table.group("merging");
   table.add("map_server.merge", &o.enabled,
             "join submaps into one map; false: the map is the largest submap, a front one if there is any");
@@ -13,7 +13,7 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.add("map_server.adjustment_interval_s", &o.adjustment_interval_s, "s",
             "from one adjustment of the whole map to the next, at least; and 0.25 s for each image of it", 0, 1e6);
   table.add("map_server.merge_nice", &o.nice, "", "of the thread that merges", 0, 19);
-  table.add("map_server.max_joint_chi2", &o.builder.graph.max_joint_chi2, "",
+  table.add("map_server.max_joint_chi2", &o.builder.arrangement.graph.max_joint_chi2, "",
             "of a joint in the map as a whole, in sigma^2; one that is farther out is a mistake, and taken out", 1,
             1e9);
   table.group("alignment");
@@ -26,7 +26,7 @@ void describe(OptionTable& table, MergeOptions& o) {
   table.group("model");
   table.add("map_server.association_rounds", &o.builder.association_rounds, "",
             "search for the map's points in all its images, and adjustment, so often", 0, 100);
-  table.add("map_server.weld_keyframes", &o.builder.weld_keyframes, "keyframes",
+  table.add("map_server.weld_keyframes", &o.builder.arrangement.weld_keyframes, "keyframes",
             "of the submaps around what is new that are bent and welded with it, about; the others stay", 1, 1000000);
   table.add("map_server.adjustment_views", &o.builder.bundle.most_views, "images",
             "of the map, adjusted at once; a larger map is adjusted in pieces", 10, 1000000);

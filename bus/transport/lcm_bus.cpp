@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -26,6 +27,7 @@ namespace {
 
 constexpr int kReceiveTimeoutMs = 50;        // how soon the receive thread notices that it should end
 constexpr size_t kMaxLcmChannelLength = 63;  // LCM refuses longer names
+constexpr const char* kUsualUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr const char* kDefaultGroup = "239.255.76.67";
 constexpr int64_t kWantedReceiveBuffer = 2097152;  // bytes; no raw 640x480 image was lost with it at up to 2000 Hz
 
@@ -44,6 +46,18 @@ std::string multicast_group(const std::string& url) {
   std::string group = start == std::string::npos ? "" : url.substr(start + 3);
   group = group.substr(0, group.find_first_of(":?/"));
   return group.empty() ? kDefaultGroup : group;
+}
+
+// A URL with a group needs a port: LCM would listen on none, and say so after ten seconds of testing itself.
+bool lacks_port(const std::string& url) {
+  std::string network = url.substr(url.find("://") + 3);
+  network = network.substr(0, network.find_first_of("?/"));
+  if (network.empty()) return false;
+  const size_t colon = network.find(':');
+  const std::string port = colon == std::string::npos ? "" : network.substr(colon + 1);
+  int number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  return error != std::errc() || end != port.data() + port.size() || number < 1 || number > 65535;
 }
 
 // Asked before LCM is, whose own answer is a page long. Nothing is sent.
@@ -84,6 +98,10 @@ std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames&
                     names.prefix, names.camera, kMaxLcmChannelLength);
     return nullptr;
   }
+  if (url.starts_with("udpm://") && lacks_port(url)) {
+    *error = fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl);
+    return nullptr;
+  }
   if (url.starts_with("udpm://"))
     if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
       *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
@@ -92,7 +110,7 @@ std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames&
   auto lcm = std::make_unique<lcm::LCM>(url);
   if (!lcm->good()) {
     *error = fmt::format("the LCM bus {} cannot be opened. ", url);
-    *error += is_udpm(url) ? multicast_advice(url) : "Expected an LCM URL such as udpm://239.255.76.67:7667?ttl=0";
+    *error += is_udpm(url) ? multicast_advice(url) : fmt::format("Expected an LCM URL such as {}", kUsualUrl);
     return nullptr;
   }
   if (is_udpm(url)) warn_once_about_receive_buffer(url);
@@ -121,19 +139,20 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
     const std::lock_guard lock(mutex_);
     subscriptions_.push_back(std::move(subscription));
   }
-  using Callback = void (*)(const lcm::ReceiveBuffer*, const std::string&, Subscription*);
-  const Callback callback = [](const lcm::ReceiveBuffer* buffer, const std::string&, Subscription* to) {
+  const lcm_msg_handler_t callback = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
+    auto* const to = static_cast<Subscription*>(user);
     // Nothing may be thrown through LCM, which is C.
     const std::string reason = thrown_by([&] {
       to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
     });
     if (!reason.empty()) to->bus->note_dropped(*to);
   };
-  lcm::Subscription* lcm_subscription = lcm_->subscribeFunction(escaped(names_.on_wire(channel)), callback, added);
-  if (!lcm_subscription)
-    throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));
+  // Not by its C++ class, which takes a subscription that failed for one.
+  lcm_subscription_t* const made =
+      lcm_subscribe(lcm_->getUnderlyingLCM(), escaped(names_.on_wire(channel)).c_str(), callback, added);
+  if (!made) throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));
   // Unlimited: the receive thread empties it at once, and ours is the one that is bounded and counted.
-  lcm_subscription->setQueueCapacity(0);
+  lcm_subscription_set_queue_capacity(made, 0);
   if (receiver_) return;
   receiver_.emplace(true);
   receiver_->post([this] { receive(); });

@@ -25,14 +25,18 @@ constexpr double kSettledShare = 0.05;  // of the keyframes, more or fewer
 }  // namespace
 
 MapMerger::MapMerger(const MergeOptions& options)
-    : options_(options), builder_(options.builder, &cancel_), worker_(options.thread, options.nice) {}
+    : options_(options),
+      finder_(options.builder.links),
+      builder_(options.builder),
+      worker_(options.thread, options.nice) {
+  input_.cancel = &cancel_;
+}
 
 MapMerger::~MapMerger() { cancel_ = true; }
 
 void MapMerger::fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map) {
   fixed_ = std::move(all);
-  fixed_in_map_ = in_map;
-  builder_.fix(in_map);
+  input_.fixed = graph_.built.submaps = in_map;
 }
 
 bool MapMerger::has_news(const Atlas& atlas) const {
@@ -63,22 +67,21 @@ void MapMerger::note_adjusted() {
   }
 }
 
-std::optional<MapBuilder::Scope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
+std::optional<BuildScope> MapMerger::due(int64_t now_us, const Atlas& atlas) const {
   if (const auto scope = suspects_.unfinished()) {
     const bool now = hurry_ || is_due(now_us, last_begin_us_, to_us(options_.interval_s));
     return now ? scope : std::nullopt;
   }
   const bool has = has_news(atlas);
-  if (hurry_ && (has || wants_adjustment_)) return MapBuilder::Scope::kAll;
+  if (hurry_ && (has || wants_adjustment_)) return BuildScope::kAll;
   if (wants_adjustment_) {
     const bool settled = is_settled(atlas);
     const double period_s =
         std::max(options_.adjustment_interval_s, kAdjustmentSPerView * views_) * (settled ? kSettledPeriods : 1);
     // Where points are found besides is worth its price when they stay: each adjustment on the way throws it away.
-    if (is_due(now_us, last_adjustment_us_, to_us(period_s)))
-      return settled ? MapBuilder::Scope::kAll : MapBuilder::Scope::kOnTheWay;
+    if (is_due(now_us, last_adjustment_us_, to_us(period_s))) return settled ? BuildScope::kAll : BuildScope::kOnTheWay;
   }
-  if (has && is_due(now_us, last_begin_us_, to_us(options_.interval_s))) return MapBuilder::Scope::kWeld;
+  if (has && is_due(now_us, last_begin_us_, to_us(options_.interval_s))) return BuildScope::kWeld;
   return std::nullopt;
 }
 
@@ -104,7 +107,7 @@ void MapMerger::copy_submaps(const Atlas& atlas) {
   }
 }
 
-void MapMerger::choose(MapBuilder::Scope scope) {
+void MapMerger::choose(BuildScope scope) {
   Suspects::Revisions revisions;
   for (const auto& [key, copy] : copies_)
     if (!fixed_.contains(key)) revisions[key] = copy->revision;
@@ -112,6 +115,9 @@ void MapMerger::choose(MapBuilder::Scope scope) {
   chosen_.clear();
   for (const auto& [key, copy] : copies_)
     if (fixed_.contains(key) || revisions.contains(key)) chosen_[key] = copy;
+  input_.scope = scope;
+  input_.submaps.clear();
+  for (const auto& [key, copy] : chosen_) input_.submaps[key] = copy.get();
 }
 
 void MapMerger::note_places(const Atlas& atlas) {
@@ -120,12 +126,12 @@ void MapMerger::note_places(const Atlas& atlas) {
     const bool is_placed = owner.in_map && owner.placement.revision > 0;
     if (is_placed && !chosen_.contains(key)) left_in_map_.insert(key);
     if (!is_placed || !chosen_.contains(key))
-      placed_.erase(key);
-    else if (Placement& place = placed_[key]; place.revision != owner.placement.revision)
+      input_.placed.erase(key);
+    else if (Placement& place = input_.placed[key]; place.revision != owner.placement.revision)
       place = owner.placement;
     if (!owner.is_kept() || !chosen_.contains(key))
-      kept_.erase(key);
-    else if (Placement& place = kept_[key]; place.revision != owner.placement.revision)
+      input_.kept.erase(key);
+    else if (Placement& place = input_.kept[key]; place.revision != owner.placement.revision)
       place = owner.placement;
   }
 }
@@ -136,9 +142,9 @@ void MapMerger::take_over_places(const Atlas& atlas) {
     const AtlasSubmap* owner = atlas.find(key);
     if (!owner || !owner->in_map) continue;
     placement.revision = owner->placement.revision;
-    std::swap(placed_[key], placement);
+    std::swap(input_.placed[key], placement);
   }
-  worker_.post([before = std::make_shared<std::map<SubmapKey, Placement>>(std::move(to_be_placed_))] {});
+  worker_.post([before = std::make_shared<Placements>(std::move(to_be_placed_))] {});
   to_be_placed_.clear();
 }
 
@@ -149,7 +155,7 @@ void MapMerger::free(std::vector<Placement> placements) {
   });
 }
 
-void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas) {
+void MapMerger::begin(BuildScope scope, int64_t now_us, const Atlas& atlas) {
   {
     const StageClock clock("map_server.copy");
     copy_submaps(atlas);
@@ -157,25 +163,22 @@ void MapMerger::begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atla
     take_over_places(atlas);
     note_places(atlas);
   }
-  builder_.prefer(atlas.present());
+  input_.preferred = atlas.present();
   last_begin_us_ = now_us;
   hurried_ = hurry_;
-  if (scope != MapBuilder::Scope::kWeld) last_adjustment_us_ = now_us;
-  if (scope == MapBuilder::Scope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
+  if (scope != BuildScope::kWeld) last_adjustment_us_ = now_us;
+  if (scope == BuildScope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
   // The first adjustment waits its turn from the first look on.
   if (last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
   running_ = true;
-  worker_.post([this, scope] { run(scope); });
+  worker_.post([this] { run(); });
 }
 
-void MapMerger::run(MapBuilder::Scope scope) {
+void MapMerger::run() {
   const double start_s = thread_cpu_s();
-  MapBuilder::Submaps submaps;
-  for (const auto& [key, copy] : chosen_) submaps[key] = copy.get();
   BuiltMap built;
   try {
-    builder_.find_links(submaps);
-    built = builder_.build(submaps, placed_, scope, kept_);
+    built = builder_.build(finder_.find(graph_, input_), input_);
     Atlas::check_numbers(built.placements, built.unmoved);
   } catch (...) {
     to_blame_ = find_those_to_blame();
@@ -185,27 +188,26 @@ void MapMerger::run(MapBuilder::Scope scope) {
              .unmoved = std::move(built.unmoved),
              .culled = std::move(built.culled),
              .same = {},
-             .links = builder_.links(),
+             .links = built.graph.links(),
              .report = built.report,
-             .scope = scope,
+             .scope = input_.scope,
              .cpu_s = thread_cpu_s() - start_s};
+  next_graph_ = std::move(built.graph);
   for (const auto& [key, placement] : result_.placements)
-    for (const auto* where : {&placed_, &kept_})
+    for (const auto* where : {&input_.placed, &input_.kept})
       if (const auto before = where->find(key); before != where->end() && same_place(before->second, placement))
         result_.same.insert(key);
   to_be_placed_ = result_.placements;
 }
 
 // Most likely something is wrong with one submap: then it is not to be built with by itself either.
-std::set<SubmapKey> MapMerger::find_those_to_blame() {
+std::set<SubmapKey> MapMerger::find_those_to_blame() const {
   std::set<SubmapKey> found;
   for (const SubmapKey& key : suspects_.fresh()) {
-    const MapBuilder::Submaps alone{{key, chosen_.at(key).get()}};
-    const std::string reason = thrown_by([&] {
-      MapBuilder builder(options_.builder, &cancel_);
-      builder.find_links(alone);
-      builder.build(alone, {}, MapBuilder::Scope::kOnTheWay);
-    });
+    const BuildInput alone{
+        .submaps = {{key, chosen_.at(key).get()}}, .scope = BuildScope::kOnTheWay, .cancel = &cancel_};
+    const std::string reason =
+        thrown_by([&] { builder_.build(LinkFinder(options_.builder.links).find({}, alone), alone); });
     if (!reason.empty()) found.insert(key);
   }
   return found;
@@ -227,14 +229,16 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
     give_up(reason);
     return std::nullopt;
   }
+  std::swap(graph_, next_graph_);  // the one before is freed where the map is built
   suspects_.built();
-  wants_adjustment_ = result_.scope != MapBuilder::Scope::kAll && result_.report.members > 0;
+  wants_adjustment_ = result_.scope != BuildScope::kAll && result_.report.members > 0;
   views_ = std::max(views_, result_.report.views);
   for (const auto& [key, submap] : result_.culled) {  // no news
     copies_[key] = chosen_[key] = submap;
     suspects_.replaced(key, submap->revision);
   }
-  if (result_.scope != MapBuilder::Scope::kWeld) note_adjusted();
+  if (result_.scope != BuildScope::kWeld) note_adjusted();
+  input_.submaps.clear();
   chosen_.clear();
   return std::move(result_);
 }
@@ -242,7 +246,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
 // In the map as it is. What was built elsewhere does not take its place: how large it would be with all of its submaps
 // is not known.
 void MapMerger::keep_what_was_left_out() {
-  const auto is_placed = [this](const auto& item) { return placed_.contains(item.first); };
+  const auto is_placed = [this](const auto& item) { return input_.placed.contains(item.first); };
   if (left_in_map_.empty() || result_.placements.empty()) return;
   if (std::any_of(result_.placements.begin(), result_.placements.end(), is_placed)) {
     result_.unmoved.insert(left_in_map_.begin(), left_in_map_.end());
@@ -253,13 +257,11 @@ void MapMerger::keep_what_was_left_out() {
   }
 }
 
-// What the builder knew may be half of what it was about to know: it begins anew.
 void MapMerger::give_up(const std::string& reason) {
   result_ = {};
   to_be_placed_.clear();
+  input_.submaps.clear();
   chosen_.clear();
-  builder_ = MapBuilder(options_.builder, &cancel_);
-  if (!fixed_in_map_.empty()) builder_.fix(fixed_in_map_);
   refused_.note(reason, now_us_);
   const std::set<SubmapKey> before = left_out();
   const bool some_are_new = suspects_.broke_off(std::exchange(to_blame_, {}), now_us_);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
-// that the atlas goes on changing meanwhile. A build that throws is refused: the map stays as it is, and the next build
-// goes without what is in doubt.
+// that the atlas goes on changing meanwhile. A build that throws is refused: map and links stay as they are, and the
+// next build goes without what is in doubt.
 #pragma once
 
 #include <atomic>
@@ -15,6 +15,8 @@
 #include "base/failures.h"
 #include "base/worker.h"
 #include "map_server/atlas/atlas.h"
+#include "map_server/merging/build_input.h"
+#include "map_server/merging/link_finder.h"
 #include "map_server/merging/map_builder.h"
 #include "map_server/merging/suspects.h"
 
@@ -31,13 +33,13 @@ struct MergeOptions {
 };
 
 struct MergeResult {
-  std::map<SubmapKey, Placement> placements;  // empty: the map stays as it is
-  std::set<SubmapKey> unmoved;                // form it too, among them what is in doubt and was in it
-  CulledSubmaps culled;                       // take the place of these; placed like that
-  std::set<SubmapKey> same;                   // of the placements, those that are as they were
+  Placements placements;        // empty: the map stays as it is
+  std::set<SubmapKey> unmoved;  // form it too, among them what is in doubt and was in it
+  CulledSubmaps culled;         // take the place of these; placed like that
+  std::set<SubmapKey> same;     // of the placements, those that are as they were
   std::vector<Link> links;
   MapBuildReport report;
-  MapBuilder::Scope scope = MapBuilder::Scope::kWeld;
+  BuildScope scope = BuildScope::kWeld;
   double cpu_s = 0;
 };
 
@@ -46,7 +48,7 @@ class MapMerger {
   explicit MapMerger(const MergeOptions& options);
   ~MapMerger();  // gives up what is under way
 
-  // See MapBuilder::fix(). What is fixed and not in the map stays out of it. Before the first tick().
+  // See BuildInput::fixed. What is fixed and not in the map stays out of it. Before the first tick().
   void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
   // Begins what is due and returns what is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
@@ -71,35 +73,37 @@ class MapMerger {
   bool has_news(const Atlas& atlas) const;
   bool is_settled(const Atlas& atlas) const;
   void note_adjusted();
-  std::optional<MapBuilder::Scope> due(int64_t now_us, const Atlas& atlas) const;
-  void begin(MapBuilder::Scope scope, int64_t now_us, const Atlas& atlas);
+  std::optional<BuildScope> due(int64_t now_us, const Atlas& atlas) const;
+  void begin(BuildScope scope, int64_t now_us, const Atlas& atlas);
   void copy_submaps(const Atlas& atlas);
-  void choose(MapBuilder::Scope scope);
+  void choose(BuildScope scope);
   void take_over_places(const Atlas& atlas);
   void note_places(const Atlas& atlas);
-  void run(MapBuilder::Scope scope);
-  std::set<SubmapKey> find_those_to_blame();
+  void run();
+  std::set<SubmapKey> find_those_to_blame() const;
   std::optional<MergeResult> end(const Atlas& atlas);
   void keep_what_was_left_out();
   void give_up(const std::string& reason);
 
   MergeOptions options_;
   std::atomic<bool> cancel_ = false;
-  MapBuilder builder_;
-  std::set<SubmapKey> fixed_, fixed_in_map_;
+  LinkFinder finder_;
+  const MapBuilder builder_;
+  LinkGraph graph_;  // of the last build that was taken over
+  std::set<SubmapKey> fixed_;
   // Of the submaps, and of where they lay, when the last build began.
-  Copies copies_, chosen_;                       // all, and those it is made of
-  std::map<SubmapKey, Placement> placed_;        // of those chosen
-  std::map<SubmapKey, Placement> kept_;          // of those chosen, in a map of before that is not served
-  std::map<SubmapKey, Placement> to_be_placed_;  // copies of the last result, made where it was
-  std::set<SubmapKey> left_in_map_;              // not chosen
+  Copies copies_, chosen_;           // all, and those it is made of
+  BuildInput input_;                 // what was chosen, and where that lay
+  LinkGraph next_graph_;             // that the build made of graph_; else the one before graph_
+  Placements to_be_placed_;          // copies of the last result, made where it was
+  std::set<SubmapKey> left_in_map_;  // not chosen
   Suspects suspects_;
   std::set<SubmapKey> to_blame_;  // that the last build threw
   Failures refused_{"a build of the map"};
   bool last_broke_off_ = false;
   int64_t now_us_ = 0;
   bool running_ = false, hurry_ = false, hurried_ = false;  // hurried_: the last build was
-  bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (Scope::kAll)
+  bool wants_adjustment_ = false;  // something changed since all of the whole map was adjusted (BuildScope::kAll)
   int64_t last_begin_us_ = kNever_us, last_adjustment_us_ = kNever_us;
   size_t adjusted_submaps_ = 0, adjusted_keyframes_ = 0;  // that there were when the whole map was adjusted last
   int views_ = 0;                                         // of the map as it was built last

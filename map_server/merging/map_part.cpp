@@ -2,12 +2,13 @@
 #include "map_server/merging/map_part.h"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 namespace rumi::map_server {
 
-MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members,
-                    const SubmapContacts& contacts, const std::map<SubmapKey, const Submap*>& submaps, int keyframes) {
+MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members, const SubmapPairs& contacts,
+                    const Submaps& submaps, int keyframes) {
   std::map<SubmapKey, std::vector<SubmapKey>> neighbours;
   for (const auto& [a, b] : contacts) {
     if (!members.contains(a) || !members.contains(b)) continue;

@@ -3,11 +3,9 @@
 // welded with what lies around it.
 #pragma once
 
-#include <map>
 #include <set>
-#include <utility>
 
-#include "slam/map/submap.h"
+#include "map_server/links/submaps.h"
 
 namespace rumi::map_server {
 
@@ -16,11 +14,9 @@ struct MapPart {
   std::set<SubmapKey> held;  // of those: what is outside hangs on them, so they stay where they are
 };
 
-using SubmapContacts = std::set<std::pair<SubmapKey, SubmapKey>>;  // lower first
-
 // Those that are `fresh`, all that they are in contact with, and what that is in contact with in turn, until there are
 // about so many keyframes. Only members count.
-MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members,
-                    const SubmapContacts& contacts, const std::map<SubmapKey, const Submap*>& submaps, int keyframes);
+MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members, const SubmapPairs& contacts,
+                    const Submaps& submaps, int keyframes);
 
 }  // namespace rumi::map_server

@@ -11,13 +11,13 @@
 #include <set>
 #include <vector>
 
-#include "map_server/merging/map_builder.h"
+#include "map_server/merging/build_input.h"
 
 namespace rumi::map_server {
 
 class Suspects {
  public:
-  using Scope = MapBuilder::Scope;
+  using Scope = BuildScope;
   using Revisions = std::map<SubmapKey, int64_t>;
 
   // Of `all`, what the next build is made of. Ask for what unfinished() says, with the same `all`, as long as it does.

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "map_server/links/link_edge.h"
 #include "map_server/places/place_matching.h"
 #include "slam/geometry/transform.h"
 #include "slam/map/submap.h"
@@ -43,11 +44,6 @@ struct PlaceAlignmentOptions {
   int min_witness_found = 20;      // landmarks of the other place that a witness sees
   double min_witness_ratio = 0.2;  // of those that should be in view of it
   int min_witnesses = 2;           // of each place, that bear it out
-};
-
-struct LandmarkPair {
-  int a = kNone, b = kNone;  // ids
-  bool operator==(const LandmarkPair&) const = default;
 };
 
 struct PlaceAlignment {

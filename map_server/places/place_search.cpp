@@ -12,8 +12,6 @@
 namespace rumi::map_server {
 namespace {
 
-using Submaps = PlaceSearch::Submaps;
-
 // A second alignment comes within seconds or not at all; a few are found in the minute.
 constexpr size_t kMostUnconfirmed = 1000;
 
@@ -30,8 +28,8 @@ Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) 
           .doubt = alignment.doubt};
 }
 
-PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps, const PlaceSearchOptions& o,
-                          PlaceAlignment alignment) {
+LinkEdge make_edge(const Place& a, const Place& b, const Submaps& submaps, const PlaceSearchOptions& o,
+                   const PlaceAlignment& alignment) {
   const double depth = alignment.median_depth;
   const SE3& cam_from_a = submaps.at(a.submap)->keyframe(a.keyframe)->cam_from_submap;
   const SE3& cam_from_b = submaps.at(b.submap)->keyframe(b.keyframe)->cam_from_submap;
@@ -41,7 +39,7 @@ PlaceLink make_place_link(const Place& a, const Place& b, const Submaps& submaps
                             std::max(alignment.sigma_rotation_deg, o.sigma_rotation_deg) * M_PI / 180,
                             std::max(alignment.sigma_translation, o.sigma_translation) * depth,
                             std::max(alignment.sigma_log_scale, o.sigma_log_scale)};
-  return {depth, make_link(a, b, alignment), a.image.utime_us, b.image.utime_us, joint, std::move(alignment.landmarks)};
+  return {make_link(a, b, alignment), a.image.utime_us, b.image.utime_us, {joint}, alignment.landmarks};
 }
 
 // Landmarks of the two images, by themselves, that look alike. Some five do by chance.
@@ -53,115 +51,110 @@ int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, cons
       match_features(*x.features, in_x, *y.features, in_y, {o.max_distance, o.max_ratio, true}).size());
 }
 
-// The same link told from the other side.
-PlaceLink turned(const PlaceLink& x) {
-  PlaceLink y = x;
-  const double scale = x.link.b_from_a.scale;
+// The same link told from the other side, without its joint and landmarks.
+LinkEdge turned(const LinkEdge& x) {
+  LinkEdge y{.link = x.link, .utime_a_us = x.utime_b_us, .utime_b_us = x.utime_a_us};
   std::swap(y.link.a, y.link.b);
   y.link.b_from_a = x.link.b_from_a.inverse();
-  std::swap(y.utime_a_us, y.utime_b_us);
-  y.median_depth = x.median_depth / scale;
   return y;
 }
 
 }  // namespace
 
-void PlaceSearch::search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined) {
-  forget_removed(submaps);
+bool PlaceSearch::make_known(const Submap& submap, const Keyframe& keyframe, PlaceLinks* links) {
+  const bool is_new = links->known.insert({submap.key, keyframe.id}).second;
+  if (is_new || !index_.contains(submap.key, keyframe.id)) index_.add(submap, keyframe);
+  return is_new;
+}
+
+void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLinks* links) {
+  forget_removed(submaps, links);
   std::vector<Place> fresh;
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes)
-      if (seen_.insert({key, id}).second) {
-        index_.add(*submap, keyframe);
-        fresh.push_back({key, id, submap->image(keyframe)});
-      }
+      if (make_known(*submap, keyframe, links)) fresh.push_back({key, id, submap->image(keyframe)});
   for (const Place& place : fresh) {
-    std::vector<Place>& same_image = searched_for_[place.image];
+    std::vector<KeyframeRef>& same_image = links->searched_for[place.image];
     // What the image shows has been looked for by its other keyframe, where that tells of this one too.
-    const bool known =
-        std::any_of(same_image.begin(), same_image.end(), [&](const Place& other) { return joined(place, other); });
+    const bool known = std::any_of(same_image.begin(), same_image.end(), [&](const KeyframeRef& other) {
+      return joined(place, {other.submap, other.id, place.image});
+    });
     if (known) continue;
-    same_image.push_back(place);
-    search(place, submaps, joined);
+    same_image.push_back({place.submap, place.keyframe});
+    search(place, submaps, joined, links);
   }
 }
 
 // In a place that is seen for hours front_tracker makes and removes keyframes without end.
-void PlaceSearch::forget_removed(const Submaps& submaps) {
+void PlaceSearch::forget_removed(const Submaps& submaps, PlaceLinks* links) {
   const auto is_gone = [&](SubmapKey key, int keyframe) {
     const auto owner = submaps.find(key);
     return owner == submaps.end() || !owner->second->keyframe(keyframe);
   };
-  const auto is_place_gone = [&](const Place& place) { return is_gone(place.submap, place.keyframe); };
-  index_.remove_if(is_place_gone);
-  std::erase_if(seen_, [&](const auto& seen) { return is_gone(seen.first, seen.second); });
-  for (auto it = searched_for_.begin(); it != searched_for_.end();) {
-    std::erase_if(it->second, is_place_gone);
-    it = it->second.empty() ? searched_for_.erase(it) : std::next(it);
+  index_.remove_if([&](const Place& place) { return is_gone(place.submap, place.keyframe); });
+  std::erase_if(links->known, [&](const auto& keyframe) { return is_gone(keyframe.first, keyframe.second); });
+  std::map<ImageId, std::vector<KeyframeRef>>& searched_for = links->searched_for;
+  for (auto it = searched_for.begin(); it != searched_for.end();) {
+    std::erase_if(it->second, [&](const KeyframeRef& keyframe) { return is_gone(keyframe.submap, keyframe.id); });
+    it = it->second.empty() ? searched_for.erase(it) : std::next(it);
   }
 }
 
-void PlaceSearch::add(const Submap& submap) {
-  for (const auto& [id, keyframe] : submap.keyframes)
-    if (seen_.insert({submap.key, id}).second) index_.add(submap, keyframe);
+void PlaceSearch::add(const Submap& submap, PlaceLinks* links) {
+  for (const auto& [id, keyframe] : submap.keyframes) make_known(submap, keyframe, links);
 }
 
-bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
-                               const std::function<bool(const Place&, const Place&)>& joined) {
+bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& submaps, const Joined& joined,
+                               PlaceLinks* links) {
   std::vector<Place> places;
   for (const SubmapKey& key : alone) {
     const Submap& submap = *submaps.at(key);
-    if (std::exchange(searched_again_[key], submap.revision) == submap.revision) continue;
+    if (std::exchange(links->searched_again[key], submap.revision) == submap.revision) continue;
     for (const auto& [id, keyframe] : submap.keyframes) places.push_back({key, id, submap.image(keyframe)});
   }
   if (places.empty()) return false;
-  forget_removed(submaps);
+  forget_removed(submaps, links);
   // All anew: to take one keyframe out takes as long as there are others that look like it.
   index_ = {};
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes) index_.add(*submap, keyframe);
-  for (const Place& place : places) search(place, submaps, joined);
+  for (const Place& place : places) search(place, submaps, joined, links);
   return true;
 }
 
-bool PlaceSearch::is_known(const Place& a, const Place& b) const {
+bool PlaceSearch::is_known(const std::vector<LinkEdge>& found, const Place& a, const Place& b) const {
   const auto near = [&](SubmapKey key, int64_t utime_us, const Place& place) {
     return key == place.submap && std::abs(utime_us - place.image.utime_us) < o_.once_within_s * 1e6;
   };
-  return std::any_of(found_.begin(), found_.end(), [&](const PlaceLink& known) {
+  return std::any_of(found.begin(), found.end(), [&](const LinkEdge& known) {
     return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||
            (near(known.link.a, known.utime_a_us, b) && near(known.link.b, known.utime_b_us, a));
   });
 }
 
-void PlaceSearch::refuse(int found, const std::string& doubt) {
-  Link link = found_[found].link;
-  found_.erase(found_.begin() + found);
-  link.doubt = doubt;
-  refused_[std::minmax(link.a, link.b)] = link;
-}
-
 // With what it is confirmed by, if it is.
-void PlaceSearch::take(PlaceLink link, const Submaps& submaps) {
-  const auto confirms = [&](const PlaceLink& other) { return agree(link, other, submaps); };
-  const auto other = std::find_if(unconfirmed_.begin(), unconfirmed_.end(), confirms);
-  if (other == unconfirmed_.end()) {
-    unconfirmed_.push_back(std::move(link));
-    if (unconfirmed_.size() > kMostUnconfirmed) unconfirmed_.erase(unconfirmed_.begin());
+void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submaps, PlaceLinks* links) const {
+  std::vector<LinkEdge>& unconfirmed = links->unconfirmed;
+  const auto confirms = [&](const LinkEdge& other) { return agree(edge, median_depth, other, submaps); };
+  const auto other = std::find_if(unconfirmed.begin(), unconfirmed.end(), confirms);
+  if (other == unconfirmed.end()) {
+    unconfirmed.push_back(std::move(edge));
+    if (unconfirmed.size() > kMostUnconfirmed) unconfirmed.erase(unconfirmed.begin());
     return;
   }
-  found_.push_back(std::move(*other));
-  found_.push_back(std::move(link));
-  unconfirmed_.erase(other);
+  links->found.push_back(std::move(*other));
+  links->found.push_back(std::move(edge));
+  unconfirmed.erase(other);
 }
 
-bool PlaceSearch::agree(const PlaceLink& x, const PlaceLink& other, const Submaps& submaps) const {
+// `median_depth`: of the landmarks of x, in the unit of its b.
+bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& other, const Submaps& submaps) const {
   const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
   if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
   // Of a loop, the ends that are nearer to each other.
   const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
                                                                 std::abs(x.utime_a_us - other.utime_b_us));
-  const PlaceLink y = turn ? turned(other) : other;
+  const LinkEdge y = turn ? turned(other) : other;
   const double within_us = o_.confirm_within_s * 1e6;
   if (static_cast<double>(std::abs(x.utime_a_us - y.utime_a_us)) > within_us ||
       static_cast<double>(std::abs(x.utime_b_us - y.utime_b_us)) > within_us ||
@@ -175,15 +168,14 @@ bool PlaceSearch::agree(const PlaceLink& x, const PlaceLink& other, const Submap
   const auto frame = a.frame(x.utime_a_us);
   if (!frame) return false;
   const Eigen::Vector3d center = a.cam_from_submap(*frame).center();
-  return (x.link.b_from_a * center - y.link.b_from_a * center).norm() <= o_.confirm_translation * x.median_depth;
+  return (x.link.b_from_a * center - y.link.b_from_a * center).norm() <= o_.confirm_translation * median_depth;
 }
 
-void PlaceSearch::search(const Place& place, const Submaps& submaps,
-                         const std::function<bool(const Place&, const Place&)>& joined) {
+void PlaceSearch::search(const Place& place, const Submaps& submaps, const Joined& joined, PlaceLinks* links) const {
   const Submap& submap = *submaps.at(place.submap);
   const auto surroundings = exclude_surroundings(submap, place.keyframe, static_cast<int64_t>(o_.min_apart_s * 1e6));
   const auto exclude = [&](const Place& other) {
-    return surroundings(other) || is_known(place, other) || joined(place, other);
+    return surroundings(other) || is_known(links->found, place, other) || joined(place, other);
   };
   const std::vector<PlaceCandidate> candidates =
       index_.query(landmark_descriptors(*submap.keyframe(place.keyframe)), static_cast<size_t>(o_.candidates),
@@ -193,15 +185,15 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps,
     // Of pairs of places that have nothing in common most end here, at a tenth of the work.
     if (alike(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment.matching) < o_.min_alike)
       continue;
-    PlaceAlignment alignment =
+    const PlaceAlignment alignment =
         align_places(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment);
     if (alignment.doubt.empty()) {
-      take(make_place_link(place, other, submaps, o_, std::move(alignment)), submaps);
+      take(make_edge(place, other, submaps, o_, alignment), alignment.median_depth, submaps, links);
       return;
     }
     // Where nothing agreed there is nothing to tell of.
     if (place.submap != other.submap && alignment.inliers > 0)
-      refused_[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
+      links->refused[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
   }
 }
 

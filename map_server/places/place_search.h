@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Looks through the submaps for places seen twice: each keyframe once when it is new, and where a submap hangs on
-// nothing once more when more is known of it.
+// nothing once more when more is known of it. What was searched for and found is in PlaceLinks; given those of before,
+// it goes on from there.
 #pragma once
 
 #include <functional>
-#include <map>
 #include <set>
-#include <string>
-#include <utility>
 #include <vector>
 
-#include "map_server/links/joint.h"
-#include "map_server/links/link.h"
+#include "map_server/links/place_links.h"
+#include "map_server/links/submaps.h"
 #include "map_server/places/place_alignment.h"
 #include "map_server/places/place_index.h"
 
@@ -35,55 +33,33 @@ struct PlaceSearchOptions {
   double sigma_log_scale = 0.02;
 };
 
-// A place seen twice.
-struct PlaceLink {
-  double median_depth = 0;  // of its landmarks, in the unit of b
-  Link link;                // a: the submap of the keyframe searched for, b: of the one found
-  int64_t utime_a_us = 0, utime_b_us = 0;
-  KeyframeJoint joint;
-  std::vector<LandmarkPair> landmarks;
-};
-
 class PlaceSearch {
  public:
-  using Submaps = std::map<SubmapKey, const Submap*>;
+  // The map knows already how these two lie to each other.
+  using Joined = std::function<bool(const Place&, const Place&)>;
 
   explicit PlaceSearch(const PlaceSearchOptions& options) : o_(options) {}
 
-  // Searches for the keyframes that are new, once for those of one image that are joined. `joined`: the map knows
-  // already how these two lie to each other.
-  void search(const Submaps& submaps, const std::function<bool(const Place&, const Place&)>& joined);
+  // Searches for the keyframes that are not known yet, once for those of one image that are joined.
+  void search(const Submaps& submaps, const Joined& joined, PlaceLinks* links);
 
-  // Keyframes that may be found and are not searched for.
-  void add(const Submap& submap);
+  // Its keyframes may be found and are not searched for.
+  void add(const Submap& submap, PlaceLinks* links);
 
   // Searches for all keyframes of these submaps once more, with the landmarks that all submaps have by now, unless that
   // was done and they are as they were then. False if nothing was searched for.
-  bool search_again(const std::set<SubmapKey>& alone, const Submaps& submaps,
-                    const std::function<bool(const Place&, const Place&)>& joined);
-
-  const std::vector<PlaceLink>& found() const { return found_; }
-  // This one of them turned out to be wrong.
-  void refuse(int found, const std::string& doubt);
-  // The last refusal between two submaps that nothing joins, for whoever wonders.
-  const std::map<std::pair<SubmapKey, SubmapKey>, Link>& refused() const { return refused_; }
+  bool search_again(const std::set<SubmapKey>& alone, const Submaps& submaps, const Joined& joined, PlaceLinks* links);
 
  private:
-  void forget_removed(const Submaps& submaps);
-  void search(const Place& place, const Submaps& submaps,
-              const std::function<bool(const Place&, const Place&)>& joined);
-  bool is_known(const Place& a, const Place& b) const;
-  void take(PlaceLink link, const Submaps& submaps);
-  bool agree(const PlaceLink& x, const PlaceLink& y, const Submaps& submaps) const;
+  bool make_known(const Submap& submap, const Keyframe& keyframe, PlaceLinks* links);
+  void forget_removed(const Submaps& submaps, PlaceLinks* links);
+  void search(const Place& place, const Submaps& submaps, const Joined& joined, PlaceLinks* links) const;
+  bool is_known(const std::vector<LinkEdge>& found, const Place& a, const Place& b) const;
+  void take(LinkEdge edge, double median_depth, const Submaps& submaps, PlaceLinks* links) const;
+  bool agree(const LinkEdge& x, double median_depth, const LinkEdge& y, const Submaps& submaps) const;
 
   PlaceSearchOptions o_;
-  PlaceIndex index_;
-  std::set<std::pair<SubmapKey, int>> seen_;
-  std::map<SubmapKey, int64_t> searched_again_;  // at this revision
-  std::map<ImageId, std::vector<Place>> searched_for_;
-  std::vector<PlaceLink> found_;
-  std::vector<PlaceLink> unconfirmed_;
-  std::map<std::pair<SubmapKey, SubmapKey>, Link> refused_;
+  PlaceIndex index_;  // of what the links know: what it lacks is added, what it has too much is taken out
 };
 
 }  // namespace rumi::map_server

@@ -85,6 +85,15 @@ nlohmann::ordered_json known_processes(const Arguments& arguments, const Snapsho
   return processes;
 }
 
+// Images that no file of the run tells of, for a person; empty if there are none.
+std::string describe_dropped(const nlohmann::ordered_json& processes) {
+  const nlohmann::ordered_json::json_pointer dropped("/front_tracker/channels/CAMERA/dropped");
+  const int64_t count = processes.contains(dropped) ? processes[dropped].get<int64_t>() : 0;
+  if (count == 0) return {};
+  return fmt::format("of the {} images that came {} were dropped, as front_tracker had no time for them",
+                     images_of(processes).value_or(0), count);
+}
+
 void print_processes(const nlohmann::ordered_json& processes) {
   fmt::print("{:<18}{:>10}{:>9}{:>13}{:>8}{:>9}\n", "process", "received", "dropped", "undecodable", "CPU %", "MB");
   for (const auto& [name, status] : processes.items()) {
@@ -124,8 +133,9 @@ std::string take_snapshot(const Arguments& arguments) {
   error = write_run_json(arguments.out, run);
   if (error.empty()) error = all_missing;
   if (error.empty() && !arguments.quiet) {
-    print_summary(counts, describe_localization(counts, snapshot.localized_after_s), left_out(atlas, before),
-                  arguments.out);
+    std::vector<std::string> not_in_it = left_out(atlas, before);
+    if (const std::string dropped = describe_dropped(processes); !dropped.empty()) not_in_it.push_back(dropped);
+    print_summary(counts, describe_localization(counts, snapshot.localized_after_s), not_in_it, arguments.out);
     print_processes(processes);
   }
   return error;

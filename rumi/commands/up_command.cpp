@@ -43,6 +43,7 @@ struct Arguments {
   UpOptions up;  // what flags say; empty: nothing
   std::vector<std::string> settings;
   std::vector<std::string> camera_settings;  // by flags, for a camera_driver
+  std::string calibration;                   // --camera without INPUT: of images from elsewhere
   bool fresh = false, verbose = false, quiet = false;
 };
 
@@ -63,6 +64,7 @@ void listen_to_signals() {
   };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // the terminal was closed: what was asked for is written all the same
   action.sa_handler = [](int) { g_reload = true; };
   sigaction(SIGUSR2, &action, nullptr);
 }
@@ -93,7 +95,9 @@ class SharedConfig {
   std::string file_;
 };
 
-void say(const std::string& name, const std::string& line) { fmt::print(stderr, "{:>16}| {}\n", name, line); }
+// Not by fmt::print, which throws where nobody reads any more: a terminal that was closed.
+void tell(const std::string& text) { std::fputs(text.c_str(), stderr); }
+void say(const std::string& name, const std::string& line) { tell(fmt::format("{:>16}| {}\n", name, line)); }
 
 std::vector<std::string> bus_flags(const UpOptions& up) {
   std::vector<std::string> flags;
@@ -107,7 +111,8 @@ std::vector<std::string> bus_flags(const UpOptions& up) {
 std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file, const Arguments& arguments) {
   const fs::path folder = program_folder_of(own_folder());
   std::vector<Supervised> children;
-  const auto add = [&](const std::string& name, int stop_stage, const std::vector<std::string>& more = {}) {
+  using Words = std::vector<std::string>;
+  const auto add = [&](const std::string& name, int stop_stage, const Words& more = {}) {
     Supervised child{name, {(folder / name).string()}, false, stop_stage};
     child.command.insert(child.command.end(), more.begin(), more.end());
     child.command.insert(child.command.end(), {"--config", config_file});
@@ -117,11 +122,12 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
     children.push_back(std::move(child));
   };
   // Listeners first, the source last.
+  const std::string& calibration = arguments.calibration;
   add("map_server", 1);
-  add("ruminator", 0);
+  add("ruminator", 0, calibration.empty() ? Words() : Words{"--set", "ruminator.camera_file=" + calibration});
   children.back().finishes = true;
   if (up.viewer) add("viewer_offscreen", 0);
-  add("front_tracker", 0);
+  add("front_tracker", 0, calibration.empty() ? Words() : Words{"--camera", calibration});
   if (!up.input.empty()) {
     add("camera_driver", 0, {up.input});
     children.back().source = true;
@@ -145,6 +151,8 @@ bool is_file(const std::string& database) { return !database.empty() && database
 // The first thing that is said, and --fresh. Throws std::runtime_error with a message for the user.
 void tell_of_map(const AllOptions& options, bool fresh) {
   const std::string& database = options.map_server.database;
+  if (options.map_server.localize_only && !is_file(database))
+    throw std::runtime_error("map_server.localize_only needs a map: name its file with map_server.database");
   if (!is_file(database)) return;
   const std::optional<std::string> before = describe_map_before(database);
   if (options.map_server.localize_only && !fs::exists(database))
@@ -208,38 +216,50 @@ void take(const std::string& flag, std::string* option) {
   if (!flag.empty()) *option = flag;
 }
 
-// What is wrong with them, or an empty string.
-std::string read_options(const Arguments& arguments, AllOptions* options, OptionTable* table) {
-  describe(*table, *options);
-  std::vector<std::string> settings = arguments.settings;
-  settings.insert(settings.end(), arguments.camera_settings.begin(), arguments.camera_settings.end());
-  const std::string problem = load_options(*table, arguments.config, settings);
-  if (!problem.empty()) return problem;
-  take(arguments.input, &options->up.input);
-  take(arguments.up.lcm_url, &options->up.lcm_url);
-  take(arguments.up.channel_prefix, &options->up.channel_prefix);
-  take(arguments.up.channel, &options->up.channel);
-  if (arguments.fresh && options->map_server.localize_only)
-    return "--fresh: there would be no map to localize in (map_server.localize_only)";
-  if (options->up.input.empty() && !arguments.camera_settings.empty()) {
-    const std::string& first = arguments.camera_settings[0];
-    return fmt::format("{}: there is no INPUT that this could be meant for", first.substr(0, first.find(' ')));
+// Flags for a camera_driver where there is none; --camera is then for those who need a calibration. What is wrong, or
+// an empty string.
+std::string sort_out_camera(const AllOptions& options, Arguments* arguments) {
+  if (!options.up.input.empty()) return {};
+  for (const std::string& setting : arguments->camera_settings) {
+    if (!setting.starts_with("--camera "))
+      return fmt::format("{}: there is no INPUT that this could be meant for", setting.substr(0, setting.find(' ')));
+    arguments->calibration = options.camera_driver.camera_file;
+    const CameraFileResult read = read_camera_file(arguments->calibration);
+    if (!read.ok()) return read.error;
   }
+  return {};
+}
+
+// What is wrong with them, or an empty string.
+std::string read_options(Arguments* arguments, AllOptions* options, OptionTable* table) {
+  describe(*table, *options);
+  std::vector<std::string> settings = arguments->settings;
+  settings.insert(settings.end(), arguments->camera_settings.begin(), arguments->camera_settings.end());
+  const std::string problem = load_options(*table, arguments->config, settings);
+  if (!problem.empty()) return problem;
+  take(arguments->input, &options->up.input);
+  take(arguments->up.lcm_url, &options->up.lcm_url);
+  take(arguments->up.channel_prefix, &options->up.channel_prefix);
+  take(arguments->up.channel, &options->up.channel);
+  if (arguments->fresh && options->map_server.localize_only)
+    return "--fresh: there would be no map to localize in (map_server.localize_only)";
+  const std::string unused = sort_out_camera(*options, arguments);
+  if (!unused.empty()) return unused;
   // Also a map that goes on: map_server has it open.
-  if (!arguments.snapshot.empty() && is_file(options->map_server.database)) {
-    const std::string replaced = check_map_stays(options->map_server.database, arguments.snapshot);
+  if (!arguments->snapshot.empty() && is_file(options->map_server.database)) {
+    const std::string replaced = check_map_stays(options->map_server.database, arguments->snapshot);
     if (!replaced.empty()) return replaced;
   }
   return check(options->camera_driver);
 }
 
 // On SIGUSR2. True if the shared options are new.
-bool read_again(const Arguments& arguments, const SharedConfig& config) {
+bool read_again(Arguments arguments, const SharedConfig& config) {
   AllOptions options;
   OptionTable table;
-  const std::string error = read_options(arguments, &options, &table);
+  const std::string error = read_options(&arguments, &options, &table);
   if (error.empty()) config.write(table.to_yaml(OptionTable::Which::kAll));
-  if (!error.empty()) fmt::print(stderr, "rumi up: options read again, but not used: {}\n", error);
+  if (!error.empty()) tell(fmt::format("rumi up: options read again, but not used: {}\n", error));
   return error.empty();
 }
 
@@ -247,9 +267,9 @@ int up(Arguments& arguments) {
   AllOptions options;
   OptionTable table;
   std::string error = sort_out(&arguments);
-  if (error.empty()) error = read_options(arguments, &options, &table);
+  if (error.empty()) error = read_options(&arguments, &options, &table);
   if (!error.empty()) {
-    fmt::print(stderr, "rumi up: {}\n", error);
+    tell(fmt::format("rumi up: {}\n", error));
     return 2;
   }
   bool not_all = false;
@@ -285,9 +305,8 @@ int up(Arguments& arguments) {
   } catch (const std::exception& e) {
     error = reason_of(e);
   }
-  if (!error.empty()) fmt::print(stderr, "rumi up: {}\n", error);
-  if (not_all)
-    fmt::print(stderr, "rumi up: not all of the recording is in the result: what is missing is said above\n");
+  if (!error.empty()) tell(fmt::format("rumi up: {}\n", error));
+  if (not_all) tell("rumi up: not all of the recording is in the result: what is missing is said above\n");
   return !error.empty() ? 1 : not_all ? kNotAll : 0;
 }
 

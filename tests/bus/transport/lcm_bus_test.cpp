@@ -246,6 +246,15 @@ TEST(LcmBusTest, WithoutARouteItSaysWhatToDo) {
   EXPECT_THAT(error, HasSubstr("Expected an LCM URL"));
 }
 
+TEST(LcmBusTest, AUrlWithoutAPortIsRefusedAtOnce) {
+  for (const char* url : {"udpm://239.255.76.67?ttl=0", "udpm://239.255.76.67:?ttl=0", "udpm://239.255.76.67:99999",
+                          "udpm://239.255.76.67:0", "udpm://239.255.76.67:port"}) {
+    std::string error;
+    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
+    EXPECT_THAT(error, HasSubstr("has no port from 1 to 65535; a usual one is udpm://239.255.76.67:7667?ttl=0"));
+  }
+}
+
 TEST(LcmBusTest, NamesTooLongForLcmAreRefusedAtOnce) {
   std::string error;
   EXPECT_EQ(LcmBus::open(kDefaultLcmUrl, {std::string(60, 'x'), "CAMERA"}, &error), nullptr);

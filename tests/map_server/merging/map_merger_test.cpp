@@ -6,95 +6,19 @@
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
-#include <thread>
 
-#include "tests/map_server/synthetic_chain.h"
+#include "tests/map_server/merging/map_merger_fixture.h"
 
 namespace rumi::testing {
-using namespace rumi::map_server;
 namespace {
 
-using Scope = MapBuilder::Scope;
-
-constexpr int64_t kSecond = 1'000'000;
+using Scope = BuildScope;
 
 double process_cpu_s() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
-
-class MapMergerTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() { chain_ = new Chain; }
-  static void TearDownTestSuite() { delete chain_; }
-  MapMergerTest() { options_.thread = false; }
-
-  void put(SubmapKey key) { testing::put(chain_->submap(key), &atlas_); }
-  void change(SubmapKey key) {
-    atlas_.change_submap(key, [](Submap* submap) {
-      ++submap->revision;
-      return std::string();
-    });
-  }
-  Submap broken(SubmapKey key, int64_t revision = 1) const {
-    Submap submap = chain_->submap(key);
-    break_submap(&submap);
-    submap.revision = revision;
-    return submap;
-  }
-  Submap good(SubmapKey key, int64_t revision) const {
-    Submap submap = chain_->submap(key);
-    submap.revision = revision;
-    return submap;
-  }
-  // As if somebody asked for all of it, until nothing is left to do.
-  void tick_until_idle(MapMerger* merger, double now_s) {
-    merger->hurry();
-    for (int i = 0; i < 100 && !merger->idle(atlas_); ++i) {
-      if (options_.thread) {
-        tick(merger, now_s);
-        wait(merger, now_s);
-      } else {
-        tick(merger, now_s);
-      }
-      now_s += 1;
-    }
-    EXPECT_TRUE(merger->idle(atlas_));
-  }
-  // As map_server does.
-  std::optional<MergeResult> tick(MapMerger* merger, double now_s) {
-    std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(now_s * kSecond), atlas_);
-    if (!result) return result;
-    for (const auto& [key, submap] : result->culled) testing::put(*submap, &atlas_);
-    if (!result->placements.empty()) atlas_.place_map(result->placements, result->unmoved);
-    return result;
-  }
-  // Until what is under way is done.
-  std::optional<MergeResult> wait(MapMerger* merger, double now_s) {
-    for (int64_t i = 0; i < 1'000'000'000 && merger->running(); ++i) {
-      if (auto result = tick(merger, now_s)) return result;
-      std::this_thread::yield();
-    }
-    return std::nullopt;
-  }
-
-  // An adjusted map whose last submap has its first seven keyframes only.
-  Growth begin_to_grow(MapMerger* merger) {
-    Growth growth = grow(chain_->submap(Chain::kFront2), 7);
-    put(Chain::kFront1);
-    put(Chain::kBack1);
-    testing::put(growth.early, &atlas_);
-    merger->hurry();
-    EXPECT_TRUE(tick(merger, 0));
-    return growth;
-  }
-
-  static Chain* chain_;
-  MergeOptions options_;
-  Atlas atlas_;
-};
-Chain* MapMergerTest::chain_ = nullptr;
 
 TEST_F(MapMergerTest, NothingToDoAtFirst) {
   MapMerger merger(options_);
@@ -316,69 +240,6 @@ TEST_F(MapMergerTest, AHurryDuringAnAdjustmentIsNotForgotten) {
   EXPECT_EQ(second->scope, Scope::kAll);
   EXPECT_EQ(second->placements.size(), 5u);
   EXPECT_TRUE(merger.idle(atlas_));
-}
-
-// It ended the process.
-TEST_F(MapMergerTest, ABuildThatThrowsIsRefusedAndTheNextGoesWithout) {
-  for (const bool thread : {false, true}) {
-    atlas_ = {};
-    options_.thread = thread;
-    MapMerger merger(options_);
-    for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2}) put(key);
-    tick_until_idle(&merger, 0);
-    const std::set<SubmapKey> three = atlas_.in_map();
-    ASSERT_EQ(three.size(), 3u);
-    EXPECT_FALSE(merger.in_doubt());
-
-    testing::put(broken(Chain::kBack2), &atlas_);
-    tick_until_idle(&merger, 100);
-    EXPECT_EQ(merger.refused().count(), 1);
-    EXPECT_NE(merger.refused().text(), "");
-    EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
-    EXPECT_TRUE(merger.in_doubt());
-    EXPECT_EQ(atlas_.in_map(), three);
-
-    put(Chain::kFront3);
-    tick_until_idle(&merger, 200);
-    EXPECT_EQ(merger.refused().count(), 1) << "it is not tried again as it is";
-    testing::put(good(Chain::kBack2, 2), &atlas_);
-    tick_until_idle(&merger, 300);
-    EXPECT_FALSE(merger.in_doubt());
-    EXPECT_EQ(atlas_.in_map().size(), 5u);
-    EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
-  }
-}
-
-TEST_F(MapMergerTest, WhereAllIsNewTheOneToBlameIsFound) {
-  MapMerger merger(options_);
-  for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kFront3}) put(key);
-  testing::put(broken(Chain::kBack2), &atlas_);
-  tick_until_idle(&merger, 0);
-  EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
-  EXPECT_EQ(merger.refused().count(), 1);
-  EXPECT_EQ(atlas_.in_map(), (std::set<SubmapKey>{Chain::kFront1, Chain::kBack1, Chain::kFront2}));
-  EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
-}
-
-// As at a start from a database: what lay in the map stays there, whoever is to blame and whatever is tried meanwhile.
-TEST_F(MapMergerTest, WhatIsInDoubtStaysInTheMapWhereItLay) {
-  {
-    MapMerger merger(options_);
-    for (const SubmapKey key : {Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3}) put(key);
-    tick_until_idle(&merger, 0);
-    ASSERT_EQ(atlas_.in_map().size(), 5u);
-  }
-  const Placement before = atlas_.find(Chain::kBack2)->placement;
-  testing::put(broken(Chain::kBack2, 1 + atlas_.find(Chain::kBack2)->submap.revision), &atlas_);
-  MapMerger merger(options_);
-  merger.hurry();
-  for (int i = 0; i < 100 && !merger.idle(atlas_); ++i) {
-    tick(&merger, i);
-    ASSERT_EQ(atlas_.in_map().size(), 5u);
-  }
-  EXPECT_EQ(merger.left_out(), std::set<SubmapKey>{Chain::kBack2});
-  EXPECT_TRUE(same_place(before, atlas_.find(Chain::kBack2)->placement));
-  EXPECT_LT(chain_->error(atlas_).rmse, 0.05);
 }
 
 TEST_F(MapMergerTest, GivesUpWhatIsUnderWayAtTheEnd) {

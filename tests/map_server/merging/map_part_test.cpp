@@ -38,9 +38,9 @@ class MapPartTest : public ::testing::Test {
   }
 
   std::map<int, Submap> made_;
-  std::map<SubmapKey, const Submap*> submaps_;
+  Submaps submaps_;
   std::set<SubmapKey> members_;
-  SubmapContacts contacts_;
+  SubmapPairs contacts_;
 };
 
 TEST_F(MapPartTest, ASmallMapIsLookedAtAsAWhole) {

@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 namespace {
 
-using Scope = MapBuilder::Scope;
+using Scope = BuildScope;
 using Keys = std::set<SubmapKey>;
 
 SubmapKey key(int id) { return {1, id}; }

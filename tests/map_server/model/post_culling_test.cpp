@@ -5,7 +5,7 @@
 
 #include <cstdio>
 
-#include "map_server/merging/map_builder.h"
+#include "tests/map_server/merging/map_maker.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -151,17 +151,16 @@ class PostCullingTest : public ::testing::Test {
     for (const SubmapKey key : {kFront1, kBack1, Chain::kFront2, kBack2, Chain::kFront3})
       put(chain_->submap(key), &atlas_);
   }
-  MapBuilder::Submaps submaps() const {
-    MapBuilder::Submaps submaps;
+  Submaps submaps() const {
+    Submaps submaps;
     for (const auto& [key, owner] : atlas_.submaps()) submaps[key] = &owner.submap;
     return submaps;
   }
-  BuiltMap build(MapBuilder* builder) {
-    std::map<SubmapKey, Placement> placed;
+  BuiltMap build(MapMaker* maker) {
+    Placements placed;
     for (const auto& [key, owner] : atlas_.submaps())
       if (owner.placement.revision > 0) placed[key] = owner.placement;
-    builder->find_links(submaps());
-    BuiltMap built = builder->build(submaps(), placed);
+    BuiltMap built = maker->build({.submaps = submaps(), .placed = placed});
     for (const auto& [key, submap] : built.culled) put(*submap, &atlas_);
     atlas_.place_map(built.placements);
     return built;
@@ -176,10 +175,9 @@ Chain* PostCullingTest::chain_ = nullptr;
 TEST_F(PostCullingTest, BackSubmapsLoseWhatTheMapCanDoWithout) {
   MapBuilderOptions without;
   without.culling.enabled = false;
-  MapBuilder uncut(without), culling({});
+  MapMaker uncut(without), culling;
   Atlas whole = atlas_;
-  uncut.find_links(submaps());
-  const BuiltMap expected = uncut.build(submaps(), {});
+  const BuiltMap expected = uncut.build({.submaps = submaps()});
   EXPECT_TRUE(expected.culled.empty());
   whole.place_map(expected.placements);
 
@@ -204,19 +202,19 @@ TEST_F(PostCullingTest, BackSubmapsLoseWhatTheMapCanDoWithout) {
 }
 
 TEST_F(PostCullingTest, TheMapCanBeBuiltAgainOfWhatIsLeft) {
-  MapBuilder builder({});
-  build(&builder);
+  MapMaker maker;
+  build(&maker);
   const size_t left = keyframes(kBack1) + keyframes(kBack2);
-  const BuiltMap again = build(&builder);
+  const BuiltMap again = build(&maker);
   EXPECT_LT(chain_->error(atlas_).rmse, 0.04);
   std::printf("%zu keyframes left at first, %zu then\n", left, keyframes(kBack1) + keyframes(kBack2));
 
-  MapBuilder fresh({});  // after a restart
-  fresh.find_links(submaps());
+  MapMaker fresh;  // after a restart
+  fresh.find({.submaps = submaps()});
   int accepted = 0;
-  for (const Link& link : fresh.links()) accepted += link.accepted() && link.kind == Link::Kind::kSameImages;
+  for (const Link& link : fresh.graph().links()) accepted += link.accepted() && link.kind == Link::Kind::kSameImages;
   EXPECT_EQ(accepted, 4);
-  const BuiltMap anew = fresh.build(submaps(), {});
+  const BuiltMap anew = fresh.build({.submaps = submaps()});
   EXPECT_EQ(anew.placements.size(), 5u);
   atlas_.place_map(anew.placements);
   const PathError error = chain_->error(atlas_);
@@ -230,8 +228,8 @@ TEST_F(PostCullingTest, WhatWasRefusedKeepsAllImages) {
   for (const auto& [key, owner] : atlas_.submaps())
     put(key == kFront1 ? chain_->spoiled(kFront1) : owner.submap, &spoiled);
   atlas_ = spoiled;
-  MapBuilder builder({});
-  const BuiltMap built = build(&builder);
+  MapMaker maker;
+  const BuiltMap built = build(&maker);
   ASSERT_FALSE(built.placements.contains(kFront1));
   ASSERT_TRUE(built.culled.contains(kBack1));
   const auto at_times_of = [](const Submap& front, const Submap& back) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <stdexcept>
 
 #include "tests/map_server/places/place_scene.h"
 
@@ -27,11 +28,11 @@ class PlaceSearchTest : public ::testing::Test {
         submap->frames[keyframe.utime_us] = {keyframe.utime_us, id, {}, 1};
   }
 
-  std::map<SubmapKey, int> links_of(const PlaceSearch& search) {
+  std::map<SubmapKey, int> links_of(const PlaceLinks& places) {
     std::map<SubmapKey, int> links;
-    for (const PlaceLink& place : search.found()) {
-      ++links[place.link.a];
-      ++links[place.link.b];
+    for (const LinkEdge& edge : places.found) {
+      ++links[edge.link.a];
+      ++links[edge.link.b];
     }
     return links;
   }
@@ -45,73 +46,84 @@ bool near_in_time(const Place& a, const Place& b) {
   return std::abs(a.image.utime_us - b.image.utime_us) < kLaterUs / 2;
 }
 
+bool apart(const Place& /*a*/, const Place& /*b*/) { return false; }
+
 TEST_F(PlaceSearchTest, FindsAPlaceSeenTwice) {
-  PlaceSearch search({});
-  search.search({{kFront, &front_}, {kLater, &later_}}, [](const Place&, const Place&) { return false; });
-  EXPECT_GE(links_of(search)[kFront], 2);
+  PlaceLinks places;
+  PlaceSearch({}).search({{kFront, &front_}, {kLater, &later_}}, apart, &places);
+  EXPECT_GE(links_of(places)[kFront], 2);
 }
 
 TEST_F(PlaceSearchTest, ImagesThatHaveTooLittleInCommonAreNotAligned) {
-  const PlaceSearch::Submaps both{{kFront, &front_}, {kLater, &later_}};
-  const auto apart = [](const Place&, const Place&) { return false; };
-  PlaceSearch never({.alignment = {}, .min_alike = 100'000});
-  never.search(both, apart);
-  EXPECT_TRUE(never.found().empty());
-  EXPECT_TRUE(never.refused().empty());
+  const Submaps both{{kFront, &front_}, {kLater, &later_}};
+  PlaceLinks never, always, usual;
+  PlaceSearch({.alignment = {}, .min_alike = 100'000}).search(both, apart, &never);
+  EXPECT_TRUE(never.found.empty());
+  EXPECT_TRUE(never.refused.empty());
   // It spares time, and costs no place.
-  PlaceSearch always({.alignment = {}, .min_alike = 0}), search({});
-  always.search(both, apart);
-  search.search(both, apart);
-  EXPECT_EQ(links_of(search), links_of(always));
-}
-
-TEST_F(PlaceSearchTest, WhatTurnsOutToBeWrongIsToldAsRefused) {
-  PlaceSearch search({});
-  search.search({{kFront, &front_}, {kLater, &later_}}, [](const Place&, const Place&) { return false; });
-  const size_t found = search.found().size();
-  ASSERT_GE(found, 2u);
-  search.refuse(0, "wrong");
-  EXPECT_EQ(search.found().size(), found - 1);
-  EXPECT_EQ(search.refused().at({kFront, kLater}).doubt, "wrong");
+  PlaceSearch({.alignment = {}, .min_alike = 0}).search(both, apart, &always);
+  PlaceSearch({}).search(both, apart, &usual);
+  EXPECT_EQ(links_of(usual), links_of(always));
 }
 
 TEST_F(PlaceSearchTest, AnImageIsSearchedForOnceWhereItsSubmapsAreJoined) {
-  PlaceSearch joined({}), apart({});
-  joined.search({{kLater, &later_}}, near_in_time);
-  apart.search({{kLater, &later_}}, near_in_time);
-  joined.search({{kLater, &later_}, {kFront, &front_}}, near_in_time);
-  apart.search({{kLater, &later_}, {kFront, &front_}}, near_in_time);
-  ASSERT_GE(links_of(joined)[kFront], 2);
-  ASSERT_EQ(links_of(apart), links_of(joined));
+  PlaceLinks joined_places, apart_places;
+  PlaceSearch joined({}), separate({});
+  for (const Submaps& submaps : {Submaps{{kLater, &later_}}, Submaps{{kLater, &later_}, {kFront, &front_}}}) {
+    joined.search(submaps, near_in_time, &joined_places);
+    separate.search(submaps, near_in_time, &apart_places);
+  }
+  ASSERT_GE(links_of(joined_places)[kFront], 2);
+  ASSERT_EQ(links_of(apart_places), links_of(joined_places));
 
-  const PlaceSearch::Submaps all{{kLater, &later_}, {kFront, &front_}, {kBack, &back_}};
-  joined.search(all, near_in_time);
-  EXPECT_EQ(links_of(joined)[kBack], 0);
-  apart.search(all, [](const Place&, const Place&) { return false; });
-  EXPECT_GE(links_of(apart)[kBack], 2) << "what is not joined is to be found of its own";
+  const Submaps all{{kLater, &later_}, {kFront, &front_}, {kBack, &back_}};
+  joined.search(all, near_in_time, &joined_places);
+  EXPECT_EQ(links_of(joined_places)[kBack], 0);
+  separate.search(all, apart, &apart_places);
+  EXPECT_GE(links_of(apart_places)[kBack], 2) << "what is not joined is to be found of its own";
 }
 
 TEST_F(PlaceSearchTest, WhatHangsOnNothingIsSearchedForAgainWhenMoreIsKnownOfIt) {
-  const auto apart = [](const Place&, const Place&) { return false; };
   Submap young = later_;
   std::vector<int> unknown_yet;
   for (const auto& [id, landmark] : young.landmarks)
     if (id % 30 != 0) unknown_yet.push_back(id);
   for (int id : unknown_yet) young.remove_landmark(id);
+  PlaceLinks places;
   PlaceSearch search({});
-  search.search({{kFront, &front_}, {kLater, &young}}, apart);
-  ASSERT_TRUE(search.found().empty());
-  EXPECT_TRUE(search.search_again({kLater}, {{kFront, &front_}, {kLater, &young}}, apart));
-  EXPECT_TRUE(search.found().empty());
+  search.search({{kFront, &front_}, {kLater, &young}}, apart, &places);
+  ASSERT_TRUE(places.found.empty());
+  EXPECT_TRUE(search.search_again({kLater}, {{kFront, &front_}, {kLater, &young}}, apart, &places));
+  EXPECT_TRUE(places.found.empty());
 
   later_.revision = young.revision + 1;
-  const PlaceSearch::Submaps grown{{kFront, &front_}, {kLater, &later_}};
-  search.search(grown, apart);
-  EXPECT_TRUE(search.found().empty()) << "its keyframes are not new";
-  EXPECT_TRUE(search.search_again({kLater}, grown, apart));
-  EXPECT_GE(links_of(search)[kFront], 2);
-  EXPECT_FALSE(search.search_again({kLater}, grown, apart)) << "nothing has changed since";
-  EXPECT_FALSE(search.search_again({}, grown, apart));
+  const Submaps grown{{kFront, &front_}, {kLater, &later_}};
+  search.search(grown, apart, &places);
+  EXPECT_TRUE(places.found.empty()) << "its keyframes are not new";
+  EXPECT_TRUE(search.search_again({kLater}, grown, apart, &places));
+  EXPECT_GE(links_of(places)[kFront], 2);
+  EXPECT_FALSE(search.search_again({kLater}, grown, apart, &places)) << "nothing has changed since";
+  EXPECT_FALSE(search.search_again({}, grown, apart, &places));
+}
+
+// Whatever the one that broke off had known already.
+TEST_F(PlaceSearchTest, ASearchThatBreaksOffIsMadeAgainFromWhatWasKnownBefore) {
+  const Submaps both{{kFront, &front_}, {kLater, &later_}};
+  PlaceSearch search({});
+  PlaceLinks before;
+  search.search({{kFront, &front_}}, apart, &before);
+  int asked = 0;
+  const auto breaks_off = [&](const Place&, const Place&) -> bool {
+    return ++asked > 20 ? throw std::runtime_error("broken") : false;
+  };
+  PlaceLinks lost = before, places = before, expected = before;
+  EXPECT_THROW(search.search(both, breaks_off, &lost), std::runtime_error);
+  ASSERT_GT(lost.known.size(), before.known.size());
+  search.search(both, apart, &places);
+  PlaceSearch({}).search(both, apart, &expected);  // another one, that knows nothing but the links
+  ASSERT_GE(links_of(places)[kFront], 2);
+  ASSERT_EQ(places.found.size(), expected.found.size());
+  for (size_t i = 0; i < places.found.size(); ++i) EXPECT_EQ(places.found[i].link, expected.found[i].link);
 }
 
 }  // namespace

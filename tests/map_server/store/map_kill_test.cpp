@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "map_server/merging/map_builder.h"
 #include "map_server/store/map_store.h"
+#include "tests/map_server/merging/map_maker.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -67,17 +67,15 @@ std::vector<Atlas> history() {
   const Chain chain;
   std::vector<Atlas> stages;
   Atlas atlas;
-  MapBuilder builder({});
-  const auto build = [&](MapBuilder::Scope scope) {
-    std::map<SubmapKey, Placement> placed;
-    MapBuilder::Submaps submaps;
+  MapMaker maker;
+  const auto build = [&](BuildScope scope) {
+    BuildInput input{.submaps = {}, .scope = scope};
     for (const auto& [key, owner] : atlas.submaps()) {
-      submaps[key] = &owner.submap;
-      if (owner.in_map && owner.placement.revision > 0) placed[key] = owner.placement;
+      input.submaps[key] = &owner.submap;
+      if (owner.in_map && owner.placement.revision > 0) input.placed[key] = owner.placement;
     }
-    builder.find_links(submaps);
-    BuiltMap built = builder.build(submaps, placed, scope);
-    atlas.set_links(builder.links());
+    BuiltMap built = maker.build(input);
+    atlas.set_links(built.graph.links());
     for (const auto& [key, left] : built.culled) put(*left, &atlas);
     atlas.place_map(std::move(built.placements), built.unmoved);
     stages.push_back(atlas);
@@ -87,14 +85,14 @@ std::vector<Atlas> history() {
     put(chain.submap(key), &atlas);
     stages.push_back(atlas);
   }
-  build(MapBuilder::Scope::kWeld);
-  EXPECT_GT(build(MapBuilder::Scope::kAll), 0u) << "nothing was culled";
+  build(BuildScope::kWeld);
+  EXPECT_GT(build(BuildScope::kAll), 0u) << "nothing was culled";
   for (const SubmapKey key : {Chain::kBack2, Chain::kFront3}) {
     put(chain.submap(key), &atlas);
     stages.push_back(atlas);
   }
-  build(MapBuilder::Scope::kWeld);
-  EXPECT_GT(build(MapBuilder::Scope::kAll), 0u) << "nothing was culled";
+  build(BuildScope::kWeld);
+  EXPECT_GT(build(BuildScope::kAll), 0u) << "nothing was culled";
   return stages;
 }
 

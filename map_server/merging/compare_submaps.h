@@ -2,23 +2,11 @@
 // Two submaps made of some of the same images: whether they agree, and what that says of where they lie.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <vector>
-
 #include "map_server/alignment/submap_alignment.h"
-#include "map_server/links/joint.h"
-#include "map_server/links/link.h"
+#include "map_server/links/link_graph.h"
 #include "slam/map/submap.h"
 
 namespace rumi::map_server {
-
-struct SubmapPair {
-  int64_t revision_a = 0, revision_b = 0;
-  std::optional<Link> link;  // nothing: they have no image in common
-  int64_t utime_us = 0;      // of an image in the middle of those in common
-  std::vector<KeyframeJoint> joints;
-};
 
 struct PairOptions {
   AlignmentOptions alignment;
@@ -30,6 +18,6 @@ struct PairOptions {
 // Quick; where it is false they have none in common.
 bool may_share_images(const Submap& a, const Submap& b);
 
-SubmapPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);
+ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);
 
 }  // namespace rumi::map_server

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/merging/link_finder.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <utility>
+
+#include "base/stage_clock.h"
+#include "map_server/merging/map_members.h"
+
+namespace rumi::map_server {
+namespace {
+
+void inherit(const BuildInput& input, LinkGraph* graph) {
+  if (!std::exchange(graph->has_inherited, true))
+    for (const Placements* map : {&input.placed, &input.kept})
+      for (const auto& [key, placement] : *map) graph->inherited.emplace_back(map->begin()->first, key);
+  Groups tied = graph->tied();
+  std::erase_if(graph->inherited,
+                [&](const SubmapPair& pair) { return tied.find(pair.first) == tied.find(pair.second); });
+}
+
+}  // namespace
+
+LinkGraph LinkFinder::find(LinkGraph graph, const BuildInput& input) {
+  const StageClock clock("map_server.links");
+  compare(input, &graph);
+  search_places(input, &graph);
+  inherit(input, &graph);
+  if (input.scope != BuildScope::kWeld) search_beside_members(input, &graph);
+  return graph;
+}
+
+void LinkFinder::compare(const BuildInput& input, LinkGraph* graph) const {
+  for (auto a = input.submaps.begin(); a != input.submaps.end(); ++a)
+    for (auto b = std::next(a); b != input.submaps.end() && !input.is_cancelled(); ++b) {
+      if (input.fixed.contains(a->first) && input.fixed.contains(b->first)) continue;
+      if (!may_share_images(*a->second, *b->second)) {  // as most pairs of a large map: nothing is kept of them
+        graph->compared.erase({a->first, b->first});
+        continue;
+      }
+      ComparedPair& pair = graph->compared[{a->first, b->first}];
+      if (pair.revision_a == a->second->revision && pair.revision_b == b->second->revision) continue;
+      pair = compare_submaps(*a->second, *b->second, options_.pairs);
+    }
+}
+
+bool LinkFinder::is_joined(const LinkGraph& graph, const Place& a, const Place& b) const {
+  if (graph.are_joined(a.image, b.image)) return true;
+  if (a.submap == b.submap) return false;
+  const LinkEdge* edge = graph.edge_between(a.submap, b.submap);
+  if (!edge) return false;
+  if (edge->link.accepted())
+    return a.image.stream == b.image.stream &&
+           static_cast<double>(std::abs(a.image.utime_us - b.image.utime_us)) <= options_.places.min_apart_s * 1e6;
+  // Where the same images do not fit together, that they look alike says nothing new: one of the submaps is torn.
+  return edge->link.keyframes >= kMinSharedKeyframes && edge->link.landmarks >= options_.pairs.alignment.min_landmarks;
+}
+
+void LinkFinder::search_places(const BuildInput& input, LinkGraph* graph) {
+  for (const SubmapKey& key : input.fixed) places_.add(*input.submaps.at(key), &graph->places);
+  const auto joined = [&](const Place& a, const Place& b) { return input.is_cancelled() || is_joined(*graph, a, b); };
+  places_.search(input.submaps, joined, &graph->places);
+}
+
+void LinkFinder::search_beside_members(const BuildInput& input, LinkGraph* graph) {
+  const std::set<SubmapKey> members = choose_members(*graph, input);
+  std::set<SubmapKey> beside;
+  for (const auto& [key, submap] : input.submaps)
+    if (!members.contains(key)) beside.insert(key);
+  const auto joined = [&](const Place& a, const Place& b) {
+    return input.is_cancelled() || beside.contains(b.submap) || is_joined(*graph, a, b);
+  };
+  places_.search_again(beside, input.submaps, joined, &graph->places);
+}
+
+}  // namespace rumi::map_server

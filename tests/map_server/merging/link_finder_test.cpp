@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/merging/link_finder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+
+#include "tests/map_server/synthetic_chain.h"
+
+namespace rumi::testing {
+using namespace rumi::map_server;
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class LinkFinderTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { chain_ = new Chain; }
+  static void TearDownTestSuite() { delete chain_; }
+
+  BuildInput input(const std::vector<SubmapKey>& keys, BuildScope scope = BuildScope::kWeld) const {
+    BuildInput input{.submaps = {}, .scope = scope};
+    for (const SubmapKey& key : keys) input.submaps[key] = &chain_->submap(key);
+    return input;
+  }
+  const std::vector<SubmapKey> all_{Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kBack2, Chain::kFront3};
+
+  static Chain* chain_;
+};
+Chain* LinkFinderTest::chain_ = nullptr;
+
+TEST_F(LinkFinderTest, FindsWhatHangsTogether) {
+  const LinkGraph graph = LinkFinder({}).find({}, input(all_));
+  for (size_t i = 1; i < all_.size(); ++i) {
+    const LinkEdge* edge = graph.edge_between(all_[i - 1], all_[i]);
+    ASSERT_TRUE(edge);
+    EXPECT_TRUE(edge->link.accepted()) << edge->link.doubt;
+    EXPECT_FALSE(edge->joints.empty());
+  }
+  EXPECT_EQ(graph.edge_between(Chain::kFront1, Chain::kFront3), nullptr);
+}
+
+TEST_F(LinkFinderTest, LooksOnlyAtWhatHasChanged) {
+  LinkFinder finder({});
+  BuildInput two = input({Chain::kFront1, Chain::kBack1});
+  LinkGraph graph = finder.find({}, two);
+  LinkEdge& edge = *graph.compared.begin()->second.edge;
+  const Link before = edge.link;
+  edge.link.doubt = "marked";
+  graph = finder.find(graph, two);
+  EXPECT_EQ(graph.edge_between(Chain::kFront1, Chain::kBack1)->link.doubt, "marked");
+  Submap changed = chain_->submap(Chain::kBack1);
+  ++changed.revision;
+  two.submaps[changed.key] = &changed;
+  graph = finder.find(graph, two);
+  EXPECT_EQ(graph.edge_between(Chain::kFront1, Chain::kBack1)->link, before);
+}
+
+TEST_F(LinkFinderTest, WhatIsFixedIsNotCompared) {
+  BuildInput three = input({Chain::kFront1, Chain::kBack1, Chain::kFront2});
+  three.fixed = {Chain::kFront1, Chain::kBack1};
+  const LinkGraph graph = LinkFinder({}).find({}, three);
+  EXPECT_EQ(graph.edge_between(Chain::kFront1, Chain::kBack1), nullptr);
+  EXPECT_TRUE(graph.edge_between(Chain::kBack1, Chain::kFront2));
+}
+
+TEST_F(LinkFinderTest, InheritsOnceWhatItsEdgesDoNotJoin) {
+  LinkFinder finder({});
+  BuildInput three = input({Chain::kFront1, Chain::kFront2, Chain::kFront3});
+  for (const auto& [key, submap] : three.submaps) three.placed[key] = {};
+  LinkGraph graph = finder.find({}, three);
+  EXPECT_THAT(graph.inherited,
+              ElementsAre(SubmapPair(Chain::kFront1, Chain::kFront2), SubmapPair(Chain::kFront1, Chain::kFront3)));
+  BuildInput more = input({Chain::kFront1, Chain::kBack1, Chain::kFront2, Chain::kFront3});
+  more.placed = three.placed;
+  graph = finder.find(graph, more);
+  EXPECT_THAT(graph.inherited, ElementsAre(SubmapPair(Chain::kFront1, Chain::kFront3)));
+  LinkGraph other = finder.find(finder.find({}, input({Chain::kFront1})), three);
+  EXPECT_THAT(other.inherited, IsEmpty()) << "it has begun without a map";
+}
+
+TEST_F(LinkFinderTest, OutsideAWeldWhatIsBesideTheMapIsSearchedForOnceMore) {
+  const std::vector<SubmapKey> apart{Chain::kFront1, Chain::kBack2};
+  const BuildInput weld = input(apart), all = input(apart, BuildScope::kAll);
+  LinkFinder finder({});
+  LinkGraph graph = finder.find({}, weld);
+  EXPECT_THAT(graph.places.searched_again, IsEmpty());
+  graph = finder.find(graph, all);
+  EXPECT_EQ(graph.places.searched_again.size(), 1u);
+}
+
+TEST_F(LinkFinderTest, ACancelledSearchEndsSoon) {
+  const std::atomic<bool> cancel = true;
+  BuildInput cancelled = input(all_);
+  cancelled.cancel = &cancel;
+  EXPECT_THAT(LinkFinder({}).find({}, cancelled).links(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace rumi::testing
