@@ -4,6 +4,7 @@ import sys
 
 import rumi
 
+print("# time x y z qw qx qy qz (TUM's files have qx qy qz qw)")
 with rumi.lcm.EventLog(sys.argv[1]) as log:
     for event in log:
         if event.channel == "CAMERA_TO_MAP":

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/cpu_clock.h"
+#include "base/exit_codes.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"

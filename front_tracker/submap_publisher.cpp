@@ -49,8 +49,9 @@ void SubmapPublisher::send(FrontSubmap& submap, Progress* progress) {
     progress->in_flight = false;
     // A rejected update tells what the server has: the next one begins there.
     if (result.ok || result.revision < progress->stored_revision) progress->stored_revision = result.revision;
-    failure_ = result.ok ? "" : result.reason;
-    if (!result.ok) log_warning("map_server did not take a submap update: {}", result.reason);
+    const std::string failure = result.ok ? "" : result.reason;
+    if (failure_ != failure && !failure.empty()) log_warning("map_server did not take a submap update: {}", failure);
+    failure_ = failure;
   });
 }
 

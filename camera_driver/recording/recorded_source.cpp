@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
+#include "camera_driver/recording/missing_images.h"
 #include "camera_driver/source/encode_as.h"
 #include "camera_driver/source/frame_selector.h"
 #include "camera_driver/source/stream_name.h"
@@ -70,6 +71,13 @@ std::string RecordedSource::plan() {
     if (all.frames[i].part != all.frames[i - 1].part)
       log_warning("{}: the clock was set back by {:.3f} s: a new session begins", reader_->where(all.frames[i].frame),
                   static_cast<double>(all.frames[i - 1].utime_us - all.frames[i].utime_us) * 1e-6);
+  const MissingImages missing = find_missing_images(all.frames);
+  if (100 * missing.count > static_cast<int64_t>(all.frames.size()))
+    log_info(
+        "{}: some {} images are missing between its {}, by their times (one every {:.1f} ms): whoever recorded them "
+        "has "
+        "lost them",
+        name_, missing.count, all.frames.size(), static_cast<double>(missing.period_us) * 1e-3);
   count_left_out(all);
   return {};
 }

@@ -83,7 +83,10 @@ int run(Arguments& arguments) {
   } catch (const std::exception& e) {
     error = reason_of(e);
   }
-  if (error.empty()) return 0;
+  if (error.empty()) {
+    fmt::print("{} written to {}\n", arguments.format, arguments.out);
+    return 0;
+  }
   fmt::print(stderr, "rumi export-map: {}\n", error);
   return are_wrong ? 2 : 1;
 }

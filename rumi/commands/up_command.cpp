@@ -19,6 +19,7 @@
 #include "base/scratch_folder.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
+#include "bus/wire/camera_file.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "map_server/store/map_store.h"
@@ -305,6 +306,9 @@ int up(Arguments& arguments) {
   } catch (const std::exception& e) {
     error = reason_of(e);
   }
+  if (error.empty() && arguments.snapshot.empty() && is_file(options.map_server.database))
+    say("rumi", fmt::format("map: {0}; `rumi export-map {0} -o FOLDER --format tum` writes its poses",
+                            options.map_server.database));
   if (!error.empty()) tell(fmt::format("rumi up: {}\n", error));
   if (not_all) tell("rumi up: not all of the recording is in the result: what is missing is said above\n");
   return !error.empty() ? 1 : not_all ? kNotAll : 0;

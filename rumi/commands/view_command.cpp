@@ -48,7 +48,10 @@ int run(const Arguments& arguments) {
   } catch (const std::exception& e) {
     error = reason_of(e);
   }
-  if (error.empty()) return 0;
+  if (error.empty()) {
+    fmt::print("picture written to {}\n", arguments.out);
+    return 0;
+  }
   fmt::print(stderr, "rumi view: {}\n", error);
   return 1;
 }

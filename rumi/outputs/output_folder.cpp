@@ -128,7 +128,10 @@ std::string check_output_folder(const std::string& folder) {
 
 std::string prepare_output_folder(const std::string& folder) {
   std::string error = check_output_folder(folder);
-  return error.empty() ? write_run_json(folder, {{"finished", false}}) : error;
+  if (!error.empty()) return error;
+  std::error_code is_absent;
+  if (!read_run_json(folder).is_null()) fs::remove(fs::path(folder) / "report.html", is_absent);  // of an earlier run
+  return write_run_json(folder, {{"finished", false}});
 }
 
 std::string check_map_stays(const std::string& database, const std::string& folder) {

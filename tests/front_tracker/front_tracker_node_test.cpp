@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/front_tracker_node.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <utility>
 
+#include "base/exit_codes.h"
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -14,15 +16,19 @@
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
+#include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/synth/sequence_renderer.h"
 #include "tests/front_tracker/rendered_walk.h"
 #include "tests/front_tracker/slip.h"
+#include "tests/support/captured_log.h"
 
 namespace rumi::front_tracker {
 namespace {
+
+using ::testing::HasSubstr;
 
 FrontTrackerOptions fixture_options() {
   FrontTrackerOptions options;
@@ -96,6 +102,35 @@ TEST_F(Fixture, AnImageWithoutCalibrationSaysWhatToDo) {
   give(image(2000, grey_));
   EXPECT_EQ(tracks_.size(), 1u) << "it goes on as soon as there is one";
   EXPECT_FALSE(node_->status().degraded);
+}
+
+TEST_F(Fixture, SaysOnceThatNoImageComes) {
+  bus_.set_now_us(1'000'000);
+  FrontTrackerNode node(bus_, fixture_options());
+  const testing::CapturedLog log;
+  node.tick(10'900'000);
+  EXPECT_EQ(log.text(), "");
+  node.tick(11'000'000);
+  EXPECT_THAT(log.text(), HasSubstr("no image has come for 10 s"));
+  const std::string once = log.text();
+  node.tick(60'000'000);
+  EXPECT_EQ(log.text(), once);
+}
+
+TEST_F(Fixture, SaysThatWhatComesOnTheCamerasChannelIsNoImage) {
+  bus_.set_now_us(1'000'000);
+  FrontTrackerNode node(bus_, fixture_options());
+  bus_.publish(channels::kCamera, map_request_t());
+  bus_.dispatch();
+  const testing::CapturedLog log;
+  node.tick(11'000'000);
+  EXPECT_THAT(log.text(), HasSubstr("1 messages came on the camera's channel, and none is an image_t"));
+}
+
+TEST_F(Fixture, ImagesOfWhichNoneGetsAPoseAreNotAll) {
+  EXPECT_EQ(node_->exit_code(), 0) << "nothing came";
+  give(image(1000, grey_));
+  EXPECT_EQ(node_->exit_code(), kNotAll);
 }
 
 TEST_F(Fixture, ImagesOfAnotherSizeAreRefusedByNameOfBothSizes) {
@@ -292,6 +327,7 @@ TEST_F(Fixture, TheServersCopyIsComplete) {
     tick();
   }
   ASSERT_TRUE(node_->finished());
+  EXPECT_EQ(node_->exit_code(), 0);
   ASSERT_EQ(copies_.size(), 1u);
   const Submap& copy = copies_.begin()->second;
   EXPECT_TRUE(copy.closed);

@@ -2,14 +2,12 @@
 #include "ruminator/queue/rebuild_queue.h"
 
 #include <gmock/gmock.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
 #include <regex>
-#include <sstream>
 
 #include "tests/ruminator/queue/queue_world.h"
+#include "tests/support/captured_log.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -101,18 +99,15 @@ TEST_F(RebuildQueueTest, SaysHowLongAfterTheResumptionItPublishedAlsoWhenTheImag
     while (!go) usleep(1000);
     return fake_result(job);
   });
-  std::ostringstream said;
-  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said);
-  spdlog::default_logger()->sinks().push_back(sink);
+  const testing::CapturedLog log;
   const WindowJob job = small_job(1);
   world.queue->set_frame_time(job.window.resumed_utime_us + 1'500'000);  // and no image follows
   world.queue->add(job);
   world.run_for(6);
   go = true;
   ASSERT_TRUE(world.run_until([&] { return world.announced(1, window_t::PUBLISHED); }));
-  spdlog::default_logger()->sinks().pop_back();
   std::smatch seconds;
-  const std::string text = said.str();
+  const std::string text = log.text();
   ASSERT_TRUE(std::regex_search(text, seconds, std::regex("([0-9.]+) s after tracking resumed"))) << text;
   EXPECT_GE(std::stod(seconds[1]), 7.5);
   EXPECT_THAT(text, HasSubstr(" images rebuilt in "));
