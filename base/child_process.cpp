@@ -79,6 +79,7 @@ struct Prepared {
   std::vector<char*> argv, envp;
   int nice = 0;
   int death_signal = SIGKILL;
+  sigset_t held_signals{};
   int descriptor_limit = 0;
   pid_t parent = 0;
   FileDescriptor input;
@@ -95,8 +96,7 @@ struct Prepared {
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
-  sigemptyset(&standard.sa_mask);
-  sigprocmask(SIG_SETMASK, &standard.sa_mask, nullptr);
+  sigprocmask(SIG_SETMASK, &launch.held_signals, nullptr);
 
   if (prctl(PR_SET_PDEATHSIG, launch.death_signal) != 0) give_up(errno);
   if (getppid() != launch.parent) _exit(kNotExecuted);  // it died before that
@@ -148,6 +148,8 @@ std::string prepare(const ChildLaunch& wanted, Prepared* launch) {
   launch->envp = pointers(launch->environment);
   launch->nice = std::max(wanted.nice, getpriority(PRIO_PROCESS, 0));
   launch->death_signal = wanted.death_signal;
+  sigemptyset(&launch->held_signals);
+  for (const int signal : wanted.held_signals) sigaddset(&launch->held_signals, signal);
   launch->descriptor_limit = static_cast<int>(sysconf(_SC_OPEN_MAX));
   launch->parent = getpid();
   launch->input = FileDescriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));

@@ -19,6 +19,7 @@ struct ChildLaunch {
   std::vector<std::string> environment;  // NAME=value, besides ours
   int nice = 0;                          // ours, if that is higher
   int death_signal = SIGKILL;            // that it gets when the thread that started it ends
+  std::vector<int> held_signals = {};    // wait until the program unblocks them: it may not handle them at once
 };
 
 // How a process ended, as waitpid() tells.

@@ -51,27 +51,24 @@ extern "C" void on_stop_signal(int signal) {
 extern "C" void on_finish_signal(int /*signal*/) { ++g_finish_signals; }
 extern "C" void on_reload_signal(int /*signal*/) { g_reload = true; }
 
+void catch_signal(int signal, void (*handler)(int)) {
+  struct sigaction action {};
+  action.sa_flags = SA_RESTART;
+  action.sa_handler = handler;
+  sigaction(signal, &action, nullptr);
+  // Whoever starts us may have it wait until now (ChildLaunch::held_signals).
+  sigset_t unblocked;
+  sigemptyset(&unblocked);
+  sigaddset(&unblocked, signal);
+  pthread_sigmask(SIG_UNBLOCK, &unblocked, nullptr);
+}
+
 // At once: whoever starts us may ask at any time.
-void catch_finish_signal() {
-  struct sigaction action {};
-  action.sa_flags = SA_RESTART;
-  action.sa_handler = on_finish_signal;
-  sigaction(SIGUSR1, &action, nullptr);
-}
-
-void catch_reload_signal() {
-  struct sigaction action {};
-  action.sa_flags = SA_RESTART;
-  action.sa_handler = on_reload_signal;
-  sigaction(SIGUSR2, &action, nullptr);
-}
-
+void catch_finish_signal() { catch_signal(SIGUSR1, on_finish_signal); }
+void catch_reload_signal() { catch_signal(SIGUSR2, on_reload_signal); }
 void catch_stop_signals() {
-  struct sigaction action {};
-  action.sa_flags = SA_RESTART;
-  action.sa_handler = on_stop_signal;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  catch_signal(SIGINT, on_stop_signal);
+  catch_signal(SIGTERM, on_stop_signal);
 }
 
 int64_t resident_bytes() {

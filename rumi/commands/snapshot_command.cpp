@@ -1,22 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rumi snapshot -o OUT: what a live system has so far, in the same files as `rumi replay` writes.
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include "base/command_line.h"
 #include "base/failures.h"
+#include "base/options.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
+#include "camera_driver/open_source.h"
 #include "rumi/commands/commands.h"
+#include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/outputs/snapshot.h"
+#include "rumi/run/all_options.h"
 
 namespace rumi::tool {
 namespace {
@@ -27,6 +33,8 @@ struct Arguments {
   double timeout_s = 10;
   bool update = false, quiet = false;
   uint64_t since_us = 0;
+  std::string images, config;
+  AllOptions options;
 };
 
 constexpr double kListenS = 1.5;  // every process tells its status once a second
@@ -109,6 +117,21 @@ void print_processes(const nlohmann::ordered_json& processes) {
   }
 }
 
+// Of landmarks, from the recording that the system plays, if it is named and plays a few images quickly.
+map_server::LandmarkColours colours_of(const Arguments& arguments, const map_server::Atlas& atlas,
+                                       std::vector<std::string>* missing) {
+  if (arguments.images.empty()) return {};
+  map_server::LandmarkColours colours;
+  const std::string thrown = thrown_by([&] {
+    spdlog::set_level(spdlog::level::err);  // what is odd in the recording was said when it began
+    const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
+    if (!recording.ok()) throw std::runtime_error(recording.error);
+    if (recording.source->plays_few_quickly()) colours = landmark_colours(atlas, *recording.source).colours;
+  });
+  if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
+  return colours;
+}
+
 std::string take_snapshot(const Arguments& arguments) {
   std::string error = check_output_folder(arguments.out);
   if (!error.empty()) return error;
@@ -126,7 +149,10 @@ std::string take_snapshot(const Arguments& arguments) {
       load_map_bytes(snapshot.database, (std::filesystem::path(arguments.out) / "map.db").string(), &copy_problem);
   const int64_t before = last_session_before(arguments, snapshot);
   const AtlasCounts counts = count(atlas, before);
-  std::vector<std::string> missing = write_run_outputs(atlas, arguments.out, before);
+  std::vector<std::string> missing;
+  const map_server::LandmarkColours colours = colours_of(arguments, atlas, &missing);
+  for (const std::string& problem : write_run_outputs(atlas, arguments.out, before, colours))
+    missing.push_back(problem);
   if (!copy_problem.empty()) missing.push_back(copy_problem);
   nlohmann::ordered_json run = run_record(arguments, counts, processes);
   const std::string all_missing = note_missing(missing, arguments.out, &run);
@@ -141,8 +167,14 @@ std::string take_snapshot(const Arguments& arguments) {
   return error;
 }
 
-int run(const Arguments& arguments) {
-  std::string error;
+int run(Arguments& arguments) {
+  OptionTable table;
+  describe(table, arguments.options);
+  std::string error = load_options(table, arguments.config, {});
+  if (!error.empty()) {
+    fmt::print(stderr, "rumi snapshot: {}\n", error);
+    return 2;
+  }
   try {
     error = take_snapshot(arguments);
   } catch (const std::exception& e) {
@@ -171,6 +203,12 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--since", arguments->since_us,
                       "frames of sessions that began since then, in us since 1970; default: since the first of the "
                       "processes that run was started");
+  command
+      ->add_option("--images", arguments->images,
+                   "the recording that the system plays: landmarks of map.ply get the colours of its images; with "
+                   "--config of the system, where that says how it is played")
+      ->type_name("RECORDING");
+  command->add_option("--config", arguments->config, "YAML file with the options of the system")->type_name("FILE");
   command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
 }
 

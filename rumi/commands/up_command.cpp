@@ -139,11 +139,16 @@ std::vector<Supervised> processes(const UpOptions& up, const std::string& config
 }
 
 // The last one tells what it wrote; --update: what an earlier one knew stays.
-Supervised snapshot_process(const UpOptions& up, const std::string& out, int64_t since_us, bool is_last) {
+Supervised snapshot_process(const AllOptions& options, const std::string& config_file, const std::string& out,
+                            int64_t since_us, bool is_last) {
+  const UpOptions& up = options.up;
   std::vector<std::string> command{(own_folder() / "rumi").string(), "snapshot", "-o", out};
   command.insert(command.end(), {"--since", std::to_string(since_us), is_last ? "--update" : "--quiet"});
   if (!up.lcm_url.empty()) command.insert(command.end(), {"--lcm-url", up.lcm_url});
   if (!up.channel_prefix.empty()) command.insert(command.end(), {"--channel-prefix", up.channel_prefix});
+  const bool has_its_times = !options.camera_driver.loop && !options.camera_driver.live_stamps;
+  if (is_last && has_its_times && !up.input.empty() && !camera_driver::is_camera(up.input))
+    command.insert(command.end(), {"--images", up.input, "--config", config_file});
   return {"snapshot", command};
 }
 
@@ -293,8 +298,8 @@ int up(Arguments& arguments) {
     hooks.reload = [&] { return g_reload.exchange(false) && read_again(arguments, config); };
     std::string snapshot_error = arguments.snapshot.empty() ? "" : "no snapshot was written, as all was to end at once";
     const auto snapshot = [&](bool is_last) {
-      snapshot_error =
-          supervisor.run_beside(snapshot_process(options.up, arguments.snapshot, begin_us, is_last), g_at_once);
+      snapshot_error = supervisor.run_beside(
+          snapshot_process(options, config.file(), arguments.snapshot, begin_us, is_last), g_at_once);
     };
     if (!arguments.snapshot.empty()) {
       hooks.before_stop = [&] { snapshot(false); };

@@ -96,6 +96,7 @@ std::string Supervisor::start(Process& process) {
   ChildLaunch launch;
   launch.arguments = process.what.command;
   launch.death_signal = SIGTERM;  // when we are killed it may end what it is at
+  launch.held_signals = {SIGUSR1, SIGUSR2};
   std::string error;
   process.child = Child::start(launch, &error);
   process.started = Clock::now();

@@ -52,6 +52,19 @@ TEST(Child, ASignalIsTold) {
   EXPECT_THAT(end.describe(), HasSubstr("was ended by signal 9"));
 }
 
+TEST(Child, AHeldSignalWaitsUntilTheProgramUnblocksIt) {
+  for (const bool is_held : {false, true}) {
+    ChildLaunch launch;
+    launch.arguments = {"sh", "-c", "kill -USR1 $$; exit 7"};
+    if (is_held) launch.held_signals = {SIGUSR1};
+    std::string error;
+    std::optional<Child> child = Child::start(launch, &error);
+    ASSERT_TRUE(child) << error;
+    const ChildEnd end = child->reap();
+    EXPECT_EQ(end.exited(), is_held) << end.describe();
+  }
+}
+
 TEST(Child, IsLeftToBeReapedOnceItHasEnded) {
   Child child = start_shell("read line; exit 0");  // its input is empty
   all_output(child);

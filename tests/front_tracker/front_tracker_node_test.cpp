@@ -118,10 +118,11 @@ TEST_F(Fixture, SaysOnceThatNoImageComes) {
 }
 
 TEST_F(Fixture, SaysThatWhatComesOnTheCamerasChannelIsNoImage) {
-  bus_.set_now_us(1'000'000);
-  FrontTrackerNode node(bus_, fixture_options());
-  bus_.publish(channels::kCamera, map_request_t());
-  bus_.dispatch();
+  MemoryBus bus;
+  bus.set_now_us(1'000'000);
+  FrontTrackerNode node(bus, fixture_options());
+  bus.publish(channels::kCamera, map_request_t());
+  bus.dispatch();
   const testing::CapturedLog log;
   node.tick(11'000'000);
   EXPECT_THAT(log.text(), HasSubstr("1 messages came on the camera's channel, and none is an image_t"));

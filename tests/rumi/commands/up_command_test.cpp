@@ -3,12 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
+#include "bus/process/process.h"
+#include "bus/transport/lcm_bus.h"
+#include "bus/transport/log_file.h"
+#include "lcmtypes/rumi/image_t.hpp"
 #include "tests/rumi/commands/end_to_end.h"
 
 namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 
 class LiveTest : public testing::Test {
@@ -56,6 +64,53 @@ TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
     }
   }
   EXPECT_TRUE(fs::exists(out.string() + "-view/trajectory.png"));
+  const std::string map = out.string();
+  const Outcome exported =
+      shell("$RUMI/rumi export-map '" + map + "' --format ply --images '" + sequence_.string() + "' -o '" + map +
+            "-seen' && $RUMI/rumi export-map '" + map + "' --format ply -o '" + map + "-unseen'");
+  ASSERT_EQ(exported.exit_code, 0) << exported.output;
+  EXPECT_TRUE(read_file(out / "map.ply") == read_file(map + "-seen/map.ply")) << "it has the colours of the images";
+  EXPECT_FALSE(read_file(out / "map.ply") == read_file(map + "-unseen/map.ply"));
+}
+
+TEST_F(LiveTest, ImagesThatCameTooFastAreToldOf) {
+  const fs::path out = work_->path / "fast";
+  const Outcome outcome = shell(up(out, "--speed 20 --set ruminator.rebuild=false"));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, ContainsRegex("[0-9]+ of [0-9]+ images were dropped: they came faster"));
+  EXPECT_THAT(outcome.output, ContainsRegex("left out +of the [0-9]+ images that came [0-9]+ were dropped"));
+}
+
+// Publishes the images of the log as an own program would, at their pace, without their calibration.
+void publish_uncalibrated(const std::string& log_file) {
+  std::string error;
+  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
+  ASSERT_TRUE(bus) << error;
+  LogReader log(log_file);
+  while (const std::optional<LogEvent> event = log.next_on(channels::kCamera)) {
+    image_t image;
+    ASSERT_TRUE(Bus::decode(event->data, &image));
+    image.nmetadata = 0;
+    image.metadata.clear();
+    bus->publish(channels::kCamera, image);
+    std::this_thread::sleep_for(std::chrono::milliseconds(33));
+  }
+}
+
+TEST_F(LiveTest, ImagesFromElsewhereGetTheCalibrationOfTheCommandLine) {
+  const fs::path out = work_->path / "elsewhere", log = work_->path / "images.lcm",
+                 said = work_->path / "elsewhere.log";
+  ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' -o '" + log.string() + "'").exit_code, 0);
+  const std::string up = "$RUMI/rumi up '" RUMI_CONFIG "' --camera '" + (sequence_ / "calibration.yaml").string() +
+                         "' --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" +
+                         out.string() + "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" +
+                         out.string() + "'";
+  const Outcome begun = shell(up + " > '" + said.string() + "' 2>&1 & echo $!; sleep 3");
+  publish_uncalibrated(log);
+  const std::string pid = begun.output.substr(0, begun.output.find('\n'));
+  shell("kill -INT " + pid + "; while kill -0 " + pid + " 2> /dev/null; do sleep .1; done");
+  ASSERT_TRUE(fs::exists(out / "trajectory.txt")) << read_file(said);
+  expect_tracked(out);
 }
 
 TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
