@@ -3,11 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <exception>
-
-#include "base/command_line.h"
-#include "base/failures.h"
 #include "base/process_name.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/programs.h"
 
@@ -44,7 +41,7 @@ int main(int argc, char** argv) {
       "command. Exit codes: 0 done; 1 not done, with what is wrong and what to do; 2 wrong options; 3 done, "
       "but not with all of the recording.",
       fmt::join(rumi::tool::kPrograms, "|")));
-  try {
+  return rumi::tool::run_command(argc > 1 ? argv[1] : "", [&] {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
     if (parsed.done) return 0;
     if (!parsed.error.empty()) {
@@ -53,8 +50,5 @@ int main(int argc, char** argv) {
       return 2;
     }
     return chosen();
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi {}: {}\n", argv[1], rumi::reason_of(e));  // the command
-    return 1;
-  }
+  });
 }

@@ -10,13 +10,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/log.h"
 #include "base/whole_file.h"
-#include "bus/process/process.h"
-#include "bus/transport/lcm_bus.h"
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/report/coverage_picture.h"
 #include "viewer_offscreen/picture/draw_map.h"
@@ -24,9 +22,8 @@
 namespace rumi::tool {
 namespace {
 
-struct Arguments {
-  std::string source, file, picture, board = Board().to_string(), model = "pinhole", lcm_url = kDefaultLcmUrl;
-  ChannelNames names;
+struct Arguments : BusFlags {
+  std::string source, file, picture, board = Board().to_string(), model = "pinhole";
   int every = 1;
   bool force = false, quiet = false;
   CalibratorOptions options;
@@ -82,9 +79,7 @@ class Progress {
 };
 
 std::string collect_live(const Arguments& arguments, Progress& progress, ViewCollector* collector) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
-  if (!bus) return error;
+  const std::unique_ptr<LcmBus> bus = open_bus(arguments);
   collect_from_bus(*bus, collector);
   const std::string waiting = fmt::format("no image yet on {} ({}); is `rumi camera_driver` running?",
                                           arguments.names.on_wire(channels::kCamera), arguments.lcm_url);
@@ -134,47 +129,34 @@ std::string refusal(const Calibration& calibration, const ViewCollector& collect
   return text;
 }
 
-std::string calibrate_from(const Arguments& arguments, const ViewCollector& collector) {
+void calibrate_from(const Arguments& arguments, const ViewCollector& collector) {
   const std::string source = arguments.source.empty() ? "CAMERA" : arguments.source;
-  if (collector.counts().taken == 0) return why_no_views(collector, source);
+  if (collector.counts().taken == 0) fail_if(why_no_views(collector, source));
   if (!arguments.quiet)
     fmt::print("{}: {}\n{}", source, collector.counts().to_string(), collector.coverage().to_text());
   std::fflush(stdout);
-  if (!arguments.picture.empty()) {
-    const std::string error = viewer_offscreen::write_png(draw_coverage(collector), arguments.picture);
-    if (!error.empty()) return error;
-  }
+  if (!arguments.picture.empty()) fail_if(viewer_offscreen::write_png(draw_coverage(collector), arguments.picture));
   const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
   const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
                                             collector.image_size(), model, arguments.options);
-  if (!calibration.ok()) return refusal(calibration, collector);
+  if (!calibration.ok()) fail_if(refusal(calibration, collector));
   if (!arguments.quiet) fmt::print("{}", describe(calibration));
-  if (!calibration.doubts.empty() && !arguments.force) return refusal(calibration, collector);
-  const std::string error = write_text(arguments.file, calibration_to_yaml(calibration, collector));
-  if (!error.empty()) return error;
+  if (!calibration.doubts.empty() && !arguments.force) fail_if(refusal(calibration, collector));
+  fail_if(write_text(arguments.file, calibration_to_yaml(calibration, collector)));
   for (const std::string& doubt : calibration.doubts) fmt::print(stderr, "doubtful: {}\n", doubt);
   for (const std::string& what : collector.coverage().missing()) fmt::print(stderr, "would be better: {}\n", what);
   if (!arguments.quiet) fmt::print("{}\n", arguments.file);
-  return {};
 }
 
-int run(const Arguments& arguments) {
-  const auto complain = [](const std::string& problem, int exit_code) {
-    std::fflush(stdout);
-    fmt::print(stderr, "rumi calibrate: {}\n", problem);
-    return exit_code;
-  };
+void calibrate(const Arguments& arguments) {
   Board board;
-  std::string error = parse_board(arguments.board, &board);
-  if (!error.empty()) return complain(error, 2);
-  error = check_writable(arguments.file);
-  if (error.empty() && !arguments.picture.empty()) error = check_writable(arguments.picture);
-  if (!error.empty()) return complain(error, 1);
+  refuse_if(parse_board(arguments.board, &board));
+  fail_if(check_writable(arguments.file));
+  if (!arguments.picture.empty()) fail_if(check_writable(arguments.picture));
   start_logging("rumi", false, arguments.quiet);
   ViewCollector collector(board, {});
-  error = collect(arguments, &collector);
-  if (error.empty()) error = calibrate_from(arguments, collector);
-  return error.empty() ? 0 : complain(error, 1);
+  fail_if(collect(arguments, &collector));
+  calibrate_from(arguments, collector);
 }
 
 }  // namespace
@@ -207,11 +189,9 @@ void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_flag("--force", arguments->force, "write a calibration that is refused because it is doubtful");
   command->add_option("-c,--channel", arguments->names.camera, "channel of the images, live or in a log")
       ->show_default();
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix,
-                      "put before every channel name, live (several robots on one bus)");
+  add_bus_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, [](const Arguments& these) { calibrate(these); });
 }
 
 }  // namespace rumi::tool

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The subcommands of `rumi`. Each function registers one; when the user calls it, *chosen becomes what is to be run,
-// and its result is the exit code: 0, 1 for a failure, 2 for a wrong command line.
+// The subcommands of `rumi`. Each function registers one; when the user calls it, *chosen becomes what is to be run by
+// run_command().
 #pragma once
 
 #include <functional>

@@ -4,11 +4,11 @@
 
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/log.h"
 #include "bus/process/process.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/source/image_source.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/windows/cut_window.h"
 
@@ -21,11 +21,6 @@ struct Arguments {
   bool quiet = false;
 };
 
-int complain(const std::string& problem, int exit_code) {
-  fmt::print(stderr, "rumi cut-window: {}\n", problem);
-  return exit_code;
-}
-
 // What is wrong, or an empty string.
 std::string parse(const Arguments& arguments, WindowCut* cut) {
   std::string error = parse_frame_range(arguments.gap, &cut->gap);
@@ -37,22 +32,19 @@ std::string parse(const Arguments& arguments, WindowCut* cut) {
   return error.empty() ? cut->check() : error;
 }
 
-int cut_window(const Arguments& arguments) {
+void cut_window(const Arguments& arguments) {
   WindowCut cut;
-  std::string error = parse(arguments, &cut);
-  if (error.empty()) error = check(arguments.camera);
-  if (!error.empty()) return complain(error, 2);
+  refuse_if(parse(arguments, &cut));
+  refuse_if(check(arguments.camera));
   start_logging("rumi", false, arguments.quiet);
   camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  if (!opened.ok()) return complain(opened.error, 1);
+  fail_if(opened.error);
   const CutWindow window = cut_window(*opened.source, cut);
-  if (!window.ok()) return complain(window.error, 1);
-  error = ruminator::write_window_job(arguments.file, window.job);
-  if (!error.empty()) return complain(error, 1);
+  fail_if(window.error);
+  fail_if(ruminator::write_window_job(arguments.file, window.job));
   const ruminator::RuminationWindow& w = window.job.window;
   if (!arguments.quiet)
     fmt::print("{}: {} + {} + {} frames\n", arguments.file, w.approach.size(), w.gap.size(), w.departure.size());
-  return 0;
 }
 
 }  // namespace
@@ -78,7 +70,7 @@ void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--start", arguments->camera.start_s, "leave out so many seconds; the next frame is frame 0")
       ->show_default();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return cut_window(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, [](const Arguments& these) { cut_window(these); });
 }
 
 }  // namespace rumi::tool

@@ -5,13 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 
-#include "base/command_line.h"
-#include "base/failures.h"
 #include "base/log.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/demo_table.h"
 #include "rumi/commands/progress_line.h"
@@ -33,25 +31,19 @@ using nlohmann::ordered_json;
 constexpr const char* kSummary =
     "Render a walk on which the camera is lost, run Rumi on it, and show what became of it";
 
-struct Arguments {
-  std::string out = "out/demo", config;
-  std::vector<std::string> settings;
+struct Arguments : OptionFlags {
+  std::string out = "out/demo";
   SynthOptions synth;
   bool verbose = false;
 };
 
-void fail_if(const std::string& error) {
-  if (!error.empty()) throw std::runtime_error(error);
-}
-
-// What the user has set, and then `settings`. Returns what is wrong, or nothing.
-std::string set_options(const Arguments& arguments, const std::vector<std::string>& settings, ReplayRun* run) {
+// What the user has set, and then `settings`. Throws WrongOptions.
+void set_options(OptionFlags flags, const std::vector<std::string>& settings, ReplayRun* run) {
   OptionTable table;
   describe(table, run->options);
-  std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = load_options(table, "", settings);
+  flags.settings.insert(flags.settings.end(), settings.begin(), settings.end());
+  load(table, flags);
   run->options_yaml = table.to_yaml(OptionTable::Which::kAll);
-  return error;
 }
 
 class Demo {
@@ -114,7 +106,7 @@ class Demo {
 
   MeasuredRun replay(const char* name, const std::vector<std::string>& settings, const std::string& log) {
     ReplayRun run{.input = sequence().string(), .out = (out_ / name).string(), .log = log, .is_only_one = false};
-    fail_if(set_options(arguments_, settings, &run));
+    set_options(arguments_, settings, &run);
     ProgressLine line(true);
     run.on_progress = [&line](const ReplayProgress& progress) {
       line.update(progress.frames, progress.total, [&] {
@@ -165,22 +157,12 @@ class Demo {
   int step_ = 0;
 };
 
-int demo(const Arguments& arguments) {
+void demo(const Arguments& arguments) {
   ReplayRun unused;
-  std::string error = arguments.synth.check();
-  if (error.empty()) error = set_options(arguments, {}, &unused);
-  if (!error.empty()) {
-    fmt::print(stderr, "rumi demo: {}\n", error);
-    return 2;
-  }
+  refuse_if(arguments.synth.check());
+  set_options(arguments, {}, &unused);
   start_logging("rumi", arguments.verbose, !arguments.verbose);
-  try {
-    Demo(arguments).run();
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "rumi demo: {}\n", reason_of(e));
-    return 1;
-  }
-  return 0;
+  Demo(arguments).run();
 }
 
 }  // namespace
@@ -196,12 +178,9 @@ void add_demo_command(CommandLine& app, std::function<int()>* chosen) {
       .show_default();
   command->add_option("--seed", arguments->synth.seed, "number that chooses the building and the walk")->show_default();
   command->add_option("--seconds", arguments->synth.seconds, "length of the walk, s")->show_default();
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
-  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over --config")
-      ->type_name("KEY=VALUE")
-      .one_each();
+  add_option_flags(command, arguments.get());
   command->add_flag("-v,--verbose", arguments->verbose, "log what the components do");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return demo(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, demo);
 }
 
 }  // namespace rumi::tool

@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "base/command_line.h"
 #include "rumi/calibration/board_page.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 
 namespace rumi::tool {
@@ -16,20 +16,13 @@ struct Arguments {
   double dpi = 300;
 };
 
-int draw(const Arguments& arguments) {
+void draw(const Arguments& arguments) {
   Board board;
-  std::string error = parse_board(arguments.board, &board);
-  const bool wrong_arguments = !error.empty();
+  refuse_if(parse_board(arguments.board, &board));
   for (const Paper& paper : papers())
-    if (error.empty() && arguments.paper == paper.name)
-      error = write_board_page(board, paper, arguments.dpi, arguments.file);
-  if (error.empty()) {
-    fmt::print("{}: board {} on {}; print it at 100 %, and measure a square: {} mm\n", arguments.file,
-               board.to_string(), arguments.paper, board.square_mm);
-    return 0;
-  }
-  fmt::print(stderr, "rumi draw-board: {}\n", error);
-  return wrong_arguments ? 2 : 1;
+    if (arguments.paper == paper.name) fail_if(write_board_page(board, paper, arguments.dpi, arguments.file));
+  fmt::print("{}: board {} on {}; print it at 100 %, and measure a square: {} mm\n", arguments.file, board.to_string(),
+             arguments.paper, board.square_mm);
 }
 
 }  // namespace
@@ -51,7 +44,7 @@ void add_draw_board_command(CommandLine& app, std::function<int()>* chosen) {
   for (const BoardDictionary& dictionary : board_dictionaries())
     dictionaries += (dictionaries.empty() ? "" : ", ") + std::string(dictionary.name);
   command->footer(fmt::format("Boards: charuco:9x7:26:19:4X4_50, chessboard:9x7:26. DICTIONARY is {}.", dictionaries));
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return draw(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, draw);
 }
 
 }  // namespace rumi::tool

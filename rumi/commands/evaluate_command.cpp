@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/json_text.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/run_evaluation.h"
 #include "rumi/report/evaluation_plot.h"
@@ -68,14 +68,9 @@ void print_report(const ordered_json& json) {
   if (!of_honesty.empty() && of_honesty != reason) fmt::print("note: {}\n", of_honesty);
 }
 
-int evaluate(const Arguments& arguments) {
+void evaluate(const Arguments& arguments) {
   RunEvaluation evaluation;
-  if (const std::string error =
-          evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation);
-      !error.empty()) {
-    fmt::print(stderr, "rumi evaluate: {}\n", error);
-    return 1;
-  }
+  fail_if(evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation));
   const ordered_json json = to_json(evaluation);
   if (arguments.json) {
     fmt::print("{}\n", json_text(json, 2));
@@ -85,10 +80,9 @@ int evaluate(const Arguments& arguments) {
   const std::string png = (fs::path(arguments.out) / "evaluation.png").string();
   // The numbers are what was asked for: OUT may be read-only.
   if (const std::string error = plot_evaluation(evaluation.run, evaluation.truth, png); !error.empty())
-    fmt::print(stderr, "rumi evaluate: {}: there is no picture\n", error);
-  if (evaluation.run.map.ate_rmse_m) return 0;
-  fmt::print(stderr, "rumi evaluate: {}: nothing could be computed: {}\n", arguments.out, evaluation.run.map.reason);
-  return 1;
+    complain("evaluate", error + ": there is no picture");
+  if (!evaluation.run.map.ate_rmse_m)
+    fail_if(fmt::format("{}: nothing could be computed: {}", arguments.out, evaluation.run.map.reason));
 }
 
 }  // namespace
@@ -125,7 +119,7 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
                    "of the relative pose error, and around a pose where its deviations are judged, s")
       ->positive()
       ->show_default();
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return evaluate(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, evaluate);
 }
 
 }  // namespace rumi::tool

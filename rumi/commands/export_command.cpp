@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rumi export and rumi import: recordings to and from lcm logs.
-#include <fmt/format.h>
-
 #include <memory>
 #include <vector>
 
-#include "base/command_line.h"
 #include "base/log.h"
-#include "base/options.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/options.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/recordings/export_log.h"
 #include "rumi/recordings/import_log.h"
@@ -23,18 +20,14 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-template <class Options>
-int run(const char* name, int (*work)(const Options&), Arguments<Options>& arguments) {
+template <class Options, int (*work)(const Options&)>
+int run(Arguments<Options>& arguments) {
   OptionTable table;
   camera_driver::CameraOptions& camera = arguments.options.camera;
   describe(table, camera);
-  std::string problem = load_options(table, "", arguments.settings);
-  if (problem.empty()) problem = check(camera);
-  if (problem.empty() && camera.loop) problem = "camera_driver.loop is true, and this would never end: leave it out";
-  if (!problem.empty()) {
-    fmt::print(stderr, "rumi {}: {}\n", name, problem);
-    return 2;
-  }
+  refuse_if(load_options(table, "", arguments.settings));
+  refuse_if(check(camera));
+  if (camera.loop) refuse_if("camera_driver.loop is true, and this would never end: leave it out");
   start_logging("rumi", false, false);
   return work(arguments.options);
 }
@@ -60,7 +53,7 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
   camera_driver::add_flags(*command,
                            {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
                            &arguments->settings);
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run("export", run_export, *arguments); }; });
+  run_if_chosen(command, chosen, arguments, run<ExportOptions, run_export>);
 }
 
 void add_import_command(CommandLine& app, std::function<int()>* chosen) {
@@ -72,7 +65,7 @@ void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   add_settings(*command, &arguments->settings);
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel"},
                            &arguments->settings);
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run("import", run_import, *arguments); }; });
+  run_if_chosen(command, chosen, arguments, run<ImportOptions, run_import>);
 }
 
 }  // namespace rumi::tool

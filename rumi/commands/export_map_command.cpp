@@ -4,17 +4,15 @@
 
 #include <filesystem>
 #include <memory>
-#include <stdexcept>
 #include <vector>
 
-#include "base/command_line.h"
-#include "base/failures.h"
 #include "base/log.h"
 #include "base/options.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "map_server/outputs/colmap_export.h"
 #include "map_server/outputs/writers.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/map_file.h"
@@ -30,8 +28,8 @@ struct Arguments {
   camera_driver::CameraOptions camera;
 };
 
-std::string export_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
-                       const std::string& out, const std::string& format) {
+std::string write_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
+                      const std::string& out, const std::string& format) {
   if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours);
   if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours);
   std::error_code error;
@@ -45,10 +43,10 @@ std::string export_map(const map_server::Atlas& atlas, const map_server::Landmar
 map_server::LandmarkColours colours_from(const Arguments& arguments, const map_server::Atlas& atlas) {
   start_logging("rumi", false, false);
   const camera_driver::OpenedSource recording = camera_driver::open_recording(arguments.images, arguments.camera);
-  if (!recording.ok()) throw std::runtime_error(recording.error);
+  fail_if(recording.error);
   const SeenColours seen = landmark_colours(atlas, *recording.source);
   if (seen.seen == 0 && seen.keyframes > 0)
-    throw std::runtime_error(
+    fail_if(
         fmt::format("{}: has none of the {} images that {} was made of: is it of another recording, or of other times "
                     "(--rate)?",
                     arguments.images, seen.keyframes, arguments.map));
@@ -58,37 +56,25 @@ map_server::LandmarkColours colours_from(const Arguments& arguments, const map_s
   return seen.colours;
 }
 
-std::string wrong_options(Arguments& arguments) {
+// Throws WrongOptions.
+void read_options(Arguments& arguments) {
   OptionTable table;
   describe(table, arguments.camera);
-  std::string problem = load_options(table, "", arguments.settings);
-  if (problem.empty()) problem = check(arguments.camera);
-  if (problem.empty() && !arguments.images.empty() && arguments.format == "tum")
-    problem = "--images gives landmarks their colours, and --format tum has none: leave it out";
-  if (problem.empty() && arguments.images.empty() && !arguments.settings.empty())
-    problem = "there are no --images that the flags of the recording could be for: leave them out";
-  return problem;
+  refuse_if(load_options(table, "", arguments.settings));
+  refuse_if(check(arguments.camera));
+  if (!arguments.images.empty() && arguments.format == "tum")
+    refuse_if("--images gives landmarks their colours, and --format tum has none: leave it out");
+  if (arguments.images.empty() && !arguments.settings.empty())
+    refuse_if("there are no --images that the flags of the recording could be for: leave them out");
 }
 
-int run(Arguments& arguments) {
-  std::string error = wrong_options(arguments);
-  const bool are_wrong = !error.empty();
-  try {
-    if (error.empty()) {
-      const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
-      map_server::LandmarkColours colours;
-      if (!arguments.images.empty()) colours = colours_from(arguments, atlas);
-      error = export_map(atlas, colours, arguments.out, arguments.format);
-    }
-  } catch (const std::exception& e) {
-    error = reason_of(e);
-  }
-  if (error.empty()) {
-    fmt::print("{} written to {}\n", arguments.format, arguments.out);
-    return 0;
-  }
-  fmt::print(stderr, "rumi export-map: {}\n", error);
-  return are_wrong ? 2 : 1;
+void export_map(Arguments& arguments) {
+  read_options(arguments);
+  const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
+  map_server::LandmarkColours colours;
+  if (!arguments.images.empty()) colours = colours_from(arguments, atlas);
+  fail_if(write_map(atlas, colours, arguments.out, arguments.format));
+  fmt::print("{} written to {}\n", arguments.format, arguments.out);
 }
 
 }  // namespace
@@ -112,7 +98,7 @@ void add_export_map_command(CommandLine& app, std::function<int()>* chosen) {
       ->type_name("RECORDING");
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--rate", "--log-channel"},
                            &arguments->settings);
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, export_map);
 }
 
 }  // namespace rumi::tool

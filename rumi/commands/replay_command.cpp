@@ -4,11 +4,11 @@
 
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/exit_codes.h"
 #include "base/log.h"
 #include "bus/process/process.h"
 #include "camera_driver/flags.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/progress_line.h"
 #include "rumi/commands/replay_run.h"
@@ -20,10 +20,8 @@
 namespace rumi::tool {
 namespace {
 
-struct Arguments {
+struct Arguments : OptionFlags {
   ReplayRun run;
-  std::string config;
-  std::vector<std::string> settings;
   bool quiet = false, verbose = false;
 };
 
@@ -49,12 +47,8 @@ int replay(Arguments& arguments) {
   ReplayRun& run = arguments.run;
   OptionTable table;
   describe(table, run.options);
-  std::string error = load_options(table, arguments.config, arguments.settings);
-  if (error.empty()) error = check(run.options, run.out);
-  if (!error.empty()) {
-    fmt::print(stderr, "rumi replay: {}\n", error);
-    return 2;
-  }
+  load(table, arguments);
+  refuse_if(check(run.options, run.out));
   start_logging("rumi", arguments.verbose, arguments.quiet);
   tell_of_database(run.options.map_server);
   run.options_yaml = table.to_yaml(OptionTable::Which::kAll);
@@ -66,16 +60,13 @@ int replay(Arguments& arguments) {
   };
   const ReplayOutcome outcome = run_replay(run);
   line.erase();
-  if (!outcome.warning.empty()) fmt::print(stderr, "rumi replay: {}\n", outcome.warning);
-  if (!outcome.error.empty()) {
-    fmt::print(stderr, "rumi replay: {}\n", outcome.error);
-    return 1;
-  }
+  if (!outcome.warning.empty()) complain("replay", outcome.warning);
+  fail_if(outcome.error);
   if (!arguments.quiet) {
     print_summary(outcome.counts, outcome.localization, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
-  for (const std::string& complaint : outcome.complaints) fmt::print(stderr, "rumi replay: {}\n", complaint);
+  for (const std::string& complaint : outcome.complaints) complain("replay", complaint);
   return outcome.complaints.empty() ? 0 : kNotAll;
 }
 
@@ -95,17 +86,12 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
       ->type_name("FILE");
   command->add_flag("--colours", arguments->run.colours_of_videos,
                     "map.ply has the colours of the images for a video, too, which is decoded once more for them");
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
-  command
-      ->add_option("--set", arguments->settings,
-                   "set one option (`rumi config` lists them), may be repeated; wins over --config")
-      ->type_name("KEY=VALUE")
-      .one_each();
+  add_option_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--rate", "--encoding"},
                            &arguments->settings);
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return replay(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, replay);
 }
 
 }  // namespace rumi::tool

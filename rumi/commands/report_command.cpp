@@ -5,9 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/command_line.h"
-#include "base/failures.h"
 #include "base/whole_file.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/report/run_report.h"
 
@@ -19,25 +18,14 @@ struct Arguments {
   ReportOptions options;
 };
 
-int report(const Arguments& arguments) {
+void report(const Arguments& arguments) {
   const std::string file =
       arguments.file.empty() ? (std::filesystem::path(arguments.out) / "report.html").string() : arguments.file;
-  std::string error;
-  try {
-    const std::string page = make_report(arguments.out, arguments.options);
-    WholeFile output(file);
-    output.write(page);
-    error = output.commit();
-    if (!error.empty()) error += "; -o FILE puts the page elsewhere";
-  } catch (const std::exception& e) {
-    error = reason_of(e);
-  }
-  if (error.empty()) {
-    fmt::print("report  {}\n", file);
-    return 0;
-  }
-  fmt::print(stderr, "rumi report: {}\n", error);
-  return 1;
+  const std::string page = make_report(arguments.out, arguments.options);
+  WholeFile output(file);
+  output.write(page);
+  if (const std::string error = output.commit(); !error.empty()) fail_if(error + "; -o FILE puts the page elsewhere");
+  fmt::print("report  {}\n", file);
 }
 
 }  // namespace
@@ -56,7 +44,7 @@ void add_report_command(CommandLine& app, std::function<int()>* chosen) {
       ->show_default();
   command->add_option("--log", arguments->options.log, "lcm log of a live run, for the load of its processes over time")
       ->type_name("FILE");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return report(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, report);
 }
 
 }  // namespace rumi::tool

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/failures.h"
 #include "base/file_access.h"
 #include "base/json_text.h"
@@ -21,6 +20,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/outputs/writers.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/truth.h"
 #include "rumi/run/all_options.h"
@@ -32,10 +32,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Arguments {
+struct Arguments : OptionFlags {
   std::vector<std::string> windows;
-  std::string out, truth, config;
-  std::vector<std::string> settings;
+  std::string out, truth;
   bool keep_work = false, json = false, quiet = false, verbose = false;
   TruthOptions truth_options;
 };
@@ -47,11 +46,6 @@ void cancel_on_signals() {
   action.sa_handler = [](int) { g_cancel = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-}
-
-int complain(const std::string& problem, int exit_code) {
-  fmt::print(stderr, "rumi ruminate: {}\n", problem);
-  return exit_code;
 }
 
 // Folders stand for the windows in them, by session and number.
@@ -114,7 +108,7 @@ class Ruminate {
     const std::string name = fs::path(file).stem().string();
     const ruminator::WindowJobFile read = ruminator::read_window_job(file);
     if (read.broken_images > 0)
-      fmt::print(stderr, "rumi ruminate: {}: {} broken images left out\n", file, read.broken_images);
+      complain("ruminate", fmt::format("{}: {} broken images left out", file, read.broken_images));
     ruminator::BuildResult result;
     result.failure = read.error;
     if (read.ok()) result = build(name, read.job);
@@ -125,7 +119,7 @@ class Ruminate {
     if (!result.submap) return false;
     if (arguments_.out.empty()) return true;
     const std::string error = write_results(arguments_, name, *result.submap);
-    if (!error.empty()) complain(error, 1);
+    if (!error.empty()) complain("ruminate", error);
     return error.empty();
   }
 
@@ -172,28 +166,27 @@ int ruminate(const Arguments& arguments) {
   AllOptions options;
   OptionTable table;
   describe(table, options);
-  if (const std::string error = load_options(table, arguments.config, arguments.settings); !error.empty())
-    return complain(error, 2);
+  load(table, arguments);
   const std::vector<std::string> files = window_files(arguments.windows);
   if (files.empty()) {
     const std::string why = why_unreadable(arguments.windows.front());
-    return complain(fmt::format("{}: {}", arguments.windows.front(), why.empty() ? "no *.window in it" : why), 1);
+    fail_if(fmt::format("{}: {}", arguments.windows.front(), why.empty() ? "no *.window in it" : why));
   }
   TruthFile truth;
   if (!arguments.truth.empty()) truth = read_groundtruth(arguments.truth, arguments.truth_options);
-  if (!truth.ok()) return complain(truth.error, 1);
+  fail_if(truth.error);
   if (!arguments.out.empty()) {
     std::error_code error;
     fs::create_directories(arguments.out, error);
-    if (error) return complain(fmt::format("{}: cannot be made: {}", arguments.out, error.message()), 1);
+    if (error) fail_if(fmt::format("{}: cannot be made: {}", arguments.out, error.message()));
   }
   start_logging("rumi", arguments.verbose, arguments.quiet);
   for (const std::string& note : truth.notes) log_warning("{}", note);
   cancel_on_signals();
   Ruminate command(arguments, options.ruminator.build, std::move(truth.poses));
   const int failures = command.run(files);
-  if (const std::string error = command.write_csv(); !error.empty()) return complain(error, 1);
-  if (g_cancel) return complain("called off", 1);
+  fail_if(command.write_csv());
+  if (g_cancel) fail_if("called off");
   return failures == 0 ? 0 : 1;
 }
 
@@ -220,14 +213,11 @@ void add_ruminate_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_flag("--keep-work", arguments->keep_work,
                     "leave COLMAP's files and log of windows that fail, as WINDOW.work in the output folder or here");
   command->add_flag("--json", arguments->json, "a line of JSON per window instead of the table");
-  command->add_option("--config", arguments->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
-  command->add_option("--set", arguments->settings, "set one option, may be repeated; wins over --config")
-      ->type_name("KEY=VALUE")
-      .one_each();
+  add_option_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more");
   command->footer("Exit code: 0 if all could be rebuilt, 1 if not, 2 for a wrong command line.");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return ruminate(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, ruminate);
 }
 
 }  // namespace rumi::tool

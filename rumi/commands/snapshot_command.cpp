@@ -7,14 +7,10 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 
-#include "base/command_line.h"
 #include "base/failures.h"
-#include "base/options.h"
-#include "bus/process/process.h"
-#include "bus/transport/lcm_bus.h"
 #include "camera_driver/open_source.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/map_file.h"
@@ -27,13 +23,13 @@
 namespace rumi::tool {
 namespace {
 
-struct Arguments {
-  std::string out, lcm_url = kDefaultLcmUrl;
-  ChannelNames names;
+struct Arguments : BusFlags {
+  std::string out;
   double timeout_s = 10;
   bool update = false, quiet = false;
   uint64_t since_us = 0;
-  std::string images, config;
+  std::string images;
+  OptionFlags flags;  // --config alone: how the images are played
   AllOptions options;
 };
 
@@ -125,23 +121,24 @@ map_server::LandmarkColours colours_of(const Arguments& arguments, const map_ser
   const std::string thrown = thrown_by([&] {
     spdlog::set_level(spdlog::level::err);  // what is odd in the recording was said when it began
     const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
-    if (!recording.ok()) throw std::runtime_error(recording.error);
+    fail_if(recording.error);
     if (recording.source->plays_few_quickly()) colours = landmark_colours(atlas, *recording.source).colours;
   });
   if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
   return colours;
 }
 
-std::string take_snapshot(const Arguments& arguments) {
-  std::string error = check_output_folder(arguments.out);
-  if (!error.empty()) return error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
-  if (!bus) return error;
+void take_snapshot(Arguments& arguments) {
+  OptionTable table;
+  describe(table, arguments.options);
+  load(table, arguments.flags);
+  fail_if(check_output_folder(arguments.out));
+  const std::unique_ptr<LcmBus> bus = open_bus(arguments);
   const SnapshotResult snapshot = request_snapshot(*bus, arguments.timeout_s, kListenS);
   if (!snapshot.error.empty()) {
     std::error_code not_empty;
     std::filesystem::remove(arguments.out, not_empty);
-    return snapshot.error;
+    fail_if(snapshot.error);
   }
   const nlohmann::ordered_json processes = known_processes(arguments, snapshot);
   std::string copy_problem;
@@ -156,33 +153,13 @@ std::string take_snapshot(const Arguments& arguments) {
   if (!copy_problem.empty()) missing.push_back(copy_problem);
   nlohmann::ordered_json run = run_record(arguments, counts, processes);
   const std::string all_missing = note_missing(missing, arguments.out, &run);
-  error = write_run_json(arguments.out, run);
-  if (error.empty()) error = all_missing;
-  if (error.empty() && !arguments.quiet) {
-    std::vector<std::string> not_in_it = left_out(atlas, before);
-    if (const std::string dropped = describe_dropped(processes); !dropped.empty()) not_in_it.push_back(dropped);
-    print_summary(counts, describe_localization(counts, snapshot.localized_after_s), not_in_it, arguments.out);
-    print_processes(processes);
-  }
-  return error;
-}
-
-int run(Arguments& arguments) {
-  OptionTable table;
-  describe(table, arguments.options);
-  std::string error = load_options(table, arguments.config, {});
-  if (!error.empty()) {
-    fmt::print(stderr, "rumi snapshot: {}\n", error);
-    return 2;
-  }
-  try {
-    error = take_snapshot(arguments);
-  } catch (const std::exception& e) {
-    error = reason_of(e);
-  }
-  if (error.empty()) return 0;
-  fmt::print(stderr, "rumi snapshot: {}\n", error);
-  return 1;
+  fail_if(write_run_json(arguments.out, run));
+  fail_if(all_missing);
+  if (arguments.quiet) return;
+  std::vector<std::string> not_in_it = left_out(atlas, before);
+  if (const std::string dropped = describe_dropped(processes); !dropped.empty()) not_in_it.push_back(dropped);
+  print_summary(counts, describe_localization(counts, snapshot.localized_after_s), not_in_it, arguments.out);
+  print_processes(processes);
 }
 
 }  // namespace
@@ -194,9 +171,7 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
       ->add_option("-o,--output", arguments->out,
                    "folder; one with files that would be overwritten is refused, unless an earlier run made them")
       ->required();
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix,
-                      "put before every channel name (several robots on one bus)");
+  add_bus_flags(command, arguments.get());
   command->add_option("--timeout", arguments->timeout_s, "wait so long for an answer, s")->positive()->show_default();
   command->add_flag("--update", arguments->update, "keep what an earlier snapshot knew of processes that have ended");
   command->add_flag("-q,--quiet", arguments->quiet, "say only what went wrong");
@@ -208,8 +183,9 @@ void add_snapshot_command(CommandLine& app, std::function<int()>* chosen) {
                    "the recording that the system plays: landmarks of map.ply get the colours of its images; with "
                    "--config of the system, where that says how it is played")
       ->type_name("RECORDING");
-  command->add_option("--config", arguments->config, "YAML file with the options of the system")->type_name("FILE");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  command->add_option("--config", arguments->flags.config, "YAML file with the options of the system")
+      ->type_name("FILE");
+  run_if_chosen(command, chosen, arguments, take_snapshot);
 }
 
 }  // namespace rumi::tool

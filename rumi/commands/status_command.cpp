@@ -7,19 +7,15 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/command_line.h"
 #include "base/json_text.h"
-#include "bus/process/process.h"
-#include "bus/transport/lcm_bus.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/live_status.h"
 
 namespace rumi::tool {
 namespace {
 
-struct Arguments {
-  std::string lcm_url = kDefaultLcmUrl;
-  ChannelNames names;
+struct Arguments : BusFlags {
   bool json = false, follow = false;
 };
 
@@ -38,26 +34,18 @@ void print(const LiveStatus& status, const Arguments& arguments) {
   std::fflush(stdout);
 }
 
-int run(const Arguments& arguments) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(arguments.lcm_url, arguments.names, &error);
-  if (!bus) {
-    fmt::print(stderr, "rumi status: {}\n", error);
-    return 1;
-  }
+void tell(const Arguments& arguments) {
+  const std::unique_ptr<LcmBus> bus = open_bus(arguments);
   LiveStatus status(*bus);
   listen(*bus, kListen);
-  if (status.to_json()["processes"].empty() && !arguments.follow) {
-    fmt::print(stderr, "rumi status: nothing is heard on {}; is Rumi running, with the same --lcm-url and prefix?\n",
-               arguments.lcm_url);
-    return 1;
-  }
+  if (status.to_json()["processes"].empty() && !arguments.follow)
+    fail_if(
+        fmt::format("nothing is heard on {}; is Rumi running, with the same --lcm-url and prefix?", arguments.lcm_url));
   print(status, arguments);
   while (arguments.follow && std::fflush(stdout) == 0) {
     listen(*bus, kRefresh);
     print(status, arguments);
   }
-  return 0;
 }
 
 }  // namespace
@@ -65,12 +53,10 @@ int run(const Arguments& arguments) {
 void add_status_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("status", "Show how a live system does: rates, latency, drops, tracking, map");
-  command->add_option("-l,--lcm-url", arguments->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
-  command->add_option("--channel-prefix", arguments->names.prefix,
-                      "put before every channel name (several robots on one bus)");
+  add_bus_flags(command, arguments.get());
   command->add_flag("--json", arguments->json, "as JSON");
   command->add_flag("-f,--follow", arguments->follow, "again every second, until Ctrl-C (JSON: a line each time)");
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, tell);
 }
 
 }  // namespace rumi::tool

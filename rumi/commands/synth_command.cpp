@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/command_line.h"
 #include "bus/wire/camera_file.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/synth/write_sequence.h"
 
@@ -55,11 +55,8 @@ std::string resolve(Flags& f) {
   return f.synth.check();
 }
 
-int run(Flags& f) {
-  if (const std::string error = resolve(f); !error.empty()) {
-    fmt::print(stderr, "rumi synth: {}\n", error);
-    return 2;
-  }
+void render(Flags& f) {
+  refuse_if(resolve(f));
   const bool live = !f.quiet && isatty(STDERR_FILENO);
   int frames = 0;
   const auto progress = [&](int done, int all) {
@@ -71,11 +68,10 @@ int run(Flags& f) {
   std::signal(SIGINT, [](int) { g_stop = 1; });
   std::signal(SIGTERM, [](int) { g_stop = 1; });
   if (const std::string error = write_sequence(f.synth, f.folder, f.overwrite, progress); !error.empty()) {
-    fmt::print(stderr, "{}rumi synth: {}\n", live ? "\n" : "", error);
-    return 1;
+    if (live) fmt::print(stderr, "\n");
+    fail_if(error);
   }
   if (!f.quiet) fmt::print("{}: {} frames, {}x{}\n", f.folder, frames, f.synth.camera.width, f.synth.camera.height);
-  return 0;
 }
 
 }  // namespace
@@ -113,7 +109,7 @@ void add_synth_command(CommandLine& app, std::function<int()>* chosen) {
   sub->add_option("--at", f->at_s, "seconds after the first image at which the hard passage begins")->one_each();
   sub->add_option("--for", f->for_s, "seconds that it lasts")->one_each();
   sub->add_flag("-q,--quiet", f->quiet, "no progress, no summary");
-  sub->on_chosen([f, chosen] { *chosen = [f] { return run(*f); }; });
+  run_if_chosen(sub, chosen, f, render);
 }
 
 }  // namespace rumi::tool

@@ -6,8 +6,8 @@
 #include <memory>
 #include <optional>
 
-#include "base/command_line.h"
 #include "base/failures.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/truth.h"
 #include "rumi/outputs/map_file.h"
@@ -28,32 +28,18 @@ const std::map<std::string, std::optional<viewer_offscreen::ViewKind>> kViews = 
     {"side", viewer_offscreen::ViewKind::kSide},
     {"follow", viewer_offscreen::ViewKind::kFollow}};
 
-std::string view(const Arguments& arguments) {
+void view(const Arguments& arguments) {
   const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
   AtlasPicture shown = make_picture(atlas, arguments.map);
   viewer_offscreen::MapPicture& picture = shown.picture;
   if (!arguments.groundtruth.empty()) {
     const TruthFile truth = read_groundtruth(arguments.groundtruth, arguments.truth);
-    if (!truth.ok()) return truth.error;
+    fail_if(truth.error);
     for (const std::string& note : truth.notes) fmt::print(stderr, "{}\n", note);
     for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }
-  return viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out);
-}
-
-int run(const Arguments& arguments) {
-  std::string error;
-  try {
-    error = view(arguments);
-  } catch (const std::exception& e) {
-    error = reason_of(e);
-  }
-  if (error.empty()) {
-    fmt::print("picture written to {}\n", arguments.out);
-    return 0;
-  }
-  fmt::print(stderr, "rumi view: {}\n", error);
-  return 1;
+  fail_if(viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out));
+  fmt::print("picture written to {}\n", arguments.out);
 }
 
 }  // namespace
@@ -74,7 +60,7 @@ void add_view_command(CommandLine& app, std::function<int()>* chosen) {
   command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
       ->one_of({"all", "oblique", "top", "side", "follow"})
       ->show_default();
-  command->on_chosen([arguments, chosen] { *chosen = [arguments] { return run(*arguments); }; });
+  run_if_chosen(command, chosen, arguments, view);
 }
 
 }  // namespace rumi::tool

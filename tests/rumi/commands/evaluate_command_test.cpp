@@ -6,7 +6,7 @@
 #include <fstream>
 #include <functional>
 
-#include "base/command_line.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "tests/support/temporary_folder.h"
 
@@ -55,7 +55,7 @@ class EvaluateCommandTest : public ::testing::Test {
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
     Said said;
-    said.code = chosen();
+    said.code = run_command("evaluate", chosen);
     std::fflush(stdout);
     said.out = ::testing::internal::GetCapturedStdout();
     said.err = ::testing::internal::GetCapturedStderr();

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/commands/command_frame.h"
+
+#include <cstdio>
+
+#include "base/failures.h"
+
+namespace rumi::tool {
+
+void fail_if(const std::string& error) {
+  if (!error.empty()) throw std::runtime_error(error);
+}
+
+void refuse_if(const std::string& error) {
+  if (!error.empty()) throw WrongOptions(error);
+}
+
+void complain(const std::string& name, const std::string& what) {
+  std::fflush(stdout);
+  std::fputs(("rumi " + name + ": " + what + "\n").c_str(), stderr);
+}
+
+int run_command(const std::string& name, const std::function<int()>& work) {
+  try {
+    return work();
+  } catch (const std::exception& e) {
+    complain(name, reason_of(e));
+    return dynamic_cast<const WrongOptions*>(&e) ? 2 : 1;
+  }
+}
+
+void add_option_flags(CommandLine* command, OptionFlags* flags) {
+  command->add_option("--config", flags->config, "YAML file with options, see config/rumi.yaml")->type_name("FILE");
+  command
+      ->add_option("--set", flags->settings,
+                   "set one option (`rumi config` lists them), may be repeated; wins over --config")
+      ->type_name("KEY=VALUE")
+      .one_each();
+}
+
+void load(OptionTable& table, const OptionFlags& flags) {
+  refuse_if(load_options(table, flags.config, flags.settings));
+}
+
+void add_bus_flags(CommandLine* command, BusFlags* flags) {
+  command->add_option("-l,--lcm-url", flags->lcm_url, "LCM URL")->envname("LCM_DEFAULT_URL")->show_default();
+  command->add_option("--channel-prefix", flags->names.prefix,
+                      "put before every channel name (several robots on one bus)");
+}
+
+std::unique_ptr<LcmBus> open_bus(const BusFlags& flags) {
+  std::string error;
+  std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
+  fail_if(error);
+  return bus;
+}
+
+}  // namespace rumi::tool

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/commands/up_arguments.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "bus/wire/camera_file.h"
+#include "map_server/store/map_store.h"
+#include "rumi/outputs/output_folder.h"
+
+namespace rumi::tool {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_yaml(const std::string& name) {
+  const std::string extension = fs::path(name).extension().string();
+  return extension == ".yaml" || extension == ".yml";
+}
+
+void take(const std::string& flag, std::string* option) {
+  if (!flag.empty()) *option = flag;
+}
+
+// Flags for a camera_driver where there is none; --camera is then for those who need a calibration. What is wrong, or
+// an empty string.
+std::string sort_out_camera(const AllOptions& options, UpArguments* arguments) {
+  if (!options.up.input.empty()) return {};
+  for (const std::string& setting : arguments->camera_settings) {
+    if (!setting.starts_with("--camera "))
+      return fmt::format("{}: there is no INPUT that this could be meant for", setting.substr(0, setting.find(' ')));
+    arguments->calibration = options.camera_driver.camera_file;
+    const CameraFileResult read = read_camera_file(arguments->calibration);
+    if (!read.ok()) return read.error;
+  }
+  return {};
+}
+
+}  // namespace
+
+bool is_file(const std::string& database) { return !database.empty() && database != map_server::kInMemory; }
+
+std::string sort_out(UpArguments* arguments) {
+  arguments->snapshot = arguments->asked_snapshot.value_or("");
+  if (arguments->asked_snapshot && arguments->snapshot.empty()) return "--output is empty: give a folder";
+  for (const std::string& name : {arguments->first, arguments->second}) {
+    if (name.empty()) continue;
+    std::string& meant = is_yaml(name) ? arguments->config : arguments->input;
+    if (!meant.empty())
+      return fmt::format("{} and {}: give one INPUT, and one CONFIG, whose name ends in .yaml", meant, name);
+    meant = name;
+  }
+  return {};
+}
+
+std::string read_options(UpArguments* arguments, AllOptions* options, OptionTable* table) {
+  describe(*table, *options);
+  std::vector<std::string> settings = arguments->settings;
+  settings.insert(settings.end(), arguments->camera_settings.begin(), arguments->camera_settings.end());
+  const std::string problem = load_options(*table, arguments->config, settings);
+  if (!problem.empty()) return problem;
+  take(arguments->input, &options->up.input);
+  take(arguments->up.lcm_url, &options->up.lcm_url);
+  take(arguments->up.channel_prefix, &options->up.channel_prefix);
+  take(arguments->up.channel, &options->up.channel);
+  if (arguments->fresh && options->map_server.localize_only)
+    return "--fresh: there would be no map to localize in (map_server.localize_only)";
+  const std::string unused = sort_out_camera(*options, arguments);
+  if (!unused.empty()) return unused;
+  // Also a map that goes on: map_server has it open.
+  if (!arguments->snapshot.empty() && is_file(options->map_server.database)) {
+    const std::string replaced = check_map_stays(options->map_server.database, arguments->snapshot);
+    if (!replaced.empty()) return replaced;
+  }
+  return check(options->camera_driver);
+}
+
+}  // namespace rumi::tool
