@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "camera_driver/source/timestamps.h"
-#include "slam/numeric/median.h"
+#include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -33,7 +33,7 @@ class Ordering {
   FrameOrder run() {
     for (std::string error : {check_duplicates(), check_clocks()})
       if (!error.empty()) return {{}, {}, {}, false, std::move(error)};
-    period_us_ = median_period_us();
+    if (const int64_t step_us = usual_step(times_); step_us > 0) period_us_ = step_us;
     if (is_in_disorder())
       sort_all();
     else
@@ -97,13 +97,6 @@ class Ordering {
     std::iota(all.begin(), all.end(), 0);
     std::stable_sort(all.begin(), all.end(), [this](size_t a, size_t b) { return earlier(a, b); });
     return all;
-  }
-
-  int64_t median_period_us() const {
-    std::vector<int64_t> steps;
-    for (size_t i = 1; i < times_.size(); ++i)
-      if (time(i) > time(i - 1)) steps.push_back(time(i) - time(i - 1));
-    return steps.empty() ? kUsualPeriodUs : median(&steps);
   }
 
   bool is_in_disorder() const {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "camera_driver/source/timestamps.h"
-#include "slam/numeric/median.h"
+#include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -24,12 +24,10 @@ std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
     sorted.push_back(*utime_us);
   }
   std::sort(sorted.begin(), sorted.end());
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < sorted.size(); ++i) steps.push_back(sorted[i] - sorted[i - 1]);
-  std::vector<int64_t> copy = steps;
-  const int64_t usual = median(&copy);
+  std::vector<int64_t> all = steps(sorted);
+  const int64_t usual = median(&all);
   int64_t sum = 0;
-  for (const int64_t step : steps) sum += std::abs(step - usual);
+  for (const int64_t step : all) sum += std::abs(step - usual);
   return sum;
 }
 
@@ -51,9 +49,8 @@ std::optional<std::vector<int64_t>> numbers_of_32_bits(const std::vector<std::st
 bool are_microseconds(std::vector<int64_t> numbers) {
   constexpr int64_t kShortestUs = 500, kLongestUs = 10'000'000;
   std::sort(numbers.begin(), numbers.end());
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < numbers.size(); ++i) steps.push_back(numbers[i] - numbers[i - 1]);
-  const int64_t usual = median(&steps);
+  std::vector<int64_t> all = steps(numbers);
+  const int64_t usual = median(&all);
   return usual >= kShortestUs && usual <= kLongestUs;
 }
 

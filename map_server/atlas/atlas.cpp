@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "map_server/links/may_share_images.h"
+
 namespace rumi::map_server {
 namespace {
 
@@ -29,11 +31,6 @@ bool hangs_on_placed_keyframe(const AtlasSubmap& owner, const FramePose& frame) 
 bool is_between_its_frames(ImageId image, const Submap& submap) {
   return image.stream == submap.stream && !submap.frames.empty() && submap.frames.begin()->first <= image.utime_us &&
          image.utime_us <= submap.frames.rbegin()->first;
-}
-
-bool overlap_in_time(const Submap& a, const Submap& b) {
-  return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
-         a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;
 }
 
 bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
@@ -250,7 +247,7 @@ const Atlas::Counted& Atlas::count(const AtlasSubmap& owner, const std::vector<c
   std::vector<const Submap*> beside;
   std::vector<std::pair<SubmapKey, int64_t>> of{{owner.submap.key, owner.submap.revision}};
   for (const Submap* other : before)
-    if (overlap_in_time(*other, owner.submap)) {
+    if (may_share_images(*other, owner.submap)) {
       beside.push_back(other);
       of.emplace_back(other->key, other->revision);
     }

@@ -21,6 +21,8 @@
 
 namespace rumi::ruminator {
 
+inline constexpr int64_t kBytesPerMb = 1'000'000;
+
 struct RebuildQueueOptions {
   BuildOptions build;
   int ring_mb = 256;                 // images kept in memory
