@@ -29,7 +29,7 @@ std::vector<std::string> all(const std::vector<ListLine>& lines, std::string Lis
   return values;
 }
 
-// 0, 1, 2 ... or 1, 2, 3 ...
+// True for 0, 1, 2 ... and 1, 2, 3 ...
 bool count_images(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 10;
   if (times.size() < kLeast || (times[0] != "0" && times[0] != "1")) return false;
@@ -44,8 +44,7 @@ std::string content_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// "a (1).jpg", "a copy.jpg", "a - Copy.jpg" beside "a.jpg", with the same in it: what a file manager makes of a second
-// copy. Empty if the name is not such a one.
+// "a.jpg" for "a (1).jpg", "a copy.jpg" or "a - Copy.jpg", as file managers name a second copy. Empty for other names.
 std::string original_name(const fs::path& name) {
   const std::string stem = name.stem().string();
   for (const char* mark : {" (", " - ", " copy", "_copy"})
@@ -74,7 +73,7 @@ std::vector<ListLine> without_copies(FileList* list, std::vector<ListLine> lines
   return lines;
 }
 
-// Those of one camera, all if that is not to be told.
+// Keeps the lines of one camera, or all if the names do not tell cameras apart.
 std::vector<ListLine> choose(FileList* list, const std::vector<ListLine>& lines, const std::string& pattern) {
   const ImageChoice choice = choose_images(all(lines, &ListLine::name), pattern);
   if (!choice.error.empty()) list->error = fmt::format("{}: {}", list->source.string(), choice.error);
@@ -84,7 +83,7 @@ std::vector<ListLine> choose(FileList* list, const std::vector<ListLine>& lines,
   return chosen;
 }
 
-// All are of one length.
+// The names are of one length, see are_hexadecimal().
 void sort_by_hexadecimal(FileList* list, std::vector<ListLine>* lines) {
   const auto lower = [](std::string name) {
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -103,7 +102,7 @@ void sort_by_time(std::vector<ListLine>* lines) {
   });
 }
 
-// Fills in the entries.
+// Turns the lines into entries with times.
 void understand(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
   std::vector<std::string> times = all(lines, &ListLine::time);

@@ -21,20 +21,20 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
-// In whatever unit.
+// True for a time in any unit.
 bool is_number(const std::string& text) { return parse_time_us(text, TimeUnit::kNanoseconds).has_value(); }
 
-// Longer than any path: no line of a list, whatever the file is.
+// Longer than any path: a file with such a line is no list.
 constexpr size_t kLongestLine = 10'000;
 
-// The names of the columns, without the mark of a comment.
+// True for the first name of a line of column names that is no comment.
 bool is_heading(const std::string& time) {
   return !time.empty() && std::all_of(time.begin(), time.end(), [](unsigned char c) {
     return std::isalpha(c) != 0 || c == '_' || c == '[' || c == ']';
   });
 }
 
-// Around the whole text.
+// Removes quotes around the whole text.
 std::string without_quotes(const std::string& text) {
   const bool is_quoted =
       text.size() > 1 && (text[0] == '"' || text[0] == '\'') && text.find(text[0], 1) == text.size() - 1;
@@ -50,7 +50,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-// "1305031102,175304 a.png": the comma is that of a number, as a tool writes it whose language is so set.
+// "1305031102,175304 a.png": some tools write decimal commas, as their language setting says.
 void join_decimal_comma(ListLine* line, char separator) {
   const size_t digits = line->name.find_first_not_of("0123456789");
   const bool may_be = separator == ',' && digits != std::string::npos && digits > 0 &&
@@ -62,8 +62,8 @@ void join_decimal_comma(ListLine* line, char separator) {
   line->has_decimal_comma = true;
 }
 
-// "left.png right.png", "colour.png 12.5 depth.exr": the first one that is no depth is meant. A name may have spaces,
-// too.
+// Takes the first image that is no depth from "left.png right.png" or "colour.png 12.5 depth.exr". Names may have
+// spaces.
 void take_first_image(ListLine* line) {
   const std::vector<std::string> words = words_of(line->name);
   if (words.size() < 2) return;

@@ -15,7 +15,7 @@ namespace {
 constexpr int64_t kWrap = int64_t{1} << 32;
 constexpr int64_t kHalf = kWrap / 2;
 
-// How much the steps from time to time differ, all together; nothing if a time is no number of seconds.
+// The sum of how much each step between times differs from the usual one. Nothing if a time is no number of seconds.
 std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
   std::vector<int64_t> sorted;
   for (const std::string& time : times) {
@@ -45,7 +45,7 @@ std::optional<std::vector<int64_t>> numbers_of_32_bits(const std::vector<std::st
   return numbers;
 }
 
-// As from a camera: at most 2000 images a second, at least one in 10 s.
+// True if the steps are those of a camera: at most 2000 images a second, at least one in 10 s.
 bool are_microseconds(std::vector<int64_t> numbers) {
   constexpr int64_t kShortestUs = 500, kLongestUs = 10'000'000;
   std::sort(numbers.begin(), numbers.end());

@@ -41,7 +41,8 @@ void check_placement(SubmapKey key, const Placement& placement, const std::funct
   for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
   for (const auto& [id, into] : placement.fused) ok = ok && is_in_map(into.submap);
   if (!ok)
-    throw std::invalid_argument(fmt::format("the placement of submap {} of session {} is none", key.id, key.session));
+    throw std::invalid_argument(
+        fmt::format("the placement of submap {} of session {} is not valid", key.id, key.session));
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ class TruthReader {
     if (lines.empty()) return;
     note(fmt::format(
         "{} of its positions {} more than 100 usual steps away from those before and behind (first: line {}): if the "
-        "tracker slipped there, remove such lines",
+        "reference system was wrong there, remove such lines",
         lines.size(), lines.size() == 1 ? "is" : "are", lines[0]));
   }
 

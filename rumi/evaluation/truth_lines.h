@@ -47,11 +47,12 @@ class LineReader {
   std::string first_, why_;
 };
 
-// Numbers of the lines that lie alone, far from those before and behind them: where a tracker slipped for a moment.
+// Numbers of the lines whose positions lie far from those before and behind them: there the reference system was wrong
+// for a moment.
 std::vector<int> lines_apart(const TruthTable& table, const std::vector<RawPose>& poses);
-// Every quaternion is zero, or nan: whoever wrote it had positions only.
+// Every quaternion is zero or NaN: the writer had positions only.
 bool has_no_rotation(const TruthTable& table, const TruthColumns& columns);
-// Lines of ten fields whose last one is the name of an image; those between them are of its points.
+// COLMAP's images.txt: lines of ten fields that end with the name of an image; the lines between them hold its points.
 bool are_images_of_colmap(const TruthTable& table);
 
 }  // namespace rumi::tool

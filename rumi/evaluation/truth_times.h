@@ -13,15 +13,17 @@
 
 namespace rumi::tool {
 
-// Nothing where it is too far from 0 for the difference of two times.
+// Nothing for a time so far from 0 that differences of times could overflow.
 std::optional<int64_t> to_us(const RawTime& time, double per_second);
-// As a count of images is.
+// All times are whole numbers, and small enough to be numbers of images.
 bool are_small_and_whole(const std::vector<RawPose>& poses);
-// 1, 2, 3, ...: seconds only where the images are a second apart, too.
+// The times are 1, 2, 3, ... although the images are not a second apart.
 bool are_numbers_of_images(const std::vector<RawPose>& poses, const TruthOptions& options);
-// That of the times' size; or, where they are not since 1970, the one in which they are those of the images.
+// Times since 1970 tell their unit by their size. For other times it is the unit in which they overlap with those of
+// the images.
 TimeUnit unit_of(const std::vector<RawPose>& poses, const TruthOptions& options);
-// KITTI's times.txt, a second a line: beside the poses, above them, or in the sequence of the same number.
+// Reads KITTI's times.txt, one time in seconds a line: beside the poses, above them, or in the sequence of the same
+// number. *file becomes its name.
 std::optional<std::vector<double>> read_times(const std::string& truth_file, std::string* file);
 
 }  // namespace rumi::tool

@@ -19,8 +19,8 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr int64_t kAdoptPeriodUs = 10'000'000;  // looks for jobs whose ruminator has died
-constexpr int64_t kStopDeliveryUs = 2'000'000;  // so long a submap under way may still arrive
-constexpr double kMaxFrontRotationDeg = 5;  // median difference to a front submap; beyond it that submap is warned of
+constexpr int64_t kStopDeliveryUs = 2'000'000;  // after stop(), time for a submap that is being sent
+constexpr double kMaxFrontRotationDeg = 5;      // median difference to a front submap that is warned of
 
 const char* word_of(int8_t state) {
   constexpr const char* kWords[] = {"collecting", "queued", "extracting", "matching", "mapping", "published", "failed"};
@@ -39,7 +39,7 @@ std::string describe_result(const RuminationWindow& window, const BuildResult& r
                      r.cpu_s, r.error_px);
 }
 
-// For jobs that are in memory.
+// The work folder of a job in memory.
 std::string temporary_work_folder(JobName name, const std::string& also) {
   return (std::filesystem::path(scratch_folder(also)) /
           fmt::format("rumi-{}-{}", unique_process_name("ruminator"), to_string(name)))
@@ -87,7 +87,7 @@ void RebuildQueue::tick(int64_t now_us) {
   announce_all(now_us);
 }
 
-// False if somebody else works on it, or has.
+// False if another process works on the window, or has rebuilt it.
 bool RebuildQueue::claim(QueueEntry& entry) {
   InSpool* const spooled = entry.spooled();
   if (!spooled || spooled->claim) return true;
@@ -105,7 +105,7 @@ void RebuildQueue::start_next(int64_t now_us) {
         start(entry);
         take_report(now_us);  // at once where there is no thread
       } else {
-        entries_.erase(entry);  // adopt() finds it again, should whoever has it die
+        entries_.erase(entry);  // if the process that has it dies, adopt() finds it again
       }
     }
     entry = next;
@@ -133,7 +133,7 @@ void RebuildQueue::start(Entries::iterator entry) {
   BuildTask task;
   const std::string problem = make_task(*entry, &task);
   if (!problem.empty()) return fail(entry, problem);
-  // A job that ended the process again and again would do so for ever.
+  // A job that ends the process must not do so for ever.
   if (entry->tries > options_.build_tries)
     return fail(entry, fmt::format("rebuilding was begun {} times and never ended", entry->tries - 1));
   {
@@ -149,7 +149,7 @@ void RebuildQueue::on_progress(const BuildProgress& progress) {
   {
     const std::scoped_lock lock(progress_mutex_);
     progress_ = progress;
-    // An estimate depends on how busy the machine is: where there is no thread, all must be repeatable.
+    // The estimate depends on the load of the machine; without a thread, runs must be repeatable.
     if (!options_.build_thread) progress_->remaining_s = -1;
   }
   if (!options_.build_thread) take_progress();
@@ -206,7 +206,7 @@ void RebuildQueue::tell(const QueueEntry& entry, const BuildResult& r) {
             r.origin.empty() ? "" : ", ", r.origin);
   if (!r.warning.empty()) log_warning("window {}: {}", id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
-    // The back submap has passed its own tests: it is the front's that is likely to be wrong.
+    // The back submap has passed its own tests, so the front submap is likely to be wrong.
     if (a.rotation_deg > kMaxFrontRotationDeg)
       log_warning("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", id, a.submap_id,
                   a.rotation_deg, a.frames);
@@ -245,7 +245,7 @@ void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
   entries_.erase(entry);
 }
 
-// Not now, but at the next start if it is in the spool.
+// Does not rebuild the window now. If it is in the spool, the next start does.
 void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
   InSpool* const spooled = entry->spooled();
   log_info("window {}: not rebuilt, {}{}", entry->window.id, reason,
@@ -288,7 +288,7 @@ std::string RebuildQueue::waits_for() const {
   if (worker_.busy()) return "a window is being rebuilt";
   if (stopping_ && bus_.now_us() - stopped_us_ >= kStopDeliveryUs) return {};
   for (const QueueEntry& e : entries_) {
-    // What waits and is not claimable is another ruminator's.
+    // A window that waits and cannot be claimed belongs to another ruminator.
     if (stopping_ ? !e.is<Sent>() : e.is<LeftForNextStart>()) continue;
     if (e.is<Waiting>()) return fmt::format("window {} is not rebuilt", e.window.id);
     return fmt::format("map_server has not taken the back submap of window {}", e.window.id);

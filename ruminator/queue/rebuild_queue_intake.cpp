@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How windows come into the queue: from the ruminator's own tracking, or from the spool; and which of them must go
-// where there are too many.
+// How windows enter the queue, from the node or from the spool, and which are dropped if there are too many.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -52,7 +51,7 @@ void RebuildQueue::adopt_window(JobName name) {
   announce(entry);
 }
 
-// Nothing: the spool has it already.
+// Puts the job into the spool or into memory. Returns nothing if the spool has the window already.
 std::optional<RebuildQueue::Place> RebuildQueue::place(WindowJob job) {
   if (spool_) {
     std::string error;
@@ -73,7 +72,7 @@ void RebuildQueue::add(WindowJob job) {
   if (!place_of_it)
     return log_warning("window {} is in the spool already: another ruminator shares it", to_string(entry.name));
   entry.place = std::move(*place_of_it);
-  // Where there is no thread, time stands still while a window is rebuilt.
+  // Without a thread, the bus's time stands still while a window is rebuilt.
   const int64_t resumed_utime_us = entry.window.resumed_utime_us;
   if (options_.build_thread && resumed_utime_us > 0 && frame_utime_us_ >= resumed_utime_us)
     entry.resumed_us = bus_.now_us() - (frame_utime_us_ - resumed_utime_us);
@@ -95,7 +94,7 @@ void RebuildQueue::refuse(const RuminationWindow& window, const std::string& rea
   if (built_handler_) built_handler_(window, nothing);
 }
 
-// The newest loss matters most: what waited longest goes first.
+// Drops windows that are too many, the oldest first, because the newest loss matters most.
 void RebuildQueue::limit() {
   const auto waits = [](const QueueEntry& e) { return e.is<Waiting>(); };
   const auto holds_submap = [](const QueueEntry& e) { return e.holds_submap(); };
@@ -120,7 +119,7 @@ void RebuildQueue::drop(Entries::iterator entry, const std::string& reason) {
   if (claim(*entry))
     fail(entry, reason);
   else
-    entries_.erase(entry);  // it is somebody else's now
+    entries_.erase(entry);  // another process has it now
 }
 
 }  // namespace rumi::ruminator
