@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -17,6 +16,7 @@
 #include <stdexcept>
 
 #include "base/nearest_word.h"
+#include "base/number_text.h"
 
 namespace rumi {
 namespace {
@@ -30,14 +30,6 @@ const std::set<std::string> kSectionsOfAll = {"up",        "camera_driver", "ima
 // At the top of the calibration of a camera.
 const std::set<std::string> kKeysOfCalibrations = {
     "fx", "camera_matrix", "image_width", "intrinsics", "resolution", "model_type", "model", "cam0", "Camera"};
-
-// The whole text or nothing: "12abc" and "" are no numbers.
-template <class T>
-bool parse_number(const std::string& text, T* value) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, *value);
-  return error == std::errc() && stop == end;
-}
 
 std::string section_of(const std::string& key) { return key.substr(0, key.find('.')); }
 
@@ -189,12 +181,11 @@ std::string OptionTable::assign(const Entry& entry, const std::string& text, boo
 
 std::string OptionTable::assign_to(const Field& to, const Entry& entry, const std::string& text, bool apply) {
   const auto number = [&](auto* field) -> std::string {
-    auto value = *field;
-    constexpr bool is_int = std::is_same_v<decltype(value), int>;
-    // from_chars reads "nan" and "inf" too; neither is in any range.
-    const bool ok = parse_number(text, &value) && std::isfinite(static_cast<double>(value)) && value >= entry.min &&
-                    value <= entry.max;
-    if (ok && apply) *field = value;
+    using Number = std::remove_pointer_t<decltype(field)>;
+    constexpr bool is_int = std::is_same_v<Number, int>;
+    const auto value = parse_number<Number>(text);
+    const bool ok = value && std::isfinite(static_cast<double>(*value)) && *value >= entry.min && *value <= entry.max;
+    if (ok && apply) *field = *value;
     if (ok) return "";
     return fmt::format("{} = {}: expected a {} from {} to {}{}{}", entry.key, quoted(text),
                        is_int ? "whole number" : "number", entry.min, entry.max, entry.unit.empty() ? "" : " ",

@@ -16,6 +16,7 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/file_list.h"
+#include "camera_driver/recording/folder_contents.h"
 #include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/own_output.h"
 #include "camera_driver/recording/recorded_source.h"

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 
+#include "base/number_text.h"
 #include "camera_driver/recording/image_file.h"
 #include "camera_driver/source/max_side.h"
 #include "camera_driver/v4l2/pixel_format.h"
@@ -30,10 +30,8 @@ constexpr double kMaxControl = 1e6;
 // Empty, "auto", or a number.
 std::string check_control(const char* name, const std::string& value, double min) {
   if (value.empty() || value == "auto") return {};
-  double number = 0;
-  const char* end = value.data() + value.size();
-  const auto [stop, code] = std::from_chars(value.data(), end, number);
-  if (code == std::errc() && stop == end && within(number, min, kMaxControl)) return {};
+  const auto number = parse_number<double>(value);
+  if (number && within(*number, min, kMaxControl)) return {};
   return fmt::format("camera_driver.{} is '{}': must be auto or a number from {} to {}", name, value, min, kMaxControl);
 }
 

@@ -24,8 +24,7 @@ constexpr int64_t kAnnouncePeriodUs = 1'000'000;
 constexpr int64_t kMatchWaitUs = 500'000;  // that the state of a frame waits for its image
 constexpr size_t kMaxPending = 256;        // states that wait so
 constexpr int kMaxUnsettled = 128;         // images that wait for their states: front_tracker may be down
-constexpr int64_t kBytesPerMb = 1'000'000;
-constexpr int kJpegQuality = 95;  // of kept images that came uncompressed
+constexpr int kJpegQuality = 95;           // of kept images that came uncompressed
 
 ImageId image_of(const track_t& track) { return {track.utime, track.stream}; }
 

@@ -10,17 +10,17 @@ namespace rumi {
 namespace {
 
 constexpr int64_t kSilentUs = 5'000'000;
-constexpr int64_t kFutureUs = 60'000'000;  // computers need not agree on the time
+constexpr int64_t kFutureUs = 60'000'000;  // the clocks of two computers may differ by so much
 
 }  // namespace
 
-// A clock that went back, such as a log's that begins again, is no reason to wait for ever.
+// If the clock goes back, as when a log begins again, nobody waits for ever.
 bool NewestSender::is_older(int64_t number, int64_t now_us) const {
   return is_lower(number) && now_us >= heard_us_ && now_us - heard_us_ <= kSilentUs;
 }
 
 bool NewestSender::take(int64_t number, int64_t now_us) {
-  // A broken message, or a session of a replay that comes after those of a map: it says nothing of the others.
+  // A broken message, or the session of a replay that follows those of a map, says nothing about other senders.
   if (number > now_us && now_us >= 0 && number - now_us > kFutureUs) return true;
   if (!is_older(number, now_us)) {
     newest_ = is_lower(number) ? number : std::max(newest_, number);

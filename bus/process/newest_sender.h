@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Of two processes that say the same things on one bus, the newer one. The other one is mostly a log that is played
+// Listens to the newer one of two senders of the same messages on one bus. The other one is mostly a log that is played
 // with all its channels beside a running system.
 #pragma once
 

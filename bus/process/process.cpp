@@ -34,7 +34,7 @@ constexpr int64_t kStatusPeriodUs = 1'000'000;
 constexpr const char* kLossAdvice =
     "the receive buffer is too small for what comes, or the machine too busy; recv_buf_size=8388608 in the LCM URL and "
     "`sudo sysctl -w net.core.rmem_max=8388608` help";
-// So long whoever is on the bus already may take to say so. Each start waits for it, also after a crash.
+// How long a process that is on the bus already may take to answer. Each start waits for it, also after a crash.
 constexpr std::chrono::milliseconds kAnswer{100};
 enum ExitCode { kOk = 0, kFailure = 1, kNotAgain = 2 };
 
@@ -44,7 +44,7 @@ std::atomic<bool> g_reload = false;
 static_assert(std::atomic<int>::is_always_lock_free, "it is used in a signal handler");
 
 extern "C" void on_stop_signal(int signal) {
-  // The second one: whoever asks twice does not want to wait.
+  // The second signal ends the process at once.
   if (++g_stop_signals > 1) _exit(128 + signal);
 }
 
@@ -56,14 +56,14 @@ void catch_signal(int signal, void (*handler)(int)) {
   action.sa_flags = SA_RESTART;
   action.sa_handler = handler;
   sigaction(signal, &action, nullptr);
-  // Whoever starts us may have it wait until now (ChildLaunch::held_signals).
+  // The parent process may have blocked it until now (ChildLaunch::held_signals).
   sigset_t unblocked;
   sigemptyset(&unblocked);
   sigaddset(&unblocked, signal);
   pthread_sigmask(SIG_UNBLOCK, &unblocked, nullptr);
 }
 
-// At once: whoever starts us may ask at any time.
+// Called first, because the parent process may send the signal at any time.
 void catch_finish_signal() { catch_signal(SIGUSR1, on_finish_signal); }
 void catch_reload_signal() { catch_signal(SIGUSR2, on_reload_signal); }
 void catch_stop_signals() {
@@ -104,7 +104,7 @@ std::string read_options(const CommonFlags& flags, const ProcessDescription& des
   return problem.empty() && description.check_options ? description.check_options() : problem;
 }
 
-// What the running node makes of changed options.
+// Reads the options again and hands them to the running node.
 void reload(const CommonFlags& flags, OptionTable* table, const ProcessDescription& description, Node& node) {
   table->reset();
   std::string problem = read_options(flags, description, table);
@@ -112,14 +112,14 @@ void reload(const CommonFlags& flags, OptionTable* table, const ProcessDescripti
   if (!problem.empty()) log_error("options read again, but not used: {}", problem);
 }
 
-// Tells others that it is here. Returns why it must end, or an empty string.
+// Answers processes that ask who is on the bus. Returns why this process must end, or an empty string.
 std::string look_around(OnlyOne& only_one, StatusPublisher& status, SafeNode& node, int64_t now_us) {
   if (only_one.take_question()) status.answer(node, now_us);
   if (const std::string warning = only_one.take_warning(); !warning.empty()) log_warning("{}", warning);
   return only_one.problem();
 }
 
-// Returns why it must not begin, or an empty string.
+// Asks who is on the bus. Returns why this process must not begin, or an empty string.
 std::string ask_around(Bus& bus, OnlyOne& only_one) {
   only_one.ask();
   const auto end = std::chrono::steady_clock::now() + kAnswer;
@@ -127,7 +127,7 @@ std::string ask_around(Bus& bus, OnlyOne& only_one) {
   return only_one.problem();
 }
 
-// Returns why it ended too soon, or an empty string.
+// Runs the node to its end. Returns why it ended too soon, or an empty string.
 std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne* only_one,
                      const std::function<void()>& on_reload) {
   std::string problem;
@@ -147,7 +147,7 @@ std::string run_node(Bus& bus, SafeNode& node, StatusPublisher& status, OnlyOne*
   };
   run_while([&] { return g_stop_signals == 0 && g_finish_signals == 0 && !node.done(); });
   if (!problem.empty()) return problem;
-  bus.dispatch(0);  // what had arrived when we were asked to end, as the last images of a camera that was ended first
+  bus.dispatch(0);  // messages that arrived before the signal, such as the last images of a camera that ended first
   log_debug("ending");
   if (g_stop_signals == 0) node.finish();
   if (g_finish_signals > 0) run_while([&] { return g_stop_signals == 0 && !node.finished(); });
@@ -245,7 +245,7 @@ void StatusPublisher::note_losses(NodeStatus* status) {
 
 void StatusPublisher::tick(Node& node, int64_t now_us) {
   if (started_us_ == 0) started_us_ = now_us;
-  // A clock that went back (a log played again) starts a new second.
+  // If the clock goes back (a log is played again), a new second begins.
   if (!is_due(now_us, last_us_, kStatusPeriodUs)) return;
   publish(node, now_us, process_status_t::RUNNING);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A node whose process does not end because of what it throws: that is counted, logged now and then, and told in its
-// status, and it goes on. (What a handler of messages throws the bus catches, see transport/handler.h.)
+// Catches what a node throws, so that its process goes on. It counts the exceptions, logs them now and then, and tells
+// of them in the status. (The bus catches what message handlers throw, see transport/handler.h.)
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ class SafeNode : public Node {
  public:
   explicit SafeNode(std::unique_ptr<Node> node);
 
-  // After one that threw the next has to wait a little: one that throws every time must not take all of the CPU.
+  // After a tick that threw, the next one waits a little, so that a tick that always throws does not take all the CPU.
   void tick(int64_t now_us) override;
   int64_t next_tick_us(int64_t now_us) const override;
   // Degraded if something was thrown since the last one.

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -20,6 +19,7 @@
 #include "base/failures.h"
 #include "base/file_descriptor.h"
 #include "base/log.h"
+#include "base/number_text.h"
 #include "bus/transport/handler.h"
 
 namespace rumi {
@@ -55,9 +55,8 @@ bool lacks_port(const std::string& url) {
   if (network.empty()) return false;
   const size_t colon = network.find(':');
   const std::string port = colon == std::string::npos ? "" : network.substr(colon + 1);
-  int number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  return error != std::errc() || end != port.data() + port.size() || number < 1 || number > 65535;
+  const auto number = parse_number<int>(port);
+  return !number || *number < 1 || *number > 65535;
 }
 
 // Asked before LCM is, whose own answer is a page long. Nothing is sent.

@@ -36,10 +36,6 @@ struct FileList {
 FileList read_tum_list(const std::filesystem::path& rgb_txt, const CameraOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
 FileList read_euroc_list(const std::filesystem::path& data_csv, const CameraOptions& options);
-// "12 .gif, 3 without an ending": the files of a folder that are not taken for images; empty if there are none.
-std::string other_files(const std::filesystem::path& folder);
-// "a.mp4, b.lcm": names of the videos and lcm logs in a folder; empty if there are none.
-std::string recordings_in(const std::filesystem::path& folder);
 // All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
 FileList list_image_folder(const std::filesystem::path& folder, const CameraOptions& options);
 

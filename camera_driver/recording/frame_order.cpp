@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "camera_driver/source/timestamps.h"
-#include "slam/numeric/median.h"
+#include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -33,7 +33,7 @@ class Ordering {
   FrameOrder run() {
     for (std::string error : {check_duplicates(), check_clocks()})
       if (!error.empty()) return {{}, {}, {}, false, std::move(error)};
-    period_us_ = median_period_us();
+    if (const int64_t step_us = usual_step(times_); step_us > 0) period_us_ = step_us;
     if (is_in_disorder())
       sort_all();
     else
@@ -61,8 +61,8 @@ class Ordering {
                        times_.size(), doubled);
   }
 
-  // Two clocks in turn: each rises, image by image it is mostly the other one, and sorted their images would lie far
-  // from where they are stored.
+  // Finds times of two clocks in turn: each clock rises, mostly every other image is of the other clock, and sorting
+  // would move images far from where they are stored.
   std::string check_clocks() const {
     std::array<Frames, 2> clocks;
     size_t last = 0, turns = 0;
@@ -84,7 +84,7 @@ class Ordering {
         static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6);
   }
 
-  // Of a frame from where it is stored to where its time is, in frames.
+  // How far frames are stored from their place in the order of times, in frames.
   size_t median_displacement() const {
     Frames sorted = all_by_time();
     std::vector<size_t> displacements;
@@ -97,13 +97,6 @@ class Ordering {
     std::iota(all.begin(), all.end(), 0);
     std::stable_sort(all.begin(), all.end(), [this](size_t a, size_t b) { return earlier(a, b); });
     return all;
-  }
-
-  int64_t median_period_us() const {
-    std::vector<int64_t> steps;
-    for (size_t i = 1; i < times_.size(); ++i)
-      if (time(i) > time(i - 1)) steps.push_back(time(i) - time(i - 1));
-    return steps.empty() ? kUsualPeriodUs : median(&steps);
   }
 
   bool is_in_disorder() const {
@@ -123,8 +116,9 @@ class Ordering {
     order_.is_sorted = true;
   }
 
-  // Goes through the frames as they are stored. Where the time goes back, the fewer are in doubt: those before that are
-  // later, or those from here on that are earlier. If neither are few, the clock was set back.
+  // Goes through the frames as they are stored. Where the time goes back, either earlier frames with later times or the
+  // following frames with earlier times are wrong: the fewer of them are in doubt. If both are many, the clock was set
+  // back.
   void follow() {
     parts_.emplace_back();
     for (size_t i = 0; i < times_.size(); ++i) {
@@ -155,14 +149,14 @@ class Ordering {
     put_back();
   }
 
-  // How many frames from `begin` on come before one that is later than utime_us. Counted no further than matters.
+  // Counts the frames from `begin` up to the first one later than utime_us, or stops once they are more than a few.
   size_t frames_not_after(int64_t utime_us, size_t begin) const {
     size_t count = 0;
     while (begin + count < times_.size() && count <= kFew && time(begin + count) <= utime_us) ++count;
     return count > kFew ? times_.size() : count;
   }
 
-  // Each frame in doubt of the present part to its place, if that is near.
+  // Puts each frame in doubt of the current part into the order of times, if its place is near.
   void put_back() {
     Frames& part = parts_.back();
     const Frames sure = part;  // in stored order and in that of their times
@@ -202,7 +196,7 @@ class Ordering {
     for (const Frames& part : sorted) parts_[0].insert(parts_[0].end(), part.begin(), part.end());
   }
 
-  // A few frames at an end that are many times farther from all others than these last.
+  // Cuts off a few frames at either end if the pause between them and the rest is many times as long as the rest.
   void cut_ends() {
     Frames& first = parts_.front();
     Frames& last = parts_.back();

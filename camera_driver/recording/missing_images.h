@@ -13,9 +13,9 @@ struct MissingImages {
   int64_t period_us = 0;  // from an image to the next
 };
 
-// Those that a recorder has lost, as far as the times show it: of images that come at one rate, the steps from one to
-// the next are then whole periods. None where the steps are of any length, as where only changes were recorded, and of
-// a pause: a step of more than ten periods.
+// Counts the images that a recorder has lost, as far as the times show it: if images come at one rate, the steps are
+// whole periods. Counts none if the steps have any length (a camera that records only changes), and none in a pause of
+// more than ten periods.
 MissingImages find_missing_images(const std::vector<OrderedFrame>& frames);
 
 }  // namespace rumi::camera_driver

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "camera_driver/source/timestamps.h"
-#include "slam/numeric/median.h"
+#include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr int64_t kWrap = int64_t{1} << 32;
 constexpr int64_t kHalf = kWrap / 2;
 
-// How much the steps from time to time differ, all together; nothing if a time is no number of seconds.
+// The sum of how much each step between times differs from the usual one. Nothing if a time is no number of seconds.
 std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
   std::vector<int64_t> sorted;
   for (const std::string& time : times) {
@@ -24,12 +24,10 @@ std::optional<int64_t> unevenness_us(const std::vector<std::string>& times) {
     sorted.push_back(*utime_us);
   }
   std::sort(sorted.begin(), sorted.end());
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < sorted.size(); ++i) steps.push_back(sorted[i] - sorted[i - 1]);
-  std::vector<int64_t> copy = steps;
-  const int64_t usual = median(&copy);
+  std::vector<int64_t> all = steps(sorted);
+  const int64_t usual = median(&all);
   int64_t sum = 0;
-  for (const int64_t step : steps) sum += std::abs(step - usual);
+  for (const int64_t step : all) sum += std::abs(step - usual);
   return sum;
 }
 
@@ -47,13 +45,12 @@ std::optional<std::vector<int64_t>> numbers_of_32_bits(const std::vector<std::st
   return numbers;
 }
 
-// As from a camera: at most 2000 images a second, at least one in 10 s.
+// True if the steps are those of a camera: at most 2000 images a second, at least one in 10 s.
 bool are_microseconds(std::vector<int64_t> numbers) {
   constexpr int64_t kShortestUs = 500, kLongestUs = 10'000'000;
   std::sort(numbers.begin(), numbers.end());
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < numbers.size(); ++i) steps.push_back(numbers[i] - numbers[i - 1]);
-  const int64_t usual = median(&steps);
+  std::vector<int64_t> all = steps(numbers);
+  const int64_t usual = median(&all);
   return usual >= kShortestUs && usual <= kLongestUs;
 }
 

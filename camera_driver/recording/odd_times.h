@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Times as some programs write them by mistake: read as they were meant, and that is said.
+// Repairs times that some programs write wrongly, and says so.
 #pragma once
 
 #include <string>

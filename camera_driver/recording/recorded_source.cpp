@@ -39,7 +39,7 @@ RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> re
       camera_(calibration.camera),
       options_(options) {}
 
-// Which frames are played, and in which order.
+// Decides which frames are played, and in which order.
 std::string RecordedSource::order(FrameOrder* order) const {
   const std::vector<int64_t>& utimes = reader_->utimes();
   const std::string no_times = reader_->why_no_times();
@@ -50,7 +50,7 @@ std::string RecordedSource::order(FrameOrder* order) const {
     const bool is_whole = order->frames.size() == utimes.size() && order->frames.back().part == 0;
     if (options_.rate_hz <= 0 || is_whole) return order->error;
   }
-  // New times: those that are there need not be good.
+  // With a rate the frames get new times, so the recorded ones may be wrong.
   *order = frames_at_rate(utimes.size(), rate_hz, utimes.front());
   return {};
 }
@@ -82,7 +82,7 @@ std::string RecordedSource::plan() {
   return {};
 }
 
-// What is left out beyond the part that is played does not matter.
+// Counts only frames within the part that is played.
 void RecordedSource::count_left_out(const FrameOrder& order) {
   const auto [first, last] = std::minmax_element(
       frames_.begin(), frames_.end(), [](const OrderedFrame& a, const OrderedFrame& b) { return a.frame < b.frame; });
@@ -106,7 +106,7 @@ void RecordedSource::count_left_out(const FrameOrder& order) {
   }
 }
 
-// By the times and the first image, whichever part is played. With times of our own it is another stream.
+// The name depends on all times and the first image, not on the part that is played. New times make another stream.
 void RecordedSource::name_streams() {
   StreamName name;
   name.add(std::llround(options_.rate_hz * 1e6));
@@ -139,7 +139,7 @@ std::optional<image_t> RecordedSource::next() {
 std::optional<image_t> RecordedSource::fetch() {
   while (next_ < frames_.size() || begin_next_pass()) {
     const OrderedFrame& frame = frames_[next_++];
-    // Before loading: an unreadable image leaves a gap, it does not shift the others' times.
+    // This comes before loading, so that an unreadable image leaves a gap and does not shift the times of others.
     const int64_t utime_us = new_time(frame);
     if (only_ && !only_->contains(utime_us)) continue;
     std::optional<image_t> image = load_checked(frame.frame);
@@ -147,8 +147,7 @@ std::optional<image_t> RecordedSource::fetch() {
     if (!image) continue;
     image->utime = utime_us;
     ++handed_out_in_pass_;
-    // What an earlier process noted in a log, such as when it was published, is not true of this one. What it is an
-    // image of is.
+    // The metadata of a logged image, such as the time of publication, no longer hold. Only its stream does.
     const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
     const CameraFileResult& camera = camera_of(*image);
     image->metadata.clear();
@@ -161,7 +160,7 @@ std::optional<image_t> RecordedSource::fetch() {
 }
 
 bool RecordedSource::begin_next_pass() {
-  // Another pass would give nothing either, for ever.
+  // Without any usable image another pass would give none either.
   if (!options_.loop || handed_out_in_pass_ == 0) return false;
   const int64_t span_us = frames_.back().elapsed_us - frames_.front().elapsed_us;
   const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
@@ -241,7 +240,7 @@ void RecordedSource::tell_of_other_camera(size_t frame, const CameraFileResult& 
   last_calibration_ = std::move(yaml);
 }
 
-// Counts in the first pass only: in a loop the same frames would be counted again and again.
+// Counts in the first pass only, because a loop skips the same frames again.
 void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& message) {
   if (pass_ > 0) return;
   const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "slam/numeric/median.h"
+#include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -24,9 +24,7 @@ double rate_hz(const std::vector<std::string>& texts, TimeUnit unit) {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   if (times.size() < 3) return 0;
-  std::vector<int64_t> steps;
-  for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
-  return 1e6 / static_cast<double>(median(&steps));
+  return 1e6 / static_cast<double>(usual_step(times));
 }
 
 bool is_of_a_camera(double hz) { return hz >= kMinHz && hz <= kMaxHz; }
@@ -38,8 +36,7 @@ ChosenUnit choose_time_unit(const std::vector<std::string>& times, TimeUnit usua
   if (is_of_a_camera(usual_hz)) return {usual, ""};
   double best_hz = 0, least = std::numeric_limits<double>::infinity();
   TimeUnit best = usual;
-  for (const TimeUnit unit :
-       {TimeUnit::kSeconds, TimeUnit::kMilliseconds, TimeUnit::kMicroseconds, TimeUnit::kNanoseconds}) {
+  for (const TimeUnit unit : kTimeUnits) {
     const double hz = rate_hz(times, unit);
     if (!is_of_a_camera(hz) || std::abs(std::log(hz / kUsualHz)) >= least) continue;
     least = std::abs(std::log(hz / kUsualHz));

@@ -41,7 +41,7 @@ class VideoReader : public FrameReader {
     return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
   }
   bool loads_any_frame_alone() const override { return false; }
-  // Recorders that leave out images which are as the one before promise them, too.
+  // Some recorders leave out images that repeat the one before, but their headers count them.
   int64_t missing_at_end() const override {
     return are_fewer() && times_.ends_early ? times_.promised - times_.stored : 0;
   }
@@ -71,7 +71,7 @@ class VideoReader : public FrameReader {
     next_ = 0;
   }
 
-  // Decodes up to the frame. Why it cannot be had, or an empty string.
+  // Decodes up to the frame. Returns why it cannot be decoded, or an empty string.
   std::string go_to(size_t frame) {
     if (is_at_ && *is_at_ > frame && frame < begin_of_gap_) begin();
     while (decoder_ && (!is_at_ || *is_at_ < frame)) {

@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <charconv>
+
+#include "base/number_text.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -37,10 +38,9 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   if (text[at] != 'e' && text[at] != 'E') return std::nullopt;
   ++at;
   if (at < text.size() && text[at] == '+') ++at;
-  int power = 0;
-  const auto [end, code] = std::from_chars(text.data() + at, text.data() + text.size(), power);
-  if (code != std::errc() || end != text.data() + text.size() || power < -100 || power > 100) return std::nullopt;
-  decimal.exponent += power;
+  const auto power = parse_number<int>(text.substr(at));
+  if (!power || *power < -100 || *power > 100) return std::nullopt;
+  decimal.exponent += *power;
   return decimal;
 }
 
@@ -59,11 +59,6 @@ std::optional<int64_t> round_decimal(const Decimal& decimal) {
 }
 
 }  // namespace
-
-const char* name_of(TimeUnit unit) {
-  static constexpr std::array kNames = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
-  return kNames.at(static_cast<size_t>(unit));
-}
 
 std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit) {
   static constexpr std::array kExponents = {6, 3, 0, -3};

@@ -8,13 +8,12 @@
 #include <string>
 #include <string_view>
 
+#include "base/time_units.h"
+
 namespace rumi::camera_driver {
 
 // From image to image where it is not known: 30 Hz.
 inline constexpr int64_t kUsualPeriodUs = 33'333;
-
-enum class TimeUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
-const char* name_of(TimeUnit unit);  // "seconds"
 
 // A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
 // Nothing for anything else, negative numbers, and 2^53 us (the year 2255) and above.

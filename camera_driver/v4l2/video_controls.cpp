@@ -5,9 +5,11 @@
 #include <linux/videodev2.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
+#include <optional>
+
+#include "base/number_text.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -195,15 +197,12 @@ std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::strin
     std::erase(item, ' ');
     begin = end + 1;
     const size_t equals = item.find('=');
-    int32_t value = 0;
-    const char* last = item.data() + item.size();
-    const char* first = equals == std::string::npos ? last : item.data() + equals + 1;
-    const auto [stop, code] = std::from_chars(first, last, value);
-    if (equals == 0 || first == last || code != std::errc() || stop != last) {
+    const auto value = equals == std::string::npos ? std::nullopt : parse_number<int32_t>(item.substr(equals + 1));
+    if (equals == 0 || !value) {
       *error = fmt::format("controls has '{}': expected NAME=NUMBER, NAME=NUMBER, ...", item);
       return {};
     }
-    list.emplace_back(item.substr(0, equals), value);
+    list.emplace_back(item.substr(0, equals), *value);
   }
   return list;
 }

@@ -23,7 +23,7 @@ constexpr int kMostMisses = 3;             // frames in a row (blurred, say) tha
 
 Initializer::Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& scales)
     : camera_(camera), options_(options), scales_(scales) {
-  options_.two_view.min_median_parallax_deg = 0;  // the structure tells, see max_direction_sigma_rad
+  options_.two_view.min_median_parallax_deg = 0;  // max_direction_sigma_rad decides whether the motion is enough
 }
 
 void Initializer::clear() {
@@ -47,8 +47,8 @@ void Initializer::buffer(Frame frame) {
   drop_images();
 }
 
-// A submap begins with a reference and what comes after it. Of that there is much, and the smaller images are made
-// again for the few that become keyframes.
+// A submap begins with a reference frame, so earlier images are dropped. The later frames are many: of each only the
+// full image is kept, and the pyramid is made again for the few that become keyframes.
 void Initializer::drop_images() {
   const size_t oldest = references_.empty() ? frames_.size() : references_.front().frame;
   for (size_t i = 0; i < oldest; ++i) frames_[i].images = nullptr;
@@ -78,7 +78,7 @@ void Initializer::follow() {
   };
   if (static_cast<int>(now.features->size()) < options_.min_matches) return;
   if (!references_.empty() && !due(references_.back())) return;
-  // The oldest has seen most motion; what makes room is the one after it.
+  // The oldest reference has seen most motion, so the second oldest makes room.
   if (references_.size() == kMostReferences) references_.erase(references_.begin() + 1);
   references_.push_back({frames_.size() - 1, ReferenceTracks(now.features), 0, kMinMotion_px});
 }
@@ -89,7 +89,7 @@ Initializer::Reference* Initializer::most_promising() {
   double most_px = 0;
   bool matched = false;
   for (Reference& r : references_) {
-    // Between the two there must be a frame to judge by.
+    // At least one frame must lie between the two: it judges the structure.
     if (r.frame + 2 >= frames_.size() || r.misses > 0) continue;
     matched = true;
     most_px = std::max(most_px, r.tracks.motion_px());
@@ -114,7 +114,7 @@ std::optional<InitialMap> Initializer::add(Frame frame) {
   return map;
 }
 
-// The structures that the pair allows and the frames between agree with, adjusted; the one that fits best first.
+// Returns the structures that fit the pair and the frames between, adjusted, the best one first.
 std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& input, const TwoViewResult& pair,
                                                          const std::vector<int>& keypoints) {
   std::vector<Rival> rivals;
@@ -129,7 +129,7 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
     best_px = std::min(best_px, error_px);
     rivals.push_back({std::move(structure), error_px, false});
   }
-  // Bundle adjustment makes a right structure better by half, not more: rivals beyond that need none.
+  // Bundle adjustment halves the error of a right structure at best, so worse rivals are not adjusted.
   constexpr double kHopeless = 2.0;
   std::erase_if(rivals, [&](const Rival& rival) { return rival.error_px > kHopeless * best_px; });
   for (Rival& rival : rivals) {
@@ -141,14 +141,14 @@ std::vector<Initializer::Rival> Initializer::find_rivals(const FollowedFrames& i
   return rivals;
 }
 
-// What speaks against beginning with it; empty: nothing.
+// Returns why the submap must not begin with this structure, or an empty string.
 std::string Initializer::objection(const Rival& best, const std::vector<Rival>& rivals, double direction_rad) const {
   if (direction_rad > options_.max_direction_sigma_rad)
     return fmt::format("the direction of the motion is known to {:.1f} deg only: waiting for more motion",
                        direction_rad * 180 / M_PI);
   for (const Rival& rival : rivals) {
     if (rival.structure.same_as(best.structure)) continue;
-    // One that does not hold is the true one all the same if it fits better.
+    // A rival that does not hold may still be the true structure if it fits better.
     const double ratio = rival.holds ? options_.max_rival_rmse_ratio : 1.0;
     if (best.error_px > ratio * rival.error_px)
       return fmt::format("ambiguous: two structures with errors of {:.2f} and {:.2f} px", best.error_px,

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Begins a submap: watches frames until two of them, with what lies between, allow a structure that can be trusted.
+// Begins a submap: watches frames until two of them, and the frames between, give a structure that can be trusted.
 //
-// Several frames are kept as references and their keypoints followed from frame to frame. While the motion since a
-// reference is no more than a rotation would make, nothing else is done; where it is, two views are reconstructed, and
-// what comes of it is judged by the frames between.
+// Several frames are kept as references, and their keypoints are followed from frame to frame. Once the motion since a
+// reference is more than a rotation, the two views are reconstructed, and the frames between judge the result.
 #pragma once
 
 #include <deque>
@@ -23,10 +22,10 @@ class Initializer {
   Initializer(const Camera& camera, const InitializerOptions& options, const std::vector<double>& octave_scales);
 
   void clear();
-  // Keeps the frame, and follows the references into it, without trying to begin. Of its images only the full one is
-  // kept, and that as long as it may become a keyframe.
+  // Buffers the frame and follows the references into it, without trying to begin. Of its pyramid only the full image
+  // is kept, as long as the frame may become a keyframe.
   void buffer(Frame frame);
-  // All that is buffered, in order of time; nothing is left.
+  // Takes all buffered frames, in order of time.
   std::deque<Frame> take_frames();
   // Buffers the frame and tries to begin with it.
   std::optional<InitialMap> add(Frame frame);

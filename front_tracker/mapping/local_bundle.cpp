@@ -32,11 +32,11 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
   std::vector<int> seen(ids, 0);
   for (int id : points)
     for (const Observation& o : map.landmark(id)->observations) ++seen[o.keyframe_id];
-  std::vector<std::pair<int, int>> anchors;
+  std::vector<std::pair<int, int>> holding;
   for (int id = 0; id < ids; ++id)
-    if (seen[id] > 0 && !free.contains(id)) anchors.emplace_back(id, seen[id]);
-  std::stable_sort(anchors.begin(), anchors.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  if (static_cast<int>(anchors.size()) > most_fixed) anchors.resize(most_fixed);
+    if (seen[id] > 0 && !free.contains(id)) holding.emplace_back(id, seen[id]);
+  std::stable_sort(holding.begin(), holding.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (static_cast<int>(holding.size()) > most_fixed) holding.resize(most_fixed);
 
   std::vector<int> view_of(ids, kNone);
   std::vector<const Features*> features_of;  // by view
@@ -47,13 +47,13 @@ void LocalBundle::collect(const FrontSubmap& submap, int keyframe_id) {
     keyframe_ids_.push_back(id);
     features_of.push_back(kf.features.get());
   };
-  size_t to_fix = anchors.size() >= 2 ? 0 : 2 - anchors.size();
+  size_t to_fix = holding.size() >= 2 ? 0 : 2 - holding.size();
   for (int id : free) {
     const bool fixed = to_fix > 0 && id != keyframe_id;  // the oldest, ids being in order of time
     if (fixed) --to_fix;
     add_view(id, fixed);
   }
-  for (const auto& [id, count] : anchors) add_view(id, true);
+  for (const auto& [id, count] : holding) add_view(id, true);
 
   for (int id : points) {
     const Landmark& lm = *map.landmark(id);

@@ -11,7 +11,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-// How often landmarks should have been in view, and how often they were found: what never is found is culled.
+// Counts how often each landmark should have been in view, and how often it was found. Landmarks that are hardly ever
+// found are culled.
 void count_sights(const FoundPose& pose, Submap* map) {
   for (int id : pose.visible)
     if (Landmark* lm = map->landmark(id)) ++lm->visible;
@@ -88,9 +89,9 @@ Frame Tracker::find_corners(int64_t utime_us, const Images& images) {
 bool Tracker::find_pose(FoundPose* pose) {
   switch (state_) {
     case TrackingState::kTracking:
-      // A camera that relocalization finds in this very image is not lost. Relocalization looks farther than tracking,
-      // and believes a pose that does not carry the scale on, if much of what should be in view is there. The motion to
-      // such a pose is not known: patches and keyframes of fast motion, which would be built on it, wait.
+      // If relocalization finds the camera in this image, it is not lost. Relocalization searches farther than
+      // tracking. It accepts a pose that does not carry the scale on, if it finds enough of the landmarks that should
+      // be in view. The motion to such a pose is unknown, so patches and keyframes of fast motion wait.
       if (track(pose) || relocalize_where_it_was(pose) || relocalize_anywhere(pose)) return true;
       lose(*pose);
       wait_to_begin(pose->frame);
@@ -143,7 +144,7 @@ void Tracker::accept(FoundPose pose, TrackResult* result) {
     motion_.begin_at(std::move(pose.frame));
 }
 
-// As a keyframe if one is due. Returns whether it is one.
+// Adds the frame, as a keyframe if one is due. Returns whether it is a keyframe.
 bool Tracker::add_to_submap(FoundPose* pose) {
   constexpr int kMostWaiting = 2;  // keyframes for the mapper
   FrontSubmap& submap = active();
@@ -181,7 +182,7 @@ bool Tracker::relocalize(size_t submap_index, int keyframe_id, FoundPose* pose) 
   return true;
 }
 
-// A beginning, too: of a submap that knows already what rumination found out.
+// This begins a submap, too: one that has all keyframes and landmarks of the back submap.
 bool Tracker::go_on_in_back_submap(FoundPose* pose) {
   std::optional<Submap> back = back_submaps_.relocalize(&pose->frame);
   if (!back) return false;
@@ -214,7 +215,7 @@ void Tracker::withdraw_slip(Frame* found) {
   templates_.clear();
   for (int& id : found->landmark_ids)
     if (id != kNone && !active().map.landmark(id)) id = kNone;
-  log_line(loss_.is_open() ? LogLevel::kDebug : LogLevel::kInfo,  // else the loss tells it
+  log_line(loss_.is_open() ? LogLevel::kDebug : LogLevel::kInfo,  // otherwise the message about the loss says it
            fmt::format("submap {} is torn: {} frames from {} on have no pose any more", active().map.key.id,
                        withdrawn_.size(), withdrawn_.front()));
 }

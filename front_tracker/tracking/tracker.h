@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The front process without its messages: images in, a state and a pose for each, an atlas of submaps.
+// The front process without its messages: it takes images, gives a state and a pose for each, and makes submaps.
 //
-// The states. Where an image's pose is found the next one is TRACKING, see find_pose:
+// If the pose of an image is found, the next state is TRACKING (see find_pose):
 //
-//   state            what is tried, in this order                else the next state is
+//   state            what is tried, in this order                next state if no pose is found
 //   NOT_INITIALIZED  back submaps; two views begin a submap      NOT_INITIALIZED
 //   TRACKING         patches; corners; relocalization            RECENTLY_LOST
 //   RECENTLY_LOST    relocalization                              RECENTLY_LOST for recently_lost_s, then LOST
@@ -43,21 +43,20 @@ class Tracker {
   // images.
   Tracker(const Camera& camera, const TrackerOptions& options, int64_t session, int64_t stream = 0);
 
-  // Images in order of time; one that is not newer than the last is refused (nothing). 8-bit grey, of the camera's
-  // size.
+  // Takes images of 8-bit grey and of the camera's size in order of time. Returns nothing for an image that is not
+  // newer than the last one.
   std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey);
 
-  // Earlier frames that got their poses because the last image began a submap or was found again, in order of time;
-  // else empty.
+  // Earlier frames that got poses when the last image began a submap or was relocalized, in order of time.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
 
-  // Earlier frames whose poses turned out to be wrong when the last image was found again, in order of time; else
-  // empty. No submap has them any more.
+  // Earlier frames whose poses turned out to be wrong when the last image was relocalized, in order of time. They are
+  // in no submap any more.
   const std::vector<int64_t>& withdrawn() const { return withdrawn_; }
 
-  // A back submap of this session, to relocalize in where front submaps do not tell. Found in it, tracking goes on in a
-  // new front submap that begins as a copy of it: same unit, same images. Returns why it was refused, or an empty
-  // string.
+  // Adds a back submap of this session for relocalization where no front submap helps. If the camera is found in it,
+  // tracking goes on in a new front submap that begins as a copy of it, with the same unit and images. Returns why the
+  // back submap was refused, or an empty string.
   std::string add_back_submap(Submap submap) { return back_submaps_.add(std::move(submap)); }
   void remove_back_submap(int id) { back_submaps_.remove(id); }
   const BackSubmaps& back_submaps() const { return back_submaps_; }
@@ -66,16 +65,16 @@ class Tracker {
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
   void wait_for_mapping() { mapping_.wait_until_idle(); }
-  // Keyframes whose mapping broke off since the last call: tracking goes on without what it would have found.
+  // Counts the keyframes whose mapping threw since the last call. Tracking goes on without their new landmarks.
   Worker::Broken take_broken_mapping() { return mapping_.take_broken(); }
-  // No more images come: says what is lost still.
+  // Call it when no more images come: it logs a loss that is still open.
   void end();
   const Camera& camera() const { return camera_; }
 
  private:
   using Images = std::shared_ptr<const ImagePyramid>;
 
-  // The pose of an image. accept() makes it what the next one's is looked for from.
+  // Looks for the pose of an image. accept() makes it the start for the next image.
   bool pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result);
   void pose_with_corners(int64_t utime_us, const Images& images, TrackResult* result);
   Frame find_corners(int64_t utime_us, const Images& images);
@@ -97,7 +96,7 @@ class Tracker {
   void wait_to_begin(const Frame& frame);
   bool begin_submap(FoundPose* pose);
   FrontSubmap& open_submap(Submap known);
-  void activate(size_t submap_index);  // it is the one that is tracked from now on
+  void activate(size_t submap_index);  // tracking goes on in this submap
   void add_to_index_and_map(const Keyframe& keyframe);
 
   FrontSubmap& active() { return *submaps_[active_]; }
@@ -121,7 +120,7 @@ class Tracker {
   size_t active_ = 0;  // index into submaps_, while TRACKING or RECENTLY_LOST
   KeyframePolicy keyframe_policy_;
   Mapper mapper_;
-  std::vector<int> to_map_;  // keyframes of the active submap that the mapper has to be told of, without the lock
+  std::vector<int> to_map_;  // keyframes of the active submap for the mapper; it gets them after the lock is released
 
   // Where tracking stands, in the active submap.
   TrackingState state_ = TrackingState::kNotInitialized;

@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "map_server/links/may_share_images.h"
+
 namespace rumi::map_server {
 namespace {
 
@@ -31,11 +33,6 @@ bool is_between_its_frames(ImageId image, const Submap& submap) {
          image.utime_us <= submap.frames.rbegin()->first;
 }
 
-bool overlap_in_time(const Submap& a, const Submap& b) {
-  return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
-         a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;
-}
-
 bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
 
 void check_placement(SubmapKey key, const Placement& placement, const std::function<bool(SubmapKey)>& is_in_map) {
@@ -44,7 +41,8 @@ void check_placement(SubmapKey key, const Placement& placement, const std::funct
   for (const auto& [id, position] : placement.landmarks) ok = ok && position.allFinite();
   for (const auto& [id, into] : placement.fused) ok = ok && is_in_map(into.submap);
   if (!ok)
-    throw std::invalid_argument(fmt::format("the placement of submap {} of session {} is none", key.id, key.session));
+    throw std::invalid_argument(
+        fmt::format("the placement of submap {} of session {} is not valid", key.id, key.session));
 }
 
 }  // namespace
@@ -250,7 +248,7 @@ const Atlas::Counted& Atlas::count(const AtlasSubmap& owner, const std::vector<c
   std::vector<const Submap*> beside;
   std::vector<std::pair<SubmapKey, int64_t>> of{{owner.submap.key, owner.submap.revision}};
   for (const Submap* other : before)
-    if (overlap_in_time(*other, owner.submap)) {
+    if (may_share_images(*other, owner.submap)) {
       beside.push_back(other);
       of.emplace_back(other->key, other->revision);
     }

@@ -15,7 +15,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Of the members, what is looked at: all, or what lies around those that are new.
+// Chooses the members that are arranged: all, or those around the new ones.
 MapPart choose_part(const BuildInput& input, const LinkGraph& graph, const std::set<SubmapKey>& members,
                     const Placements& placed, int weld_keyframes) {
   std::set<SubmapKey> fresh;
@@ -25,7 +25,8 @@ MapPart choose_part(const BuildInput& input, const LinkGraph& graph, const std::
   return part_around(fresh, members, graph.contacts(), input.submaps, weld_keyframes);
 }
 
-// Where the map lies already, a submap of it: a front submap if there is one, whose beginning nothing takes away.
+// Chooses among the submaps that have a place in the map, if there are any. A front submap comes first, because nothing
+// removes its beginning.
 SubmapKey choose_anchor(const BuildInput& input, const MapPart& part, const Placements& placed) {
   if (!part.held.empty()) return *part.held.begin();
   const auto is_placed = [&](SubmapKey key) {
@@ -45,7 +46,7 @@ SubmapKey choose_anchor(const BuildInput& input, const MapPart& part, const Plac
   return anchor;
 }
 
-// The same similarity at every keyframe.
+// Puts every keyframe at the same similarity.
 Placement rigid(const Submap& submap, const Sim3& map_from_submap) {
   Placement placement;
   for (const auto& [id, keyframe] : submap.keyframes) placement.map_from_submap[keyframe.utime_us] = map_from_submap;
@@ -77,7 +78,7 @@ PlacedSubmaps place_part(const BuildInput& input, const LinkGraph& graph, const 
   return result;
 }
 
-// An edge, and those of its joints whose keyframes are still there.
+// An edge with those of its joints whose keyframes still exist.
 struct BentEdge {
   const LinkEdge* edge = nullptr;
   LinkJoints joints = {};
@@ -111,7 +112,7 @@ MapGraphReport bend_part(const BuildInput& input, const LinkGraph& graph, const 
   return bend(joints, may_be_wrong, arranged->anchor, options, &arranged->submaps);
 }
 
-// What the others contradict is refused. False if there is none.
+// Refuses the links that the others contradict. Returns whether there were any.
 bool refuse_contradicted(const std::vector<BentEdge>& edges, const MapGraphReport& report, LinkGraph* graph) {
   std::map<const LinkEdge*, std::string> doubts;
   for (size_t i = 0; i < edges.size() && report.bent; ++i) {
@@ -123,15 +124,16 @@ bool refuse_contradicted(const std::vector<BentEdge>& edges, const MapGraphRepor
   return !doubts.empty();
 }
 
-// Of the edges that stay, the joints that are farther out of what the map says than they may be: of one that is as a
-// whole, because nothing else ties the two sides together, the worst. False if there is none.
+// Drops the joints of accepted edges whose chi2 is too large. If that is most of an edge's joints, only its worst joint
+// goes, because nothing else connects the two sides. Returns whether any joint was dropped.
 bool drop_worst_joints(const std::vector<BentEdge>& edges, const MapGraphReport& report, double most,
                        LinkGraph* graph) {
   bool dropped = false;
   for (size_t i = 0; i < edges.size() && report.bent; ++i) {
     if (!is_of_same_images(edges[i])) continue;
     std::vector<double> all = report.joint_chi2[i];
-    // Nothing else says otherwise: one of the two is bent between their joints, and they hold where they agree best.
+    // No other edge contradicts these joints: one of the two submaps is bent between them. The joints that agree best
+    // are kept.
     const bool one_by_one = median(&all) > most;
     const double worst = *std::max_element(report.joint_chi2[i].begin(), report.joint_chi2[i].end());
     std::set<JointName> gone;

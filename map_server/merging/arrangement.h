@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the submaps of a map lie before they are adjusted: placed one after another over the links between them, bent
-// where their joints ask for it, and without the links that the others contradict.
+// Arranges the submaps of a map before they are adjusted: places one after another along the links between them, bends
+// them at their joints, and refuses links that the others contradict.
 #pragma once
 
 #include <map>
@@ -19,18 +19,18 @@ using PlacedSubmaps = std::map<SubmapKey, PlacedSubmap>;
 
 struct ArrangementOptions {
   MapGraphOptions graph;
-  int weld_keyframes = 500;  // of the submaps around what is new that are bent with it, about
+  int weld_keyframes = 500;  // about so many keyframes of submaps around the new ones are bent with them
 };
 
 struct Arrangement {
-  std::set<SubmapKey> members;  // of the map
-  MapPart part = {};            // of it, that is looked at
+  std::set<SubmapKey> members;  // all submaps of the map
+  MapPart part = {};            // those that are arranged
   SubmapKey anchor = {};        // the submap of the part whose beginning stays where it is
   PlacedSubmaps submaps = {};   // of the part
 };
 
-// Of these members; again without what the others contradict, which the graph is told of, and with the members that
-// this leaves, until nothing does. Nothing: none of them has a frame, or nothing joins them.
+// Arranges these members. Refuses in the graph the links that the others contradict, chooses the members again, and
+// begins anew until no link is contradicted. Returns nothing if no member has a frame, or nothing joins them.
 std::optional<Arrangement> arrange(std::set<SubmapKey> members, const BuildInput& input,
                                    const ArrangementOptions& options, LinkGraph* graph);
 

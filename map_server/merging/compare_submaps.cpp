@@ -29,11 +29,6 @@ std::optional<KeyframeJoint> make_joint(const Submap& a, const Submap& b, const 
 
 }  // namespace
 
-bool may_share_images(const Submap& a, const Submap& b) {
-  return a.stream == b.stream && !a.frames.empty() && !b.frames.empty() &&
-         a.frames.begin()->first <= b.frames.rbegin()->first && b.frames.begin()->first <= a.frames.rbegin()->first;
-}
-
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options) {
   ComparedPair pair{.revision_a = a.revision, .revision_b = b.revision, .edge = std::nullopt};
   const Correspondences common = find_correspondences(a, b);

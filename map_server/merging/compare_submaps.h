@@ -15,9 +15,6 @@ struct PairOptions {
   double joint_sigma_log_scale = 0.02;    // at least
 };
 
-// Quick; where it is false they have none in common.
-bool may_share_images(const Submap& a, const Submap& b);
-
 ComparedPair compare_submaps(const Submap& a, const Submap& b, const PairOptions& options);
 
 }  // namespace rumi::map_server

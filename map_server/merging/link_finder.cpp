@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/stage_clock.h"
+#include "map_server/links/may_share_images.h"
 #include "map_server/merging/map_members.h"
 
 namespace rumi::map_server {

@@ -12,7 +12,8 @@
 namespace rumi::map_server {
 namespace {
 
-// An adjustment leaves the map's unit and place open: the anchor's first keyframe stays where it was.
+// An adjustment may change the unit and the place of the whole map. This moves the map so that the first keyframe of
+// the anchor lies where it did before.
 void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, Placements* placements) {
   const std::map<int64_t, Sim3>& after = placements->at(anchor).map_from_submap;
   if (after.empty()) return;
@@ -25,7 +26,7 @@ void keep_gauge(const PlacedSubmap& anchor_before, SubmapKey anchor, Placements*
   }
 }
 
-// Where an edge knows which landmarks of its two sides are the same.
+// Fuses the landmarks that an edge by appearance has matched.
 void fuse_places(const LinkGraph& graph, PlacedSubmaps* submaps) {
   for (const LinkEdge* edge : graph.edges()) {
     const auto a = submaps->find(edge->link.a);
@@ -39,7 +40,7 @@ bool is_up_to_date(const std::set<SubmapKey>& members, const BuildInput& input, 
   return members == input.fixed || (input.scope == BuildScope::kWeld && members == graph.built.submaps);
 }
 
-// Images with so many points in common; ascending.
+// Pairs of images that have at least `points` points in common, ascending.
 std::vector<std::pair<ImageId, ImageId>> similar_images(const MapModel& model, int points) {
   std::vector<std::pair<ImageId, ImageId>> similar;
   std::vector<int> shared(model.views.size(), 0), met;  // points that each earlier view has in common with this one
@@ -57,7 +58,7 @@ std::vector<std::pair<ImageId, ImageId>> similar_images(const MapModel& model, i
   return similar;
 }
 
-// Those of a part are added to those of before, those of the whole map take their place.
+// The contacts of a part are added to the earlier ones; those of the whole map replace them.
 BuiltContacts contacts_of(const MapModel& model, const Arrangement& arranged, int points, const BuiltContacts& before) {
   const bool is_whole = arranged.part.submaps == arranged.members;
   BuiltContacts contacts{.submaps = arranged.members, .touching = {}, .similar = similar_images(model, points)};
@@ -104,7 +105,7 @@ BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
   return built;
 }
 
-// The views of what is new, and those that share most points with them.
+// The views of new submaps, and the views that share most points with them.
 std::vector<int> MapBuilder::weld_window(const BuiltContacts& before, const MapModel& model) const {
   std::vector<int> window;
   std::map<int, int> shared;
@@ -149,7 +150,7 @@ MapBuildReport MapBuilder::adjust(const BuildInput& input, const BuiltContacts& 
   MapBundleOptions last = options_.bundle;
   last.solver = &solver;
   last.cancel = input.cancel;
-  // What is associated next moves the map again: only after the last round it must be where it belongs.
+  // Each association moves the map again, so only the last adjustment needs to converge.
   MapBundleOptions on_the_way = last;
   on_the_way.function_tolerance = on_the_way.passing_tolerance;
   MapBundleReport bundle = adjust_map(window, rounds > 0 ? on_the_way : last, model);

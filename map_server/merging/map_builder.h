@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes one map of submaps (paper, section IV.C): of those that hang together by links, arranged, welded, adjusted and
-// culled. Knows no time and no threads, and changes nothing of what it is given: the same input gives the same map.
+// Makes one map of the submaps that links connect (paper, section IV.C): arranges, welds, adjusts and culls them. It
+// uses no clock and no threads and does not change its input: the same input gives the same map.
 #pragma once
 
 #include <map>
@@ -25,8 +25,8 @@ struct MapBuilderOptions {
   MapBundleOptions bundle;
   AssociationOptions association;
   PostCullingOptions culling;
-  int joined_points = 15;    // that two views share, for there to be no need to look for their similarity
-  int weld_neighbours = 30;  // views around what is new that are adjusted with it
+  int joined_points = 15;    // two views that share so many points need no place search
+  int weld_neighbours = 30;  // views around new ones that are adjusted with them
   int association_rounds =
       2;  // of BuildScope::kAll: association, then bundle adjustment; the radius is halved each time
 };
@@ -42,7 +42,7 @@ struct MapBuildReport {
 
 struct BuiltMap {
   LinkGraph graph;  // the next one
-  // Together the submaps that form the map. No placements: nothing was joined or adjusted.
+  // The submaps of the map together. Without placements nothing was joined or adjusted.
   Placements placements = {};
   std::set<SubmapKey> unmoved = {};
   CulledSubmaps culled = {};

@@ -38,8 +38,8 @@ class PlaceAligner {
     return false;
   }
 
-  // The keyframes themselves first, against the views of the other place: most that hold nothing in common are told so
-  // by these already, at a third of the work.
+  // First compares each keyframe itself with the views of the other place. That already refuses most pairs that have
+  // nothing in common, at a third of the work.
   bool propose() {
     PlaceProposals proposals(a_, b_, o_.matching);
     for (size_t i = 0; i < a_.views.size(); ++i)
@@ -63,7 +63,7 @@ class PlaceAligner {
     return true;
   }
 
-  // The similarity that most of them agree with, if those are enough.
+  // Returns the similarity that most matches agree with, if they are enough.
   std::optional<Consensus<Sim3>> agree(const std::vector<PlaceMatch>& matches, int least, double least_ratio) {
     result_.proposed = static_cast<int>(matches.size());
     if (result_.proposed < o_.min_proposed) {
@@ -90,7 +90,7 @@ class PlaceAligner {
     return find_consensus(equations_, among, camera_a_, camera_b_, o_.consensus_px, o_.ransac_iterations);
   }
 
-  // The refined similarity finds more and better pairs, which refine it.
+  // Repeats: the refined similarity finds more and better pairs, and they refine it again.
   bool search_and_refine() {
     if (!refine()) return false;
     for (const double radius : {2 * o_.guided_radius_px, o_.guided_radius_px}) {
@@ -119,7 +119,7 @@ class PlaceAligner {
     return true;
   }
 
-  // One camera for both directions: what a saw is put into pixels of b's.
+  // Both directions use camera b: this converts a pixel of camera a.
   Eigen::Vector2d pixel_in_b(const Eigen::Vector2d& pixel_a) const {
     return {(pixel_a.x() - camera_a_.cx) * camera_b_.fx / camera_a_.fx + camera_b_.cx,
             (pixel_a.y() - camera_a_.cy) * camera_b_.fy / camera_a_.fy + camera_b_.cy};

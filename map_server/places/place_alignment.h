@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Do two keyframes look at the same place, and how does one submap lie in the other then? For submaps that share no
-// images, and for the loops of one submap (Chen et al., "Rumination Meets VSLAM", section IV.C). Landmarks are matched
-// by descriptor; three pairs propose a similarity (Umeyama in RANSAC); all landmarks of both places are searched again
-// where it puts them; it is refined by reprojection in both directions (slam/optimization/sim3_refinement.h).
+// Decides whether two keyframes look at the same place, and computes how one submap lies in the other. It serves
+// submaps that share no images, and loops of one submap (Chen et al., "Rumination Meets VSLAM", section IV.C).
+// Landmarks are matched by descriptor. Three pairs propose a similarity (Umeyama in RANSAC). All landmarks of both
+// places are searched again where the similarity puts them. It is refined by reprojection in both directions
+// (slam/optimization/sim3_refinement.h).
 //
-// A wrong join ruins a map and a missed one can be made later: whatever is in doubt is refused.
+// A wrong join ruins a map, and a missed join can be made later. So an alignment in doubt is refused.
 #pragma once
 
 #include <string>
@@ -68,8 +69,8 @@ struct PlaceAlignment {
 // `a` and `b` may be one submap: a loop. Lengths of sigma and extent are relative, so that the unit does not matter.
 // Deterministic. Some 15 ms for 1000 keypoints a keyframe, 50 at most, a third of it where nothing is in common.
 //
-// No image tells two places apart that are alike as far as all the keyframes here can see. Before it joins submaps for
-// good, the caller should have several alignments of different keyframes that say the same.
+// If two places look alike in all keyframes here, they cannot be told apart. So before the caller joins submaps, it
+// should have several alignments of different keyframes that agree.
 PlaceAlignment align_places(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b,
                             const PlaceAlignmentOptions& options = {});
 

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 
+#include "base/number_text.h"
 #include "rumi/calibration/opencv_aruco.h"
 
 namespace rumi::tool {
@@ -25,15 +25,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
       parts.back() += c;
   }
   return parts;
-}
-
-template <class T>
-std::optional<T> number(const std::string& text) {
-  T value{};
-  const char* end = text.data() + text.size();
-  const auto [stop, code] = std::from_chars(text.data(), end, value);
-  if (code != std::errc() || stop != end) return std::nullopt;
-  return value;
 }
 
 bool within(double value, double min, double max) { return value >= min && value <= max; }  // false for NaN
@@ -139,14 +130,14 @@ std::string parse_board(const std::string& text, Board* board) {
   if (parts.size() < fewest || parts.size() > most)
     return refuse(fmt::format("{} has {} parts", parts[0], charuco ? "4 or 5" : "3"));
   const std::vector<std::string> sides = split(parts[1], 'x');
-  const std::optional<int> columns = number<int>(sides[0]);
-  const std::optional<int> rows = sides.size() == 2 ? number<int>(sides[1]) : std::nullopt;
+  const std::optional<int> columns = parse_number<int>(sides[0]);
+  const std::optional<int> rows = sides.size() == 2 ? parse_number<int>(sides[1]) : std::nullopt;
   if (!columns || !rows) return refuse(fmt::format("'{}' is not COLUMNSxROWS", parts[1]));
-  const std::optional<double> square = number<double>(parts[2]);
+  const std::optional<double> square = parse_number<double>(parts[2]);
   if (!square) return refuse(fmt::format("the square is '{}' and must be a number of mm", parts[2]));
   result.columns = *columns, result.rows = *rows, result.square_mm = *square;
   if (charuco) {
-    const std::optional<double> marker = number<double>(parts[3]);
+    const std::optional<double> marker = parse_number<double>(parts[3]);
     if (!marker) return refuse(fmt::format("the marker is '{}' and must be a number of mm", parts[3]));
     result.marker_mm = *marker;
     if (parts.size() > 4) result.dictionary = parts[4].starts_with("DICT_") ? parts[4].substr(5) : parts[4];

@@ -2,8 +2,9 @@
 #include "rumi/evaluation/text_fields.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+
+#include "base/number_text.h"
 
 namespace rumi::tool {
 
@@ -18,11 +19,8 @@ std::vector<std::string> split(const std::string& line, const char* separators) 
 }
 
 std::optional<double> to_number(const std::string& text) {
-  double value = 0;
-  const char* end = text.data() + text.size();
-  const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  return error == std::errc() && stop == end && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  const auto value = parse_number<double>(without_plus(text));
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 }  // namespace rumi::tool

@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 
 #include "base/file_access.h"
+#include "base/number_text.h"
 #include "rumi/evaluation/text_fields.h"
 
 namespace rumi::tool {
@@ -30,8 +30,9 @@ std::vector<std::string> split_csv(const std::string& line) {
 
 template <class Number>
 bool parse(const std::string& text, Number* value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *value);
-  return error == std::errc() && end == text.data() + text.size();
+  const auto number = parse_number<Number>(text);
+  if (number) *value = *number;
+  return number.has_value();
 }
 
 // Of the fields at `columns` (none: the file has no such columns). False if one of them is no number.

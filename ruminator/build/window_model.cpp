@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kCompleteRatio = 0.95;  // of the images that hang together: a model with so many needs no rival
-constexpr double kWallPerCpuTime = 30;   // of a mapper; then it hangs: other programs may have the cores
+constexpr double kWallPerCpuTime = 30;   // a mapper that takes longer hangs; below, other programs may have the cores
 
 class Attempts {
  public:
@@ -36,12 +36,12 @@ class Attempts {
     connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
   }
 
-  // The global model, and what COLMAP makes of it.
+  // Makes the global model, and lets COLMAP extend it.
   void global() {
     auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global_track_images);
     ++result.attempts;
     if (!model || cancel_) return;
-    // Rough as it is, it comes to its senses in steps.
+    // The global model is rough: it is pruned and adjusted with limits that shrink in steps.
     for (double max_error_px : {50.0, 10.0}) {
       ModelRefinementOptions rough = o_.refinement;
       rough.max_error_px = max_error_px;
@@ -76,7 +76,7 @@ class Attempts {
     });
   }
 
-  // The most images; where candidates have about as many, the smallest error.
+  // Prefers most images; among candidates with about as many, the smallest error.
   void choose() {
     double most = 0;
     for (const WindowModel& c : candidates_)
@@ -97,7 +97,7 @@ class Attempts {
   WindowModelResult result;
 
  private:
-  // Those broken off included: where one candidate shows a break, another that bridges it has guessed.
+  // Counts images that were broken off, too: another candidate that has them connected has only guessed how.
   static double images_of(const WindowModel& c) {
     return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
   }
@@ -128,7 +128,7 @@ class Attempts {
     return outcome;
   }
 
-  // What COLMAP adds to our model.
+  // Lets COLMAP add images to our model.
   void extend(const std::string& seed, WindowModel* ours) {
     MapperSettings settings = common_settings();
     settings.min_model_size = 3;
@@ -147,8 +147,8 @@ class Attempts {
     keep(std::move(candidate));
   }
 
-  // What began with a pair may have begun with a wrong one. So it may add to what the global model tells, if that is
-  // credible, but not contradict it.
+  // A model that began with one pair may have begun with a wrong pair. So it must not contradict a credible global
+  // model, but it may have more images.
   void add_rival(WindowModel candidate) {
     judge_model(in_, rotations_, o_, &candidate);
     for (size_t i = 0; i < globals_ && candidate.doubt.empty(); ++i)
@@ -180,9 +180,9 @@ class Attempts {
   ModelCompletion completion_;
   std::vector<RelativeRotation> rotations_;
   std::vector<int> keypoint_counts_;
-  int connected_ = 0;  // images of the largest group that hangs together
+  int connected_ = 0;  // images of the largest connected group
   std::vector<WindowModel> candidates_;
-  size_t globals_ = 0;  // the first of them are of the global model
+  size_t globals_ = 0;  // so many of them, the first ones, come from the global model
 };
 
 }  // namespace
@@ -244,7 +244,7 @@ WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& opt
   return attempts.result;
 }
 
-// front_tracker knows part of the window, and the model has nothing of that.
+// True if front_tracker has poses of a part of the window, and the model has none of those images.
 bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
   if (!result.failure.empty() || result.best.broken_off == 0 || !result.best.agreement.empty()) return false;
   std::map<int32_t, size_t> known;
@@ -260,12 +260,12 @@ WindowModelResult build_window_model(const WindowModelInput& input, const BuildO
   const StageClock clock("ruminator.model");
   WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
   if (!is_adrift(input, first)) return first;
-  // Between sharp images and blurred ones noise severs more than among either. It is told from a tear by less, but a
-  // model of the blurred ones alone is of no use at all.
+  // Between sharp and blurred images noise severs more matches than among either kind. With a wider limit a real tear
+  // may be missed, but a model of the blurred images alone would be useless.
   BuildOptions lenient = options;
   lenient.tear_max_severed = std::max(options.tear_max_severed, kMaxSeveredAdrift);
   const std::string folder = work_folder + "/lenient";
-  std::error_code ignored;  // write_colmap_database tells
+  std::error_code ignored;  // write_colmap_database reports what is wrong with the folder
   fs::create_directories(folder, ignored);
   WindowModelResult second = attempt(
       input, lenient, folder, [](double) {}, cancel);

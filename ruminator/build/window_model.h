@@ -22,12 +22,12 @@ struct WindowModel {
   SparseModel model;
   std::string origin;  // "global model, COLMAP", "COLMAP, first pair at 8 degrees", ...
   ModelQuality quality;
-  int broken_off = 0;             // images left out because nothing ties them, or their scale, to the others
+  int broken_off = 0;             // images left out because nothing connects them, or their scale, to the others
   bool is_tied_to_front = false;  // front_tracker's poses give the scales of its parts
   // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;
-  std::string doubt;  // empty, or why it cannot be believed
+  std::string doubt;  // empty, or why it is not credible
 };
 
 struct WindowModelResult {

@@ -32,7 +32,7 @@ double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Ve
   return (camera.project_undistorted(in_camera) - pixel.cast<double>()).norm();
 }
 
-// From the point to the cameras that see it.
+// Unit vectors from the point to the cameras that see it.
 std::vector<Eigen::Vector3d> directions_to_cameras(const SparseModel& model, const SparseModel::Point& point) {
   std::vector<Eigen::Vector3d> directions;
   for (const auto& [image, keypoint] : point.track)
@@ -45,7 +45,7 @@ struct WidestRays {
   size_t first = 0, second = 0;
 };
 
-// Of all rays but `left_out`.
+// The two rays with the largest angle between them, without the ray `left_out`.
 WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t left_out = SIZE_MAX) {
   WidestRays widest;
   for (size_t i = 0; i < directions.size(); ++i) {
@@ -79,7 +79,7 @@ void solve(const Camera& camera, const std::vector<WindowImage>& images, SparseM
 
 bool resect_image(const Camera& camera, const std::vector<WindowImage>& images, const std::vector<ImagePair>& pairs,
                   int image, const ModelRefinementOptions& options, SparseModel* model, PointIndex* index) {
-  std::map<int, int> candidates;  // keypoint -> point: the first pair that knows one, pairs come in order of time
+  std::map<int, int> candidates;  // keypoint -> point, from the earliest pair that has one
   for (const ImagePair& pair : pairs) {
     if (pair.first != image && pair.second != image) continue;
     const int other = pair.first == image ? pair.second : pair.first;
@@ -101,7 +101,7 @@ bool resect_image(const Camera& camera, const std::vector<WindowImage>& images, 
   size_t i = 0;
   for (const auto& [keypoint, point] : candidates) {
     if (!pose->inlier[i++]) continue;
-    // A point may be seen once per image only.
+    // An image observes a point only once.
     Track& track = model->points[point].track;
     if (std::any_of(track.begin(), track.end(), [image](const auto& o) { return o.first == image; })) continue;
     track.emplace_back(image, keypoint);
@@ -110,7 +110,7 @@ bool resect_image(const Camera& camera, const std::vector<WindowImage>& images, 
   return true;
 }
 
-// Matches of the image with others that are in the model and belong to no point yet become points.
+// Triangulates the matches of the image with other images of the model that belong to no point yet.
 void triangulate_matches(const Camera& camera, const std::vector<WindowImage>& images,
                          const std::vector<ImagePair>& pairs, int image, const ModelRefinementOptions& options,
                          SparseModel* model, PointIndex* index) {
@@ -160,7 +160,7 @@ void prune_model(const Camera& camera, const std::vector<WindowImage>& images, c
   std::map<int, int> seen;
   for (const SparseModel::Point& point : model->points)
     for (const auto& [image, keypoint] : point.track) ++seen[image];
-  // What sees fewer points than a resection asks for has no pose worth having.
+  // An image that sees fewer points than a resection needs has no reliable pose.
   std::set<int> gone;
   for (const auto& [image, pose] : model->cam_from_world)
     if (seen[image] < options.resection_min_inliers) gone.insert(image);
@@ -228,7 +228,7 @@ void triangulate_tracks(const Camera& camera, const std::vector<WindowImage>& im
 
 namespace {
 
-// How many points of each image the others place.
+// Counts, for each image, its points that the other images alone can triangulate.
 std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options, const SparseModel& model) {
   const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
   std::map<int, int> placed;
@@ -244,7 +244,7 @@ std::map<int, int> points_placed_by_others(const ModelRefinementOptions& options
   return placed;
 }
 
-// How many points that the images see do all others place?
+// Counts the points that these images see and all other images alone can triangulate.
 int points_shared(const std::set<int>& images, const ModelRefinementOptions& options, const SparseModel& model) {
   const double max_cosine = std::cos(0.5 * options.min_parallax_deg * M_PI / 180);
   int shared = 0;
@@ -257,7 +257,7 @@ int points_shared(const std::set<int>& images, const ModelRefinementOptions& opt
   return shared;
 }
 
-// The first or the last images of the model that go together, if any.
+// The loose end at the beginning or the end of the model, or an empty set.
 std::set<int> loose_end(bool last, const std::set<int>& known, const ModelRefinementOptions& options,
                         const SparseModel& model) {
   std::vector<int> images;  // from the end on

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes COLMAP's model complete and exact: sets the calibrated focal lengths, tries once more the images that the
-// mapper left out, and adjusts everything together.
+// Completes and refines COLMAP's model: sets the calibrated focal lengths, resects images that the mapper left out, and
+// adjusts everything together.
 #pragma once
 
 #include <limits>
@@ -29,7 +29,7 @@ struct ModelQuality {
 // Removes the images, their observations, and the points that fewer than two of the other images see.
 void remove_images(const std::set<int>& images, SparseModel* model);
 
-// Is there an angle of at least min_parallax_deg between two rays of the point?
+// True if two rays of the point meet at min_parallax_deg or more.
 bool has_parallax(const SparseModel& model, const SparseModel::Point& point, double min_parallax_deg);
 
 // Removes observations beyond the error limit, points without parallax and images that lose all their points.
@@ -54,7 +54,7 @@ void triangulate_tracks(const Camera& camera, const std::vector<WindowImage>& im
 
 // Removes images whose position is not determined: those that see fewer than resection_min_inliers points that the
 // other images alone can triangulate (with half of min_parallax_deg). The other points of such an image would follow it
-// to any position along its rays. Returns the number of removed images.
+// to any position along its rays, so they say nothing. Returns the number of removed images.
 int remove_loose_images(const ModelRefinementOptions& options, SparseModel* model);
 
 // Removes loose ends. The first and the last images of a model (in order of time) are connected on one side only,

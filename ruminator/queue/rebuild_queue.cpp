@@ -19,9 +19,8 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr int64_t kAdoptPeriodUs = 10'000'000;  // looks for jobs whose ruminator has died
-constexpr int64_t kStopDeliveryUs = 2'000'000;  // so long a submap under way may still arrive
-constexpr int64_t kBytesPerMb = 1'000'000;
-constexpr double kMaxFrontRotationDeg = 5;  // median difference to a front submap; beyond it that submap is warned of
+constexpr int64_t kStopDeliveryUs = 2'000'000;  // after stop(), time for a submap that is being sent
+constexpr double kMaxFrontRotationDeg = 5;      // median difference to a front submap that is warned of
 
 const char* word_of(int8_t state) {
   constexpr const char* kWords[] = {"collecting", "queued", "extracting", "matching", "mapping", "published", "failed"};
@@ -40,7 +39,7 @@ std::string describe_result(const RuminationWindow& window, const BuildResult& r
                      r.cpu_s, r.error_px);
 }
 
-// For jobs that are in memory.
+// The work folder of a job in memory.
 std::string temporary_work_folder(JobName name, const std::string& also) {
   return (std::filesystem::path(scratch_folder(also)) /
           fmt::format("rumi-{}-{}", unique_process_name("ruminator"), to_string(name)))
@@ -76,119 +75,6 @@ bool RebuildQueue::knows(JobName name) const {
   return std::any_of(entries_.begin(), entries_.end(), [&](const QueueEntry& e) { return e.name == name; });
 }
 
-// ---- in
-
-void RebuildQueue::adopt() {
-  last_adopted_us_ = bus_.now_us();
-  for (const JobName name : spool_->built())
-    if (!knows(name)) adopt_submap(name);
-  for (const JobName name : spool_->waiting())
-    if (!knows(name)) adopt_window(name);
-}
-
-void RebuildQueue::adopt_submap(JobName name) {
-  std::optional<Spool::Claim> claim = spool_->claim(name);
-  if (!claim || !spool_->is_built(name)) return;
-  QueueEntry& entry = entries_.emplace_back();
-  entry.name = name;
-  entry.window.session = name.session;
-  entry.window.id = name.window_id;
-  entry.state = Built();
-  entry.place = InSpool{std::move(claim)};
-  entry.result = "rebuilt by an earlier ruminator, left in the spool";
-}
-
-void RebuildQueue::adopt_window(JobName name) {
-  std::optional<Spool::Claim> claim = spool_->claim(name);
-  if (!claim || !spool_->is_waiting(name)) return;
-  const WindowJobFile file = read_window_manifest(spool_->window_file(name));
-  QueueEntry& entry = entries_.emplace_back();
-  entry.name = name;
-  entry.window = file.job.window;
-  entry.window.session = name.session;
-  entry.window.id = name.window_id;
-  std::string problem = file.ok() ? "" : file.error;
-  if (problem.empty() && name_of(file.job.window) != name)
-    problem = fmt::format("the file holds window {} of session {}", file.job.window.id, file.job.window.session);
-  if (!problem.empty()) {
-    entry.place = InSpool{std::move(claim)};
-    return fail(std::prev(entries_.end()), problem);
-  }
-  log_info("window {}: {}, left in the spool, queued", to_string(name), describe(file.job.window));
-  announce(entry);
-}
-
-// Nothing: the spool has it already.
-std::optional<RebuildQueue::Place> RebuildQueue::place(WindowJob job) {
-  if (spool_) {
-    std::string error;
-    const Spool::Added added = spool_->add(job, &error);
-    if (added == Spool::Added::kKnown) return std::nullopt;
-    if (error != spool_problem_ && !error.empty()) log_error("{}; the window is kept in memory", error);
-    spool_problem_ = error;
-    if (added == Spool::Added::kAdded) return InSpool();
-  }
-  return InMemory{std::make_shared<const WindowJob>(std::move(job)), {}};
-}
-
-void RebuildQueue::add(WindowJob job) {
-  QueueEntry entry;
-  entry.name = name_of(job.window);
-  entry.window = job.window;
-  std::optional<Place> place_of_it = place(std::move(job));
-  if (!place_of_it)
-    return log_warning("window {} is in the spool already: another ruminator shares it", to_string(entry.name));
-  entry.place = std::move(*place_of_it);
-  // Where there is no thread, time stands still while a window is rebuilt.
-  const int64_t resumed_utime_us = entry.window.resumed_utime_us;
-  if (options_.build_thread && resumed_utime_us > 0 && frame_utime_us_ >= resumed_utime_us)
-    entry.resumed_us = bus_.now_us() - (frame_utime_us_ - resumed_utime_us);
-  log_debug("window {}: {}{}{}, queued", entry.window.id, describe(entry.window),
-            entry.window.reason.empty() ? "" : ", ", entry.window.reason);
-  announce(entries_.emplace_back(std::move(entry)));
-  limit();
-  if (!options_.build_thread) tick(bus_.now_us());
-}
-
-void RebuildQueue::refuse(const RuminationWindow& window, const std::string& reason) {
-  log_warning("window {}: {}; failed: {}", window.id, describe(window), reason);
-  QueueEntry entry;
-  entry.window = window;
-  publish(entry, window_t::FAILED, reason);
-  ++failed_;
-  BuildResult nothing;
-  nothing.failure = reason;
-  if (built_handler_) built_handler_(window, nothing);
-}
-
-// The newest loss matters most: what waited longest goes first.
-void RebuildQueue::limit() {
-  const auto waits = [](const QueueEntry& e) { return e.is<Waiting>(); };
-  const auto holds_submap = [](const QueueEntry& e) { return e.holds_submap(); };
-  while (true) {
-    int64_t bytes = 0;
-    for (const QueueEntry& e : entries_) bytes += e.image_bytes();
-    const auto waiting = std::count_if(entries_.begin(), entries_.end(), waits);
-    const bool is_large = waiting > 1 && bytes > options_.ring_mb * kBytesPerMb;
-    if (waiting > options_.max_queued_windows || is_large) {
-      drop(std::find_if(entries_.begin(), entries_.end(),
-                        [&](const QueueEntry& e) { return waits(e) && (e.memory() || !is_large); }),
-           fmt::format("dropped before it was rebuilt: {} windows wait", waiting));
-    } else if (std::count_if(entries_.begin(), entries_.end(), holds_submap) > options_.max_queued_windows) {
-      drop(std::find_if(entries_.begin(), entries_.end(), holds_submap), "map_server does not take its back submap");
-    } else {
-      return;
-    }
-  }
-}
-
-void RebuildQueue::drop(Entries::iterator entry, const std::string& reason) {
-  if (claim(*entry))
-    fail(entry, reason);
-  else
-    entries_.erase(entry);  // it is somebody else's now
-}
-
 // ---- building
 
 void RebuildQueue::tick(int64_t now_us) {
@@ -201,7 +87,7 @@ void RebuildQueue::tick(int64_t now_us) {
   announce_all(now_us);
 }
 
-// False if somebody else works on it, or has.
+// False if another process works on the window, or has rebuilt it.
 bool RebuildQueue::claim(QueueEntry& entry) {
   InSpool* const spooled = entry.spooled();
   if (!spooled || spooled->claim) return true;
@@ -219,7 +105,7 @@ void RebuildQueue::start_next(int64_t now_us) {
         start(entry);
         take_report(now_us);  // at once where there is no thread
       } else {
-        entries_.erase(entry);  // adopt() finds it again, should whoever has it die
+        entries_.erase(entry);  // if the process that has it dies, adopt() finds it again
       }
     }
     entry = next;
@@ -247,7 +133,7 @@ void RebuildQueue::start(Entries::iterator entry) {
   BuildTask task;
   const std::string problem = make_task(*entry, &task);
   if (!problem.empty()) return fail(entry, problem);
-  // A job that ended the process again and again would do so for ever.
+  // A job that ends the process must not do so for ever.
   if (entry->tries > options_.build_tries)
     return fail(entry, fmt::format("rebuilding was begun {} times and never ended", entry->tries - 1));
   {
@@ -263,7 +149,7 @@ void RebuildQueue::on_progress(const BuildProgress& progress) {
   {
     const std::scoped_lock lock(progress_mutex_);
     progress_ = progress;
-    // An estimate depends on how busy the machine is: where there is no thread, all must be repeatable.
+    // The estimate depends on the load of the machine; without a thread, runs must be repeatable.
     if (!options_.build_thread) progress_->remaining_s = -1;
   }
   if (!options_.build_thread) take_progress();
@@ -320,7 +206,7 @@ void RebuildQueue::tell(const QueueEntry& entry, const BuildResult& r) {
             r.origin.empty() ? "" : ", ", r.origin);
   if (!r.warning.empty()) log_warning("window {}: {}", id, r.warning);
   for (const FrontAgreement& a : r.agreement) {
-    // The back submap has passed its own tests: it is the front's that is likely to be wrong.
+    // The back submap has passed its own tests, so the front submap is likely to be wrong.
     if (a.rotation_deg > kMaxFrontRotationDeg)
       log_warning("window {}: front submap {} turns otherwise, by {:.1f} degrees in {} frames", id, a.submap_id,
                   a.rotation_deg, a.frames);
@@ -359,7 +245,7 @@ void RebuildQueue::fail(Entries::iterator entry, const std::string& reason) {
   entries_.erase(entry);
 }
 
-// Not now, but at the next start if it is in the spool.
+// Does not rebuild the window now. If it is in the spool, the next start does.
 void RebuildQueue::give_up(Entries::iterator entry, const std::string& reason) {
   InSpool* const spooled = entry->spooled();
   log_info("window {}: not rebuilt, {}{}", entry->window.id, reason,
@@ -402,7 +288,7 @@ std::string RebuildQueue::waits_for() const {
   if (worker_.busy()) return "a window is being rebuilt";
   if (stopping_ && bus_.now_us() - stopped_us_ >= kStopDeliveryUs) return {};
   for (const QueueEntry& e : entries_) {
-    // What waits and is not claimable is another ruminator's.
+    // A window that waits and cannot be claimed belongs to another ruminator.
     if (stopping_ ? !e.is<Sent>() : e.is<LeftForNextStart>()) continue;
     if (e.is<Waiting>()) return fmt::format("window {} is not rebuilt", e.window.id);
     return fmt::format("map_server has not taken the back submap of window {}", e.window.id);

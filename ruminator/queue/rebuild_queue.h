@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The life of a window once its frames are collected: QUEUED, EXTRACTING, MATCHING, MAPPING, then PUBLISHED when
-// map_server has stored its back submap, or FAILED. Jobs and back submaps lie in the spool, or, without one, in memory.
+// The queue of windows whose frames are collected. A window goes through QUEUED, EXTRACTING, MATCHING and MAPPING. It
+// ends PUBLISHED when map_server has stored its back submap, or FAILED. Jobs and back submaps are kept in the spool, or
+// in memory if there is none.
 #pragma once
 
 #include <functional>
@@ -21,6 +22,8 @@
 
 namespace rumi::ruminator {
 
+inline constexpr int64_t kBytesPerMb = 1'000'000;
+
 struct RebuildQueueOptions {
   BuildOptions build;
   int ring_mb = 256;                 // images kept in memory
@@ -28,7 +31,7 @@ struct RebuildQueueOptions {
   bool rebuild = true;               // false: windows are announced only
   bool build_thread = true;          // false: rebuild at once, as replay does
   std::string spool = "rumi-spool";  // folder; empty: windows wait in memory
-  std::string scratch;               // where windows in memory are rebuilt if no temporary folder will do; no option
+  std::string scratch;               // folder to rebuild windows in memory if no temporary one can be used; no option
   int failed_mb = 500;               // kept in the spool of windows that could not be rebuilt
   int build_tries = 3;               // of one window
   double retry_s = 30;               // to the next try, of rebuilding or of sending to map_server
@@ -46,16 +49,16 @@ class RebuildQueue {
   // Announces a window that cannot become a job as failed.
   void refuse(const RuminationWindow& window, const std::string& reason);
   void tick(int64_t now_us);
-  // The time of the newest frame. Announcements carry it; it also says how long before add() tracking had resumed.
+  // The time of the newest frame. Announcements carry it, and add() computes from it when tracking resumed.
   void set_frame_time(int64_t utime_us) { frame_utime_us_ = std::max(frame_utime_us_, utime_us); }
 
-  // No more windows will be added. What waits is rebuilt and published; nothing is tried a second time.
+  // Call it when no more windows will be added. Waiting windows are rebuilt and published; nothing is tried again.
   void finish();
   // Cancels the build that is running. The spool keeps its window for the next start.
   void stop();
   // After finish(): all windows are built, and published unless map_server refuses them. After stop(): no build runs.
   bool finished() const { return waits_for().empty(); }
-  std::string waits_for() const;  // what is not, for a person
+  std::string waits_for() const;  // why it is not finished, for a person
 
   int last_id(int64_t session) const { return spool_ ? spool_->last_id(session) : 0; }
   int pending() const { return static_cast<int>(entries_.size()); }

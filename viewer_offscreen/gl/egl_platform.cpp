@@ -39,7 +39,7 @@ class Egl : public GlPlatform {
     context_ = create(display_, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     if (context_ == EGL_NO_CONTEXT) fail("no OpenGL 3.3 core context");
   }
-  // The display is the process's, and others may use it.
+  // The whole process shares the display, so it is not terminated.
   ~Egl() override {
     make_current_(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     destroy_(display_, context_);

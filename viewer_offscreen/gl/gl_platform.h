@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whoever gives an OpenGL context without a window or display server. Loaded when it is needed, so that it may be
-// missing.
+// A library that gives an OpenGL context without a window or display server. It is loaded when it is needed, so it may
+// be missing.
 #pragma once
 
 #include <memory>
@@ -17,12 +17,12 @@ class GlPlatform {
   GlPlatform& operator=(const GlPlatform&) = delete;
 
   virtual const char* name() const = 0;
-  // Throws std::runtime_error. There may be no framebuffer but those that are made.
+  // Throws std::runtime_error. There may be no default framebuffer.
   virtual void make_current() = 0;
   virtual Function function(const char* name) const = 0;
 };
 
-// OpenGL 3.3 core. Both throw std::runtime_error with the reason if that is not to be had.
+// Both throw std::runtime_error with the reason if there is no OpenGL 3.3 core.
 std::unique_ptr<GlPlatform> open_osmesa();  // Mesa's software renderer as a library; gone since Mesa 25.1
 std::unique_ptr<GlPlatform> open_egl();     // EGL on Mesa's surfaceless platform: a GPU, or the same renderer
 

@@ -41,7 +41,7 @@ std::unique_ptr<GlPlatform> open_platform() {
   throw std::runtime_error("no OpenGL: " + reasons);
 }
 
-// The pointers are of the platform that was current last.
+// The pointers come from the platform that was current last.
 void load_functions(const GlPlatform& platform) {
   static std::string loaded_from;
   if (loaded_from == platform.name()) return;

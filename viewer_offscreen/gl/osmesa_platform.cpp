@@ -10,7 +10,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-// From GL/osmesa.h, which newer systems do not have.
+// These constants are from GL/osmesa.h, which newer systems do not have.
 constexpr int kFormat = 0x22, kDepthBits = 0x30, kProfile = 0x33, kCoreProfile = 0x34, kMajorVersion = 0x36,
               kMinorVersion = 0x37;
 using Context = struct osmesa_context*;
@@ -58,7 +58,7 @@ class Osmesa : public GlPlatform {
   DestroyContext destroy_ = nullptr;
   GetProcAddress get_proc_address_ = nullptr;
   Context context_ = nullptr;
-  std::array<unsigned char, 4 * 16 * 16> window_{};  // it wants one; nothing is drawn into it
+  std::array<unsigned char, 4 * 16 * 16> window_{};  // OSMesa needs a buffer; nothing is drawn into it
 };
 
 }  // namespace

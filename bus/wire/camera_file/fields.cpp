@@ -6,9 +6,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "base/number_text.h"
 
 namespace rumi {
 namespace {
@@ -20,13 +21,8 @@ constexpr size_t kMostValues = 64;    // of a list: the longest real one has 16
 constexpr size_t kMostNamed = 8;
 constexpr const char* kTooManyFields = "has too many fields for a camera calibration";
 
-std::optional<double> parse_number(const std::string& text) {
-  const char* first = text.data() + (text.starts_with('+') ? 1 : 0);
-  const char* last = text.data() + text.size();
-  double value = 0;
-  const auto [end, code] = std::from_chars(first, last, value);
-  if (code != std::errc() || end != last || first == last) return std::nullopt;
-  return value;
+std::optional<double> number_in(const YAML::Node& node) {
+  return node.IsScalar() ? parse_number<double>(without_plus(node.Scalar())) : std::nullopt;
 }
 
 std::string quoted_node(const YAML::Node& node) {
@@ -154,7 +150,7 @@ const YAML::Node* Fields::find(const std::string& key) {
 }
 
 double Fields::to_number(const YAML::Node& node, const std::string& name, const std::string& meaning) {
-  const std::optional<double> value = node.IsScalar() ? parse_number(node.Scalar()) : std::nullopt;
+  const std::optional<double> value = number_in(node);
   if (value && std::isfinite(*value)) return *value;
   fail(fmt::format("{} is {}: must be a finite number ({})", name, quoted_node(node), meaning));
   return 0;
@@ -231,7 +227,7 @@ void Fields::tell_unused() {
     const bool is_form_of_matrix = name.ends_with(".rows") || name.ends_with(".cols") || name.ends_with(".dt");
     if (used_.contains(name) || is_form_of_matrix) continue;
     const YAML::Node& node = values_.at(name);
-    const std::optional<double> value = node.IsScalar() ? parse_number(node.Scalar()) : std::nullopt;
+    const std::optional<double> value = number_in(node);
     if (is_optics(name) && value == 0) continue;
     if (is_optics(name) && value)
       return fail(

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/file_list.h"
+#include "camera_driver/recording/folder_contents.h"
 
 #include <gmock/gmock.h>
 

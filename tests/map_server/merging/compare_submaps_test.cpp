@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "map_server/links/may_share_images.h"
 #include "tests/map_server/synthetic_chain.h"
 
 namespace rumi::testing {

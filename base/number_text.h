@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A number as text.
+#pragma once
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+namespace rumi {
+
+// The whole text is the number, or there is none: "12abc", "", "+1" and " 1" are none. "nan" and "inf" are doubles.
+template <class Number>
+std::optional<Number> parse_number(std::string_view text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
+}
+
+// As other programs write positive numbers: "+1".
+inline std::string_view without_plus(std::string_view text) { return text.starts_with('+') ? text.substr(1) : text; }
+
+}  // namespace rumi

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/folder_contents.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "bus/transport/log_file.h"
+#include "camera_driver/recording/list_lines.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+bool is_image_name(const fs::path& file) {
+  static const std::set<std::string> kExtensions = {".jpg",  ".jpeg", ".png", ".bmp", ".tif",
+                                                    ".tiff", ".pgm",  ".ppm", ".webp"};
+  return kExtensions.contains(lower_extension(file)) && !file.filename().string().starts_with('.');
+}
+
+std::string other_files(const fs::path& folder) {
+  std::map<std::string, int> count;
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    std::error_code ignored;
+    const bool is_hidden = it->path().filename().string().starts_with('.');
+    if (!is_hidden && !is_image_name(it->path()) && it->is_regular_file(ignored)) ++count[lower_extension(it->path())];
+  }
+  constexpr size_t kMostNamed = 6;
+  std::vector<std::string> parts;
+  for (const auto& [extension, files] : count)
+    if (parts.size() < kMostNamed)
+      parts.push_back(fmt::format("{} {}", files, extension.empty() ? "without an ending" : printable(extension)));
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+std::string recordings_in(const fs::path& folder) {
+  static const std::set<std::string> kExtensions = {
+      ".mp4", ".mov", ".mkv",  ".avi",  ".webm", ".m4v", ".mpg", ".mpeg",  ".ts",  ".mts", ".m2ts",  ".wmv",
+      ".flv", ".3gp", ".h264", ".h265", ".264",  ".265", ".ivf", ".mjpeg", ".lcm", ".log", ".lcmlog"};
+  std::vector<std::string> names;
+  std::error_code code, ignored;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const bool is_log = lower_extension(it->path()) != ".log" || is_lcm_log(it->path().string());
+    if (kExtensions.contains(lower_extension(it->path())) && it->is_regular_file(ignored) && is_log)
+      names.push_back(printable(it->path().filename().string()));
+  }
+  std::sort(names.begin(), names.end());
+  constexpr size_t kMostNamed = 4;
+  const size_t more = names.size() - std::min(names.size(), kMostNamed);
+  names.resize(names.size() - more);
+  return fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
+}  // namespace rumi::camera_driver

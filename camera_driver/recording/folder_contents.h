@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What files are in a folder.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace rumi::camera_driver {
+
+// By its ending; hidden files are none.
+bool is_image_name(const std::filesystem::path& file);
+// "12 .gif, 3 without an ending": the files of a folder that are not taken for images; empty if there are none.
+std::string other_files(const std::filesystem::path& folder);
+// "a.mp4, b.lcm": names of the videos and lcm logs in a folder; empty if there are none.
+std::string recordings_in(const std::filesystem::path& folder);
+
+}  // namespace rumi::camera_driver
