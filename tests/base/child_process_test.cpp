@@ -8,6 +8,8 @@
 
 #include <cerrno>
 
+#include "tests/support/process_state.h"
+
 namespace rumi {
 namespace {
 
@@ -68,7 +70,7 @@ TEST(Child, AHeldSignalWaitsUntilTheProgramUnblocksIt) {
 TEST(Child, IsLeftToBeReapedOnceItHasEnded) {
   Child child = start_shell("read line; exit 0");  // its input is empty
   all_output(child);
-  while (!child.has_ended()) usleep(1000);
+  ASSERT_TRUE(testing::happens([&child] { return child.has_ended(); }));
   EXPECT_TRUE(child.has_ended()) << "however often one asks";
   EXPECT_EQ(kill(child.pid(), 0), 0) << "its number is still its own";
   EXPECT_TRUE(child.reap().exited());
@@ -85,18 +87,7 @@ TEST(Child, DiesWithItsOwnerAndSoDoesWhatItStarted) {
     grandchild = static_cast<pid_t>(std::stol(buffer));
     ASSERT_EQ(kill(grandchild, 0), 0);
   }
-  // Whoever adopts it reaps it.
-  for (int i = 0; i < 5000 && kill(grandchild, 0) == 0; ++i) {
-    const std::string stat = "/proc/" + std::to_string(grandchild) + "/stat";
-    if (FILE* file = std::fopen(stat.c_str(), "r")) {
-      char state = 0;
-      const int read = std::fscanf(file, "%*d (%*[^)]) %c", &state);
-      std::fclose(file);
-      if (read == 1 && state == 'Z') return;
-    }
-    usleep(1000);
-  }
-  EXPECT_NE(kill(grandchild, 0), 0);
+  EXPECT_TRUE(testing::ends(grandchild));
 }
 
 TEST(Child, WhatCannotBeExecutedIsNoChild) {

@@ -9,14 +9,15 @@
 #include <cstdlib>
 
 #include "base/whole_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
-class CommandLineTest : public testing::Test {
+class CommandLineTest : public ::testing::Test {
  protected:
   CommandLineTest() {
     CommandLine* replay = app_.add_command("replay", "plays");
@@ -36,16 +37,17 @@ class CommandLineTest : public testing::Test {
 };
 
 TEST(CommandLineOfAProgram, AFileThatGrowsTooLargeIsAnErrorAndNotTheEnd) {
-  const auto write_too_much = [] {
+  const testing::TemporaryFolder folder;
+  const auto write_too_much = [&folder] {
     const CommandLine app("a program", "rumi");
     const rlimit limit{100, 100};
     setrlimit(RLIMIT_FSIZE, &limit);
-    WholeFile file(testing::TempDir() + "/too_large");
+    WholeFile file(folder / "too_large");
     file.write(std::string(1000, 'x'));
     std::fputs(file.commit().c_str(), stderr);
     std::_Exit(7);
   };
-  EXPECT_EXIT(write_too_much(), testing::ExitedWithCode(7), "too_large: File too large");
+  EXPECT_EXIT(write_too_much(), ::testing::ExitedWithCode(7), "too_large: File too large");
 }
 
 TEST_F(CommandLineTest, AMisspeltFlagHasTheNearOneBesideIt) {

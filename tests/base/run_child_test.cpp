@@ -7,12 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <thread>
 
+#include "tests/support/process_state.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rumi::ruminator {
@@ -21,22 +20,6 @@ namespace {
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using Outcome = ChildResult::Outcome;
-
-bool within_a_minute(const std::function<bool()>& happens) {
-  const auto start = std::chrono::steady_clock::now();
-  while (!happens()) {
-    if (std::chrono::steady_clock::now() - start > std::chrono::minutes(1)) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return true;
-}
-
-// A process whose parent has died may stay a zombie where nobody collects it.
-bool is_running(const std::string& pid) {
-  const std::string stat = testing::read_file("/proc/" + pid + "/stat");
-  const size_t name_end = stat.rfind(") ");
-  return name_end != std::string::npos && stat[name_end + 2] != 'Z' && stat[name_end + 2] != 'X';
-}
 
 class RunChildTest : public ::testing::Test {
  protected:
@@ -50,7 +33,7 @@ class RunChildTest : public ::testing::Test {
   ChildResult run(const std::string& script) { return run_child(shell(script), never); }
   // The first word of a file that a child writes by renaming.
   std::string wait_for_word(const std::string& name) {
-    within_a_minute([&] { return std::filesystem::exists(file(name)); });
+    testing::happens([&] { return std::filesystem::exists(file(name)); });
     std::string word;
     std::ifstream(file(name)) >> word;
     return word;
@@ -93,7 +76,6 @@ TEST_F(RunChildTest, ItIsStoppedAtItsTimeLimit) {
   const ChildResult result = run_child(command, never);
   EXPECT_EQ(result.outcome, Outcome::kTimedOut);
   EXPECT_GE(result.wall_s, 0.2);
-  EXPECT_LT(result.wall_s, 59);
   EXPECT_THAT(result.describe(), HasSubstr("time limit"));
 }
 
@@ -144,13 +126,13 @@ TEST_F(RunChildTest, ItsChildrenAreStoppedWithIt) {
   EXPECT_EQ(run_and_cancel(shell("sleep 600 & echo $! > $1/new; mv $1/new $1/started; wait")).outcome,
             Outcome::kCancelled);
   const std::string pid = wait_for_word("started");
-  EXPECT_TRUE(within_a_minute([&] { return !is_running(pid); })) << pid;
+  EXPECT_TRUE(testing::ends(std::stoi(pid))) << pid;
 }
 
 TEST_F(RunChildTest, ItsChildrenDoNotOutliveIt) {
   EXPECT_TRUE(run("sleep 600 & echo $! > $1/pid").ok());
   const std::string pid = wait_for_word("pid");
-  EXPECT_TRUE(within_a_minute([&] { return !is_running(pid); })) << pid;
+  EXPECT_TRUE(testing::ends(std::stoi(pid))) << pid;
 }
 
 TEST_F(RunChildTest, ItDiesWithUs) {
@@ -162,7 +144,7 @@ TEST_F(RunChildTest, ItDiesWithUs) {
   const std::string pid = wait_for_word("pid");
   kill(us, SIGKILL);
   waitpid(us, nullptr, 0);
-  EXPECT_TRUE(within_a_minute([&] { return !is_running(pid); })) << pid;
+  EXPECT_TRUE(testing::ends(std::stoi(pid))) << pid;
 }
 
 TEST_F(RunChildTest, WhatCannotBeStartedSaysWhy) {

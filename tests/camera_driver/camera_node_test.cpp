@@ -59,7 +59,7 @@ TEST_F(CameraNodeTest, EndsWithAnotherCodeWhereImagesWereLeftOut) {
   EXPECT_EQ(whole.exit_code(), 0);
   tick(whole, 9'000'000);
   EXPECT_EQ(whole.exit_code(), 0);
-  write(folder_ / "rgb/2.png", "no image");
+  write_file(folder_ / "rgb/2.png", "no image");
   CameraNode node(bus_, folder_.path().string(), options_);
   tick(node, 7'000'000);
   EXPECT_EQ(node.exit_code(), 0) << "not at its end";
@@ -145,16 +145,16 @@ TEST(LogConversion, BadInputAndOutput) {
   EXPECT_FALSE(fs::exists(log));
   EXPECT_EQ(tool::run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}}), 1);
   ASSERT_EQ(tool::run_export({data, log, "CAMERA", {}}), 0);
-  const std::string bytes = read(log);
+  const std::string bytes = read_file(log);
   EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}}), 1);  // never replaced
-  EXPECT_EQ(read(log), bytes);
+  EXPECT_EQ(read_file(log), bytes);
   EXPECT_EQ(tool::run_import({log, data, {}}), 1);  // not empty
   EXPECT_EQ(tool::run_import({data + "/rgb.txt", folder / "out", {}}), 1);
   EXPECT_FALSE(fs::exists(folder / "out"));
   CameraOptions other;
   other.log_channel = "OTHER";
   EXPECT_THAT(open_image_source(log, other).error, HasSubstr("log_channel"));
-  write(log, bytes.substr(0, bytes.size() - 100));  // cut off: what is whole is there
+  write_file(log, bytes.substr(0, bytes.size() - 100));  // cut off: what is whole is there
   EXPECT_EQ(all_images(log).size(), 1u);
 }
 

@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
@@ -17,16 +15,6 @@
 namespace rumi::testing {
 
 namespace fs = std::filesystem;
-
-inline void write(const fs::path& file, const std::string& text) {
-  fs::create_directories(file.parent_path());
-  std::ofstream(file, std::ios::binary) << text;
-}
-
-inline std::string read(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // A picture that differs for every `number`, with enough structure for a JPEG to have something to damage.
 inline cv::Mat picture(int number, int width = 64, int height = 48, bool colour = false) {
@@ -48,8 +36,8 @@ inline void write_tum(const fs::path& folder, int n, const std::string& extensio
     cv::imwrite((folder / name).string(), picture(i));
     list += fmt::format("{}.{}00000 {}\n", 1000 + i / 10, i % 10, name);
   }
-  write(folder / "rgb.txt", list);
-  write(folder / "calibration.yaml", kCalibration);
+  write_file(folder / "rgb.txt", list);
+  write_file(folder / "calibration.yaml", kCalibration);
 }
 
 }  // namespace rumi::testing

@@ -97,7 +97,7 @@ const std::map<std::string, Recording>& recordings() {
        {"EuRoC, TUM-VI",
         [](const fs::path& folder) {
           write_images(folder / "mav0/cam0/data", {"1.png", "2.png"});
-          write(folder / "mav0/cam0/data.csv", "#timestamp [ns],filename\n1000000000,1.png\n1050000000,2.png\n");
+          write_file(folder / "mav0/cam0/data.csv", "#timestamp [ns],filename\n1000000000,1.png\n1050000000,2.png\n");
           return folder;
         }}},
       {"a folder of images",
@@ -146,7 +146,7 @@ std::set<std::string> names_of(const Map& map) {
   return names;
 }
 
-std::string documentation(const char* file) { return testing::read(fs::path(RUMI_SOURCE_DIR) / file); }
+std::string documentation(const char* file) { return testing::read_file(fs::path(RUMI_SOURCE_DIR) / file); }
 
 // What stands between two pieces of text, without remarks in brackets, in one line.
 std::string between(const std::string& text, const std::string& begin, const std::string& end) {
@@ -210,7 +210,7 @@ TEST(FormatsInTheDocs, RecordingsAreRead) {
   EXPECT_EQ(rows_between(documentation("docs/recordings.md"), "# Recordings", "ROS bags"), in_docs);
   for (const auto& [name, recording] : recordings()) {
     const TemporaryFolder folder;
-    write(folder / "calibration.yaml", kCalibration);
+    write_file(folder / "calibration.yaml", kCalibration);
     const camera_driver::OpenedSource opened =
         camera_driver::open_recording(recording.make(folder.path()).string(), {});
     ASSERT_EQ(opened.error, "") << name;
@@ -225,8 +225,8 @@ TEST(FormatsInTheDocs, TruthsAreRead) {
     const TemporaryFolder folder;
     folder.write("times.txt", "0\n0.1\n");
     // Of the body's truth the camera's place on it is asked for.
-    write(folder / "mav0/cam0/sensor.yaml", "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
-    write(folder / "mav0/state_groundtruth_estimate0/data.csv", text);
+    write_file(folder / "mav0/cam0/sensor.yaml", "T_BS:\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n");
+    write_file(folder / "mav0/state_groundtruth_estimate0/data.csv", text);
     const std::string file = name.find("EuRoC") != std::string::npos
                                  ? folder / "mav0/state_groundtruth_estimate0/data.csv"
                                  : folder.write("truth.txt", text);

@@ -3,22 +3,12 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
 #include <string>
 
 #include "map_server/atlas/atlas.h"
+#include "tests/slam/synthetic_scene.h"
 
 namespace rumi::tool {
-
-inline Camera test_camera() {
-  Camera camera;
-  camera.width = 640;
-  camera.height = 480;
-  camera.fx = camera.fy = 525;
-  camera.cx = 320;
-  camera.cy = 240;
-  return camera;
-}
 
 inline Submap make_test_submap(int keyframes = 4, int landmarks = 20) {
   Submap submap;
@@ -68,14 +58,6 @@ inline map_server::Atlas make_test_atlas() {
   for (const auto& [utime_us, frame] : submap.frames) atlas.record_frame({utime_us}, {1, TrackingState::kTracking, 1});
   atlas.record_frame({1'400'000}, {1, TrackingState::kLost, kNoSubmap});
   return atlas;
-}
-
-// An empty folder of this name under the tests' temporary one.
-inline std::filesystem::path fresh_folder(const std::string& temporary, const std::string& name) {
-  const std::filesystem::path folder = std::filesystem::path(temporary) / name;
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
 }
 
 }  // namespace rumi::tool

@@ -7,92 +7,14 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "bus/transport/memory_bus.h"
-#include "bus/wire/camera_file.h"
-#include "bus/wire/image_codec.h"
-#include "bus/wire/image_stream.h"
-#include "bus/wire/jpeg_image.h"
-#include "bus/wire/submap_update.h"
-#include "tests/ruminator/test_jobs.h"
+#include "tests/ruminator/ruminator_node_fixture.h"
 
 namespace rumi::ruminator {
 namespace {
 
 using ::testing::HasSubstr;
-
-constexpr int64_t kPeriodUs = 33'333;
-
-class RuminatorNodeTest : public ::testing::Test {
- protected:
-  RuminatorNodeTest() {
-    options_.rebuild = false;
-    options_.build_thread = false;
-    options_.spool.clear();
-  }
-  void start() {
-    RuminatorHooks hooks;
-    hooks.builder = testing::fake_builder();
-    hooks.builder_problem = [this] { return builder_problem_; };
-    hooks.on_job = [this](const WindowJob& job) { jobs_.push_back(job); };
-    node_ = std::make_unique<RuminatorNode>(bus_, options_, hooks);
-    bus_.subscribe<window_t>(channels::kWindow, {}, [this](const window_t& w) { announced_.push_back(w); });
-  }
-  static image_t make_image(int64_t utime_us, bool is_jpeg = true) {
-    cv::Mat grey(120, 160, CV_8U);
-    cv::RNG rng(utime_us);
-    rng.fill(grey, cv::RNG::UNIFORM, 0, 255);
-    image_t image = is_jpeg ? make_jpeg_image(utime_us, grey) : make_grey_image(utime_us, grey);
-    set_metadata(&image, kCalibrationKey, camera_to_yaml(testing::small_camera()));
-    return image;
-  }
-  void send_image(int64_t utime_us) {
-    image_t image = make_image(utime_us, jpeg_);
-    if (stream_ != kNoStream) set_stream(stream_, &image);
-    bus_.publish(channels::kCamera, image);
-  }
-  void send_track(int64_t utime_us, int32_t submap, bool is_keyframe) {
-    track_t track{};
-    track.utime = utime_us;
-    track.session = 7 + stream_;
-    track.stream = stream_;
-    track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
-    track.submap_id = submap;
-    track.cam_from_submap = to_wire(SE3());
-    track.is_keyframe = is_keyframe;
-    bus_.publish(channels::kTrack, track);
-  }
-  // As live: the image, then what became of it.
-  void frames(int count, int32_t submap, int keyframe_every = 5) {
-    for (int i = 0; i < count; ++i) {
-      next();
-      send_image(now_);
-      bus_.dispatch();
-      send_track(now_, submap, submap != kNoSubmap && i % keyframe_every == 0);
-      bus_.dispatch();
-      node_->tick(now_);
-      bus_.dispatch();
-    }
-  }
-  void next() {
-    now_ += kPeriodUs;
-    bus_.set_now_us(now_);
-  }
-  void expect_images_of(const WindowJob& job) {
-    std::set<int64_t> utimes;
-    for (const image_t& image : job.images) utimes.insert(image.utime);
-    for (const Sample& s : job.window.samples()) EXPECT_TRUE(utimes.contains(s.utime_us)) << "window " << job.window.id;
-  }
-
-  MemoryBus bus_;
-  RuminatorOptions options_;
-  std::unique_ptr<RuminatorNode> node_;
-  std::vector<window_t> announced_;
-  std::vector<WindowJob> jobs_;
-  std::string builder_problem_;
-  int64_t now_ = 1'000'000;
-  bool jpeg_ = true;
-  int64_t stream_ = kNoStream;
-};
+using testing::kPeriodUs;
+using testing::RuminatorNodeTest;
 
 TEST_F(RuminatorNodeTest, AWindowIsAnnouncedFromBeginningToEnd) {
   start();
@@ -405,103 +327,6 @@ TEST_F(RuminatorNodeTest, TheSameInputGivesTheSameAnnouncements) {
   }
   EXPECT_FALSE(runs[0].empty());
   EXPECT_EQ(runs[0], runs[1]);
-}
-
-// With everything behind it: the job, the builder, the back submap on the bus.
-class RebuildingNodeTest : public RuminatorNodeTest {
- protected:
-  RebuildingNodeTest() { options_.rebuild = true; }
-  void start_with_map_server() {
-    receiver_.emplace(bus_, channels::kSubmap, channels::kSubmapAck, "map_server", true,
-                      [this](const ChunkReceiver::Payload& payload) {
-                        EXPECT_TRUE(Bus::decode(payload.bytes, &submaps_.emplace_back()));
-                        return ChunkReceiver::Verdict{true, "", submaps_.back().revision};
-                      });
-    start();
-  }
-  std::vector<int> states() const {
-    std::vector<int> states;
-    for (const window_t& w : announced_)
-      if (states.empty() || states.back() != w.state) states.push_back(w.state);
-    return states;
-  }
-  std::optional<ChunkReceiver> receiver_;
-  std::vector<submap_update_t> submaps_;
-};
-
-TEST_F(RebuildingNodeTest, ALossEndsInABackSubmap) {
-  start_with_map_server();
-  frames(100, 1);
-  frames(20, kNoSubmap);
-  frames(60, 2);
-  EXPECT_THAT(states(), ::testing::ElementsAre(window_t::COLLECTING, window_t::QUEUED, window_t::EXTRACTING,
-                                               window_t::MATCHING, window_t::MAPPING, window_t::PUBLISHED));
-  ASSERT_EQ(submaps_.size(), 1);
-  EXPECT_EQ(submaps_[0].submap_id, -1);
-  EXPECT_EQ(submaps_[0].session, 7);
-  EXPECT_EQ(submaps_[0].kind, submap_update_t::BACK);
-  EXPECT_THAT(node_->status().detail, HasSubstr("1 published"));
-}
-
-TEST_F(RebuildingNodeTest, WhatIsOpenAtTheEndIsRebuiltToo) {
-  start_with_map_server();
-  frames(100, 1);
-  frames(20, kNoSubmap);
-  node_->finish();
-  bus_.dispatch();
-  EXPECT_TRUE(node_->finished());
-  EXPECT_EQ(submaps_.size(), 1);
-  EXPECT_EQ(announced_.back().state, window_t::PUBLISHED);
-}
-
-TEST_F(RebuildingNodeTest, StoppedInALossItLeavesTheWindowInTheSpool) {
-  const testing::TemporaryFolder folder;
-  options_.spool = folder / "spool";
-  options_.build_thread = true;
-  start_with_map_server();
-  frames(100, 1);
-  frames(20, kNoSubmap);
-  node_->stop();
-  for (int i = 0; i < 1000 && !node_->finished(); ++i) node_->tick(now_);
-  EXPECT_TRUE(node_->finished());
-  EXPECT_TRUE(submaps_.empty());
-  EXPECT_TRUE(read_window_job(folder / "spool/7-1.window").ok());
-}
-
-TEST_F(RebuildingNodeTest, WindowsOfAnEarlierProcessAreRebuiltAndTheirNumbersNotUsedAgain) {
-  const testing::TemporaryFolder folder;
-  options_.spool = folder / "spool";
-  std::string error;
-  ASSERT_EQ(Spool::open(options_.spool, 1'000'000, &error)->add(testing::small_job(3, 7), &error),
-            Spool::Added::kAdded);
-  start_with_map_server();
-  frames(30, 1);
-  frames(20, kNoSubmap);
-  frames(60, 2);
-  ASSERT_EQ(submaps_.size(), 2);
-  EXPECT_EQ(submaps_[0].submap_id, -3);
-  EXPECT_EQ(submaps_[1].submap_id, -4);
-}
-
-TEST_F(RebuildingNodeTest, WithoutCalibrationItSaysWhatToDo) {
-  start_with_map_server();
-  for (int i = 0; i < 150; ++i) {
-    next();
-    image_t image = make_image(now_);
-    image.metadata.clear();
-    image.nmetadata = 0;
-    bus_.publish(channels::kCamera, image);
-    send_track(now_, i < 50 ? 1 : i < 60 ? kNoSubmap : 2, i % 5 == 0);
-    bus_.dispatch();
-    node_->tick(now_);
-    bus_.dispatch();
-  }
-  EXPECT_EQ(announced_.back().state, window_t::FAILED);
-  EXPECT_THAT(announced_.back().reason, HasSubstr("ruminator.camera_file"));
-  EXPECT_TRUE(submaps_.empty());
-
-  options_.camera_file = "/nowhere/camera.yaml";
-  EXPECT_THROW(RuminatorNode(bus_, options_, {testing::fake_builder(), {}, {}, {}}), std::runtime_error);
 }
 
 }  // namespace

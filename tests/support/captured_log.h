@@ -7,21 +7,30 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace rumi::testing {
 
-// What is logged while it lives.
+// What is logged while it lives, at this level and above, instead of where it goes otherwise.
 class CapturedLog {
  public:
-  CapturedLog() {
-    spdlog::default_logger()->sinks().push_back(std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
+  explicit CapturedLog(spdlog::level::level_enum level = spdlog::level::info) {
+    sinks_ =
+        std::exchange(spdlog::default_logger()->sinks(), {std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)});
+    spdlog::set_level(level);
   }
-  ~CapturedLog() { spdlog::default_logger()->sinks().pop_back(); }
+  ~CapturedLog() {
+    spdlog::default_logger()->sinks() = std::move(sinks_);
+    spdlog::set_level(level_);
+  }
   CapturedLog(const CapturedLog&) = delete;
   CapturedLog& operator=(const CapturedLog&) = delete;
   std::string text() const { return text_.str(); }
 
  private:
+  const spdlog::level::level_enum level_ = spdlog::get_level();
+  std::vector<spdlog::sink_ptr> sinks_;
   std::ostringstream text_;
 };
 

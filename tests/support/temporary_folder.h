@@ -20,6 +20,19 @@
 
 namespace rumi::testing {
 
+inline std::string read_file(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The folders in which it is to lie are made.
+inline void write_file(const std::filesystem::path& file, const std::string& text) {
+  std::filesystem::create_directories(file.parent_path());
+  std::ofstream(file, std::ios::binary) << text;
+}
+
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -37,24 +50,13 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   // A file of the folder, and its whole name.
   std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path_ / name, std::ios::binary) << text;
+    write_file(*this / name, text);
     return *this / name;
   }
 
  private:
   std::filesystem::path path_;
 };
-
-inline std::string read_file(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-inline void write_file(const std::string& file, const std::string& text) {
-  std::ofstream(file, std::ios::binary) << text;
-}
 
 namespace internal {
 

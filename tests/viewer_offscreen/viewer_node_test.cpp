@@ -13,6 +13,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "tests/support/temporary_folder.h"
 #include "tests/viewer_offscreen/test_map.h"
 #include "viewer_offscreen/canvas/palette.h"
 
@@ -24,18 +25,15 @@ namespace fs = std::filesystem;
 Eigen::Vector3d test_line(double t) { return {0.3, 0.2 * t, 0}; }
 
 // Plays map_server with one submap, which lies as a line in the map once it is placed.
-class ViewerNodeTest : public testing::Test {
+class ViewerNodeTest : public ::testing::Test {
  protected:
   ViewerNodeTest() : sender_(bus_, channels::kMapChunk, channels::kMapAck, "server") {
     bus_.set_now_us(1'000'000);
     bus_.subscribe<map_request_t>(channels::kMapRequest, {}, [this](const map_request_t& r) { on_request(r); });
     bus_.subscribe<image_t>(channels::kViewerImage, {}, [this](const image_t& image) { images_.push_back(image); });
-    std::string name = (fs::temp_directory_path() / "rumi-viewer-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
     options_.output = folder_;
     options_.interval_s = 1;
   }
-  ~ViewerNodeTest() override { fs::remove_all(folder_); }
 
   void on_request(const map_request_t& request) {
     requests_.push_back(request);
@@ -91,7 +89,8 @@ class ViewerNodeTest : public testing::Test {
   std::vector<map_request_t> requests_;
   std::vector<image_t> images_;
   int garbage_ = 0;
-  std::string folder_;
+  const testing::TemporaryFolder temporary_;
+  const std::string folder_ = temporary_.path().string();
   ViewerOptions options_;
 };
 
@@ -234,7 +233,7 @@ TEST_F(ViewerNodeTest, AFolderThatIsNotThereIsReportedAndSurvived) {
   publish_status();
   run(node, 3);
   EXPECT_TRUE(node.status().degraded);
-  EXPECT_THAT(node.status().detail, testing::HasSubstr("missing"));
+  EXPECT_THAT(node.status().detail, ::testing::HasSubstr("missing"));
   const size_t before = images_.size();
   EXPECT_GE(before, 1u);
   fs::create_directory(options_.output);
@@ -389,7 +388,7 @@ TEST_F(ViewerNodeTest, WithoutOpenGlItSaysSoAndGoesOn) {
   run(node, 3);
   unsetenv("RUMI_OPENGL");
   EXPECT_TRUE(node.status().degraded);
-  EXPECT_THAT(node.status().detail, testing::HasSubstr("RUMI_OPENGL"));
+  EXPECT_THAT(node.status().detail, ::testing::HasSubstr("RUMI_OPENGL"));
   publish_tracks();
   run(node, 3);
   EXPECT_FALSE(node.status().degraded);

@@ -2,6 +2,7 @@
 // A process with a node that answers requests, for lcm_process_test.cpp.
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <thread>
 
@@ -27,6 +28,7 @@ class EchoNode : public rumi::Node {
   EchoNode(rumi::Bus& bus, const Options& options) : options_(options) {
     if (options.fail) throw std::runtime_error("no such camera");
     bus.subscribe<rumi::map_request_t>(rumi::channels::kCamera, {}, [&](const rumi::map_request_t& request) {
+      if (options_.slow_ms > 0) std::fputs("at work\n", stderr);
       std::this_thread::sleep_for(std::chrono::milliseconds(options_.slow_ms));
       rumi::map_request_t answer = request;
       answer.request_id += options_.step;

@@ -10,20 +10,16 @@
 
 #include "bus/transport/log_bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 namespace fs = std::filesystem;
 
-class LogTest : public testing::Test {
+class LogTest : public ::testing::Test {
  protected:
-  LogTest() : folder_(fs::temp_directory_path() / ("rumi_log_test_" + std::to_string(getpid()))) {
-    fs::create_directories(folder_);
-  }
-  ~LogTest() override { fs::remove_all(folder_); }
-
   std::string file(const std::string& name = "x.log") const { return folder_ / name; }
   // Ten events on two channels, 1 s apart.
   void write_ten() {
@@ -39,7 +35,8 @@ class LogTest : public testing::Test {
   void put(const std::vector<uint8_t>& content) const {
     std::ofstream(file(), std::ios::binary).write(reinterpret_cast<const char*>(content.data()), content.size());
   }
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(LogTest, WhatIsWrittenIsRead) {
@@ -156,7 +153,8 @@ TEST_F(LogTest, AFullDiskIsReported) {
   LogWriter writer("/dev/full");
   bool ok = true;
   for (int i = 0; i < 100 && ok; ++i) ok = writer.write(i, "A", std::vector<uint8_t>(1000));
-  EXPECT_FALSE(ok && writer.close());
+  EXPECT_FALSE(ok) << "more was written than is held back";
+  EXPECT_FALSE(writer.close());
   EXPECT_THAT(writer.error(), HasSubstr("No space left"));
 }
 

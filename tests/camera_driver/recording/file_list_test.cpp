@@ -124,7 +124,7 @@ TEST_F(FileLists, ListsOfOtherSystemsAreRead) {
 
 TEST_F(FileLists, PointersOfGitLfsSayHowToGetTheImages) {
   folder_.write("1.jpg", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
-  write(folder_ / "calibration.yaml", kCalibration);
+  write_file(folder_ / "calibration.yaml", kCalibration);
   EXPECT_THAT(error_of(), HasSubstr("git lfs pull"));
 }
 
@@ -223,9 +223,9 @@ TEST_F(FileLists, AFolderSaysWhichOfItsFoldersAndFilesToGive) {
 
 TEST_F(FileLists, EurocWithoutItsListIsPlayedByTheNamesOfItsImages) {
   for (int i = 0; i < 4; ++i) image(fmt::format("mav0/cam0/data/14036365797{}3555584.png", i), i);
-  write(folder_ / "mav0/cam0/sensor.yaml",
-        "sensor_type: camera\nresolution: [64, 48]\ncamera_model: pinhole\nintrinsics: [50, 51, 32, 24]\n"
-        "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n");
+  write_file(folder_ / "mav0/cam0/sensor.yaml",
+             "sensor_type: camera\nresolution: [64, 48]\ncamera_model: pinhole\nintrinsics: [50, 51, 32, 24]\n"
+             "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n");
   for (const char* given : {"", "mav0", "mav0/cam0", "mav0/cam0/data"}) {
     const OpenedSource opened = open_recording(folder_ / given, {});
     ASSERT_EQ(opened.error, "") << given;

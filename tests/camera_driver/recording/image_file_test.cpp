@@ -78,7 +78,7 @@ TEST(ImageFile, WhiteOfAPgmIsWhatItsHeaderSays) {
   const TemporaryFolder folder;
   for (const std::string& pgm :
        {"P5\n# 4 bits\n2 2\n15\n\x00\x05\x0A\x0F"s, "P2\n2 2\n15\n0 5 10 15\n"s, "P5\n2 2\n255\n\x00\x55\xAA\xFF"s}) {
-    write(folder / "a.pgm", pgm);
+    write_file(folder / "a.pgm", pgm);
     std::string error;
     const auto image = load_image_file(
         folder / "a.pgm", false, [] { return GreyRange(); }, &error);
@@ -90,9 +90,9 @@ TEST(ImageFile, WhiteOfAPgmIsWhatItsHeaderSays) {
 TEST(ImageFile, BytesAfterTheEndOfAJpegAreNotOfTheImage) {
   const TemporaryFolder folder;
   cv::imwrite(folder / "a.jpg", picture(1));
-  const std::string jpeg = read(folder / "a.jpg");
+  const std::string jpeg = read_file(folder / "a.jpg");
   for (const std::string& more : {std::string(5, '\0'), std::string("\r\n"), std::string(2000, 'x')}) {
-    write(folder / "a.jpg", jpeg + more);
+    write_file(folder / "a.jpg", jpeg + more);
     std::string error;
     const auto image = load_image_file(
         folder / "a.jpg", false, [] { return GreyRange(); }, &error);

@@ -48,7 +48,7 @@ TEST(ImageHeader, ATiffWithASizeOfAnotherTypeIsRefused) {
 // OpenCV would make room for it before it finds that there are no pixels.
 TEST(ImageHeader, AnImageOfGigabytesIsRefusedByItsHeader) {
   const TemporaryFolder folder;
-  write(folder.path() / "a.ppm", "P6\n32000 32000\n255\n" + std::string(900, 'x'));
+  write_file(folder.path() / "a.ppm", "P6\n32000 32000\n255\n" + std::string(900, 'x'));
   std::string error;
   EXPECT_FALSE(load_image_file(
       folder.path() / "a.ppm", true, [] { return GreyRange(); }, &error));

@@ -26,10 +26,10 @@ std::string printed_by(const std::string& input) {
 TEST(LibraryMessages, OfBrokenImagesDoNotReachTheUser) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 4);
-  const std::string png = read(folder / "rgb/1.png");
+  const std::string png = read_file(folder / "rgb/1.png");
   folder.write("rgb/1.png", png.substr(0, png.size() / 2));
   cv::imwrite(folder / "rgb/2.bmp", picture(2));
-  const std::string bmp = read(folder / "rgb/2.bmp");
+  const std::string bmp = read_file(folder / "rgb/2.bmp");
   folder.write("rgb/2.png", bmp.substr(0, bmp.size() / 2));
   const std::string printed = printed_by(folder.path().string());
   EXPECT_EQ(printed.find("libpng"), std::string::npos) << printed;
@@ -38,13 +38,13 @@ TEST(LibraryMessages, OfBrokenImagesDoNotReachTheUser) {
 
 TEST(LibraryMessages, OfBrokenVideosDoNotReachTheUser) {
   const TemporaryFolder folder;
-  write(folder / "calibration.yaml", kCalibration);
+  write_file(folder / "calibration.yaml", kCalibration);
   const std::string file = folder / "v.avi";
   {
     cv::VideoWriter video(file, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 10, cv::Size(64, 48));
     for (int i = 0; i < 10; ++i) video.write(picture(i, 64, 48, true));
   }
-  std::string bytes = read(file);
+  std::string bytes = read_file(file);
   for (size_t i = bytes.size() / 3; i < 2 * bytes.size() / 3; i += 50) bytes[i] = 0x55;
   folder.write("v.avi", bytes);
   ::testing::internal::CaptureStdout();  // where a log goes that was not started

@@ -21,7 +21,7 @@ std::string calibration(int fx) { return fmt::format("fx: {}\nfy: 51\ncx: 32\ncy
 
 class LogFrames : public ::testing::Test {
  protected:
-  LogFrames() { testing::write(folder_ / "calibration.yaml", kCalibration); }
+  LogFrames() { testing::write_file(folder_ / "calibration.yaml", kCalibration); }
   // n images, 0.1 s apart.
   void write_log(int n) {
     LogWriter log(file_);
@@ -57,7 +57,7 @@ class LogFrames : public ::testing::Test {
 
 TEST_F(LogFrames, GoOnBehindDamage) {
   write_log(40);
-  const std::string whole = read(file_);
+  const std::string whole = read_file(file_);
   const auto with = [&](size_t at, size_t length, const std::string& text) {
     std::string bytes = whole;
     return bytes.replace(at, length, text);
@@ -75,7 +75,7 @@ TEST_F(LogFrames, GoOnBehindDamage) {
                         Case{"a length beyond the file", with(tenth + 24, 4, too_long), 39},
                         Case{"a length that hides others", with(tenth + 24, 4, longer), 39},
                         Case{"a piece is missing", with(tenth + 500, 9000, ""), 36}}) {
-    testing::write(file_, c.bytes);
+    testing::write_file(file_, c.bytes);
     EXPECT_EQ(play().size(), c.images) << c.what;
     EXPECT_GE(skipped_.malformed, 1) << c.what;
     EXPECT_FALSE(skipped_.complaints(static_cast<int64_t>(c.images)).empty()) << c.what;
@@ -84,7 +84,7 @@ TEST_F(LogFrames, GoOnBehindDamage) {
 
 TEST_F(LogFrames, AreFoundWhereTheBeginningIsMissing) {
   write_log(40);
-  testing::write(file_, read(file_).substr(5000));
+  testing::write_file(file_, read_file(file_).substr(5000));
   EXPECT_EQ(play().size(), 38u);
   EXPECT_EQ(skipped_.malformed, 1);
 }
@@ -102,10 +102,10 @@ TEST_F(LogFrames, OfAnotherSizeAreKeptWhereTheirCalibrationIsOfIt) {
 
 TEST_F(LogFrames, BehindMuchDamageCountAsLost) {
   write_log(100);
-  std::string bytes = read(file_);
+  std::string bytes = read_file(file_);
   const size_t from = begin_of(bytes, 20), to = begin_of(bytes, 40);
   bytes.replace(from, to - from, std::string(to - from, '\0'));
-  testing::write(file_, bytes);
+  testing::write_file(file_, bytes);
   EXPECT_EQ(play().size(), 80u);
   EXPECT_GE(skipped_.malformed, 15);
 }

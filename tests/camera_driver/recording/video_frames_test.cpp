@@ -18,7 +18,7 @@ class VideoFramesTest : public ::testing::Test {
  protected:
   void write(const fs::path& file, const VideoOptions& options) {
     if (!write_video(file, options)) GTEST_SKIP() << "this FFmpeg cannot write such a video";
-    testing::write(folder_ / "calibration.yaml", kCalibration);
+    testing::write_file(folder_ / "calibration.yaml", kCalibration);
   }
   // The grey value in the middle of each image that is published.
   std::vector<int> play(const fs::path& file, const CameraOptions& options = {}) {
@@ -69,7 +69,7 @@ TEST_F(VideoFramesTest, OfAnotherSizeAreLeftOut) {
   write(folder_ / "a.h264", options);
   options.width = 128, options.height = 96;
   write(folder_ / "b.h264", options);
-  testing::write(folder_ / "both.h264", read(folder_ / "a.h264") + read(folder_ / "b.h264"));
+  testing::write_file(folder_ / "both.h264", read_file(folder_ / "a.h264") + read_file(folder_ / "b.h264"));
   CameraOptions at_rate;
   at_rate.rate_hz = 10;
   EXPECT_EQ(play(folder_ / "both.h264", at_rate).size(), 30u);
@@ -104,11 +104,11 @@ TEST_F(VideoFramesTest, KeepTheirTimesBehindDamage) {
   options.pixels = AV_PIX_FMT_YUVJ420P;
   options.container = "mov";
   write(folder_ / "v.mov", options);
-  std::string bytes = read(folder_ / "v.mov");
+  std::string bytes = read_file(folder_ / "v.mov");
   size_t at = 0;
   for (int i = 0; i <= 3; ++i) at = bytes.find("\xFF\xD8\xFF", at + 1);  // begin of the fourth JPEG
   bytes.replace(at, 200, std::string(200, '\0'));
-  testing::write(folder_ / "damaged.mov", bytes);
+  testing::write_file(folder_ / "damaged.mov", bytes);
   const OpenedSource opened = open_image_source(folder_ / "damaged.mov", {});
   ASSERT_EQ(opened.error, "");
   int images = 0;
@@ -128,12 +128,12 @@ TEST_F(VideoFramesTest, ThatFfmpegFindsDamagedAreLeftOut) {
   options.container = "matroska";
   options.width = 64, options.height = 48;
   write(folder_ / "v.mkv", options);
-  std::string bytes = read(folder_ / "v.mkv");
+  std::string bytes = read_file(folder_ / "v.mkv");
   size_t at = 0;
   for (int i = 0; i < 8; ++i) at = bytes.find(std::string("\0\0\1\xB6", 4), at + 1);  // begin of a picture
   ASSERT_NE(at, std::string::npos);
   for (size_t i = at + 6; i < at + 14; ++i) bytes[i] = static_cast<char>(~bytes[i]);
-  testing::write(folder_ / "damaged.mkv", bytes);
+  testing::write_file(folder_ / "damaged.mkv", bytes);
   const size_t played = play(folder_ / "damaged.mkv").size();
   EXPECT_LT(played, 30u);
   EXPECT_EQ(skipped_.unreadable, 30 - static_cast<int64_t>(played));
@@ -147,8 +147,8 @@ TEST_F(VideoFramesTest, OfACutOffFileAreCountedByItsLength) {
   write(folder_ / "v.mkv", options);
   EXPECT_EQ(play(folder_ / "v.mkv").size(), 100u);
   EXPECT_EQ(skipped_.total(), 0);
-  const std::string bytes = read(folder_ / "v.mkv");
-  testing::write(folder_ / "cut.mkv", bytes.substr(0, bytes.size() / 2));
+  const std::string bytes = read_file(folder_ / "v.mkv");
+  testing::write_file(folder_ / "cut.mkv", bytes.substr(0, bytes.size() / 2));
   const auto played = static_cast<int64_t>(play(folder_ / "cut.mkv").size());
   EXPECT_LT(played, 90);
   EXPECT_NEAR(static_cast<double>(skipped_.unreadable + played), 100, 3);

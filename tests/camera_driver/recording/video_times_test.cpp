@@ -34,7 +34,7 @@ class VideoTimesTest : public ::testing::Test {
  protected:
   void write(const char* name, const VideoOptions& options) {
     if (!write_video(folder_ / name, options)) GTEST_SKIP() << "this FFmpeg cannot write such a video";
-    testing::write(folder_ / "calibration.yaml", kCalibration);
+    testing::write_file(folder_ / "calibration.yaml", kCalibration);
   }
   TemporaryFolder folder_;
 };
@@ -69,14 +69,14 @@ TEST_F(VideoTimesTest, OfBareImagesOneAfterTheOtherAreNone) {
     cv::imencode(".jpg", picture(i), jpeg);
     jpegs.append(jpeg.begin(), jpeg.end());
   }
-  testing::write(folder_ / "v.mjpeg", jpegs);
+  testing::write_file(folder_ / "v.mjpeg", jpegs);
   const VideoTimes times = read_video_times(folder_ / "v.mjpeg");
   EXPECT_EQ(times.utimes.size(), 30u);
   EXPECT_FALSE(times.has_times);
 }
 
 TEST_F(VideoTimesTest, OfNoVideoAreNone) {
-  testing::write(folder_ / "garbage.mp4", std::string(5000, 'g'));
+  testing::write_file(folder_ / "garbage.mp4", std::string(5000, 'g'));
   EXPECT_TRUE(read_video_times(folder_ / "garbage.mp4").utimes.empty());
   EXPECT_TRUE(read_video_times(folder_ / "missing.mp4").utimes.empty());
 }

@@ -3,18 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
-
-#include <sstream>
 
 #include "front_tracker/tracking/tracker.h"
 #include "tests/front_tracker/rendered_walk.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/count_of.h"
 
 namespace rumi::front_tracker {
 namespace {
 
 using ::testing::AllOf;
+using testing::count_of;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -40,11 +39,7 @@ TEST(Loss, IsDescribedInOneLine) {
 // What the tracker says of the walk at this level and above. The lens is covered for so many images in its middle.
 std::string said(spdlog::level::level_enum level, const FrontTrackerOptions& options, size_t covered, size_t end) {
   const testing::RenderedWalk& walk = testing::rendered_walk();
-  std::ostringstream said;
-  const auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said);
-  const std::shared_ptr<spdlog::logger> before = spdlog::default_logger();
-  spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
-  spdlog::set_level(level);
+  const testing::CapturedLog log(level);
   Tracker tracker(walk.camera, options, 1);
   const cv::Mat black(walk.images[0].size(), CV_8U, cv::Scalar(0));
   const size_t cover = walk.images.size() / 2;
@@ -53,25 +48,18 @@ std::string said(spdlog::level::level_enum level, const FrontTrackerOptions& opt
     tracker.process(walk.utime_us[i], is_covered ? black : walk.images[i]);
   }
   tracker.end();
-  spdlog::set_default_logger(before);
-  return said.str();
+  return log.text();
 }
 
 std::string said_when_covered(size_t covered, size_t end) {
   return said(spdlog::level::info, testing::replay_options(), covered, end);
 }
 
-size_t count(const std::string& text, const std::string& word) {
-  size_t n = 0;
-  for (size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++n;
-  return n;
-}
-
 TEST(Loss, IsOneLineHoweverManyImagesItTakes) {
   const std::string text = said_when_covered(10, testing::rendered_walk().images.size());
-  EXPECT_EQ(count(text, "lost at"), 1u) << text;
+  EXPECT_EQ(count_of(text, "lost at"), 1u) << text;
   EXPECT_THAT(text, HasSubstr("; found again in submap 1"));
-  EXPECT_EQ(count(text, "\n"), 2u) << "and that the submap began: " << text;
+  EXPECT_EQ(count_of(text, "\n"), 2u) << "and that the submap began: " << text;
 }
 
 TEST(Loss, ASingleImageIsNotWorthALine) {
@@ -90,8 +78,8 @@ TEST(Loss, WhatRelocalizationWouldFindInTheSameImageIsNone) {
   FrontTrackerOptions options = testing::replay_options();
   options.tracking.max_scale_drift = 1e-6;
   const std::string text = said(spdlog::level::debug, options, 0, testing::rendered_walk().images.size());
-  EXPECT_GT(count(text, "found by another look"), 5u) << "the test shows nothing";
-  EXPECT_EQ(count(text, ": 0 images"), 0u) << text;
+  EXPECT_GT(count_of(text, "found by another look"), 5u) << "the test shows nothing";
+  EXPECT_EQ(count_of(text, ": 0 images"), 0u) << text;
 }
 
 }  // namespace

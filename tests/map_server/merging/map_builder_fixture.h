@@ -54,6 +54,12 @@ class MapBuilderTest : public ::testing::Test {
     return submaps;
   }
 
+  size_t frames_of(const Placements& placements) const {
+    size_t frames = 0;
+    for (const auto& [key, placement] : placements) frames += made_.at(key).submap.frames.size();
+    return frames;
+  }
+
   static int image_of(int64_t utime_us) { return static_cast<int>((utime_us - 1'000'000) / 100'000); }
 
   // Of all frames of the placed submaps.

@@ -10,24 +10,24 @@ namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
-class CalibrateCommand : public testing::Test {
+class CalibrateCommand : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    work_ = new WorkFolder;
+    work_ = new TemporaryFolder;
     const Outcome outcome = shell("$RUMI/../tests/render_boards '" + images() + "' pinhole 480 360 40");
     ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
     fs::rename(images() + "/truth.yaml", file("truth.yaml"));
   }
   static void TearDownTestSuite() { delete work_; }
-  static std::string file(const std::string& name) { return (work_->path / name).string(); }
+  static std::string file(const std::string& name) { return (work_->path() / name).string(); }
   static std::string images() { return file("images"); }
   static Outcome calibrate(const std::string& arguments) { return shell("$RUMI/rumi calibrate " + arguments); }
-  static WorkFolder* work_;
+  static TemporaryFolder* work_;
 };
-WorkFolder* CalibrateCommand::work_ = nullptr;
+TemporaryFolder* CalibrateCommand::work_ = nullptr;
 
 TEST_F(CalibrateCommand, WritesAFileAndSaysHowGoodItIs) {
   const Outcome outcome = calibrate(images() + " -o " + file("a.yaml"));
@@ -93,8 +93,10 @@ TEST_F(CalibrateCommand, LiveItEndsWhenThereIsEnough) {
 }
 
 TEST_F(CalibrateCommand, LiveCtrlCEndsIt) {
-  const Outcome outcome = shell("$RUMI/rumi calibrate -o " + file("nothing.yaml") +
-                                " & calibrate=$!; sleep 2; kill -INT $calibrate; wait $calibrate");
+  const Outcome outcome = shell(
+      "$RUMI/rumi calibrate -o " + file("nothing.yaml") + " >" + file("log") +
+      " 2>&1 & calibrate=$!; while kill -0 $calibrate && ! grep -q 'no image' " + file("log") +
+      "; do sleep 0.1; done; kill -INT $calibrate; wait $calibrate; code=$?; cat " + file("log") + "; exit $code");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.output, AllOf(HasSubstr("no image yet on CAMERA"), HasSubstr("CAMERA: no image came")));
 }

@@ -13,18 +13,18 @@ namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class DemoTest : public testing::Test {
+class DemoTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    work_ = new WorkFolder;
-    outcome_ = shell("$RUMI/rumi demo -o '" + work_->path.string() + "/demo'");
+    work_ = new TemporaryFolder;
+    outcome_ = shell("$RUMI/rumi demo -o '" + work_->path().string() + "/demo'");
   }
   static void TearDownTestSuite() { delete work_; }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
 
-  static fs::path out() { return work_->path / "demo"; }
+  static fs::path out() { return work_->path() / "demo"; }
   static map_server::Atlas map_of(const char* run) {
     return map_server::MapStore((out() / run / "map.db").string()).load();
   }
@@ -35,10 +35,10 @@ class DemoTest : public testing::Test {
       if (owner.submap.kind == SubmapKind::kFront && owner.submap.frames.size() >= 100) large.push_back(&owner);
     return large;
   }
-  static WorkFolder* work_;
+  static TemporaryFolder* work_;
   static Outcome outcome_;
 };
-WorkFolder* DemoTest::work_ = nullptr;
+TemporaryFolder* DemoTest::work_ = nullptr;
 Outcome DemoTest::outcome_;
 
 TEST_F(DemoTest, TheFrontAloneHasTwoSubmapsAndAMapOfOneRoom) {
@@ -91,23 +91,23 @@ TEST_F(DemoTest, EndsWithATableAStoryAndPictures) {
 }
 
 TEST(DemoCommand, SaysWhatIsWrong) {
-  const WorkFolder work;
-  const Outcome shortest = shell("$RUMI/rumi demo --seconds 2 -o '" + work.path.string() + "/d'");
+  const TemporaryFolder work;
+  const Outcome shortest = shell("$RUMI/rumi demo --seconds 2 -o '" + work.path().string() + "/d'");
   EXPECT_EQ(shortest.exit_code, 2);
   EXPECT_THAT(shortest.output, HasSubstr("seconds of the walk next-room is 2"));
-  std::ofstream(work.path / "thesis.txt") << "the only copy";
-  const Outcome foreign = shell("$RUMI/rumi demo -o '" + work.path.string() + "'");
+  std::ofstream(work.path() / "thesis.txt") << "the only copy";
+  const Outcome foreign = shell("$RUMI/rumi demo -o '" + work.path().string() + "'");
   EXPECT_EQ(foreign.exit_code, 1);
   EXPECT_THAT(foreign.output, HasSubstr("choose another folder"));
-  EXPECT_TRUE(fs::exists(work.path / "thesis.txt"));
-  std::ofstream(work.path / "run.json") << R"({"program": "rumi", "command": "replay"})";
-  const Outcome other = shell("$RUMI/rumi demo -o '" + work.path.string() + "'");
+  EXPECT_TRUE(fs::exists(work.path() / "thesis.txt"));
+  std::ofstream(work.path() / "run.json") << R"({"program": "rumi", "command": "replay"})";
+  const Outcome other = shell("$RUMI/rumi demo -o '" + work.path().string() + "'");
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.output, HasSubstr("not of an earlier demo"));
-  const Outcome setting = shell("$RUMI/rumi demo --set front_tracker.keypoint=5 -o '" + work.path.string() + "/d'");
+  const Outcome setting = shell("$RUMI/rumi demo --set front_tracker.keypoint=5 -o '" + work.path().string() + "/d'");
   EXPECT_EQ(setting.exit_code, 2);
   EXPECT_THAT(setting.output, HasSubstr("front_tracker.keypoints"));
-  EXPECT_FALSE(fs::exists(work.path / "d")) << "before anything is rendered";
+  EXPECT_FALSE(fs::exists(work.path() / "d")) << "before anything is rendered";
 }
 
 }  // namespace

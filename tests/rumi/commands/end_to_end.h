@@ -8,11 +8,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/support/temporary_folder.h"
+
 namespace rumi::tool {
+
+using testing::read_file;
+using testing::TemporaryFolder;
 
 struct Outcome {
   int exit_code = -1;
@@ -31,11 +35,6 @@ inline Outcome shell(const std::string& command) {
   return outcome;
 }
 
-inline std::string read_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 inline nlohmann::json read_json_file(const std::filesystem::path& file) {
   return nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
 }
@@ -47,23 +46,9 @@ inline nlohmann::json evaluate(const std::filesystem::path& out, const std::file
   return nlohmann::json::parse(outcome.output, nullptr, /*allow_exceptions=*/false);
 }
 
-// A folder of this test program's own, removed at its end.
-class WorkFolder {
- public:
-  WorkFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "rumi-test-XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  std::filesystem::path path;
-};
-
 // Renders a sequence of a room with its truth; returns its folder.
-inline std::filesystem::path render(const WorkFolder& work, const std::string& flags) {
-  const std::filesystem::path sequence = work.path / "sequence";
+inline std::filesystem::path render(const TemporaryFolder& work, const std::string& flags) {
+  const std::filesystem::path sequence = work.path() / "sequence";
   const Outcome outcome = shell("$RUMI/rumi synth -q -o '" + sequence.string() + "' " + flags);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   return sequence;

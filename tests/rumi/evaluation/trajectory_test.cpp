@@ -7,27 +7,23 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/temporary_folder.h"
+
 namespace rumi::tool {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
-class TrajectoryTest : public testing::Test {
+class TrajectoryTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("trajectory_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string write(const std::string& name, const std::string& text) {
     const auto file = folder_ / name;
     std::filesystem::create_directories(file.parent_path());
     std::ofstream(file) << text;
     return file.string();
   }
-  std::filesystem::path folder_;
+  const testing::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(TrajectoryTest, ReadsTumLinesToTheMicrosecondInOrderOfTime) {

@@ -45,8 +45,8 @@ void write_recording(const Submap& submap, const std::filesystem::path& folder, 
     list += fmt::format("{:.6f} {}\n{:.6f} {}\n", 1e-6 * static_cast<double>(keyframe.utime_us), name,
                         1e-6 * static_cast<double>(keyframe.utime_us) + 0.03, between);
   }
-  testing::write(folder / "rgb.txt", list);
-  testing::write(
+  testing::write_file(folder / "rgb.txt", list);
+  testing::write_file(
       folder / "calibration.yaml",
       fmt::format("fx: {}\nfy: {}\ncx: {}\ncy: {}\nwidth: {}\nheight: {}\n", camera.fx * scale, camera.fy * scale,
                   camera.cx * scale, camera.cy * scale, camera.width * scale, camera.height * scale));
@@ -114,7 +114,7 @@ TEST(LandmarkColours, AreInTheFilesOfAMap) {
   const map_server::Atlas atlas = atlas_of(make_test_submap(kKeyframes, kLandmarks), 7);
   const auto first_colour = [&](const map_server::LandmarkColours& colours) {
     EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours), "");
-    const std::string text = testing::read(folder / "map.ply");
+    const std::string text = testing::read_file(folder / "map.ply");
     const char* vertex = text.data() + text.find("end_header\n") + 11;
     const auto byte = [vertex](int i) { return static_cast<uint8_t>(vertex[12 + i]); };
     return Colour{byte(0), byte(1), byte(2)};

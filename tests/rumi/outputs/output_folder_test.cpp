@@ -9,18 +9,19 @@
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_summary.h"
 #include "tests/rumi/small_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace std::string_literals;
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-using testing::ThrowsMessage;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 nlohmann::json read_json(const fs::path& file) {
   std::ifstream in(file);
@@ -28,7 +29,8 @@ nlohmann::json read_json(const fs::path& file) {
 }
 
 TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_new") / "deep" / "er";
+  const testing::TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "deep" / "er";
   EXPECT_EQ(prepare_output_folder(folder.string()), "");
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
@@ -36,7 +38,8 @@ TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
 }
 
 TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_latin_1");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   EXPECT_EQ(write_run_json(folder.string(), {{"input",
                                               "K\xfc"
                                               "che"}}),
@@ -47,7 +50,8 @@ TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
 }
 
 TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_latin_1_options");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   const auto options = options_to_json(
       "camera_driver:\n  camera_file: \"K\xfc"
       "che.yaml\"\n");
@@ -58,7 +62,8 @@ TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
 }
 
 TEST(OutputFolder, TheMapThatIsReadIsNotReplaced) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_same_map");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   const std::string database = (folder / "map.db").string();
   std::ofstream(database) << "a map";
   fs::create_symlink(folder, folder / "other_name");
@@ -71,7 +76,8 @@ TEST(OutputFolder, TheMapThatIsReadIsNotReplaced) {
 }
 
 TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_live_map");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   ASSERT_EQ(prepare_output_folder(folder.string()), "");
   {
     const map_server::MapStore store((folder / "map.db").string());
@@ -81,7 +87,8 @@ TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
 }
 
 TEST(OutputFolder, OtherFilesAreLeftAlone) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_beside");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   fs::create_directories(folder / "submaps");
   fs::create_directories(folder / "windows");
   for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
@@ -95,7 +102,8 @@ TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
   for (const char* name :
        {"trajectory.txt", "trajectory.png", "trajectory.mp4", "frames.csv", "map.db", "map.ply", "windows.csv",
         "run.json", "submaps/001.txt", "submaps/s2-b012.txt", "windows/1-2.window", "pictures/000001.png"}) {
-    const fs::path folder = fresh_folder(testing::TempDir(), "outputs_foreign");
+    const testing::TemporaryFolder temporary;
+    const fs::path& folder = temporary.path();
     fs::create_directories((folder / name).parent_path());
     std::ofstream(folder / name) << "somebody's work\n";
     std::ofstream(folder / "log.txt") << "and more of it\n";
@@ -106,7 +114,8 @@ TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
 }
 
 TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_many");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
     std::ofstream(folder / name) << "somebody's work\n";
   std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
@@ -115,7 +124,8 @@ TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
 }
 
 TEST(OutputFolder, SaysWhyItCannotBeMade) {
-  const fs::path folder = fresh_folder(testing::TempDir(), "outputs_file");
+  const testing::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   std::ofstream(folder / "file") << "x";
   EXPECT_THAT(prepare_output_folder((folder / "file").string()), HasSubstr("file: cannot be made a folder"));
   EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()), HasSubstr("cannot be made a folder"));
@@ -131,10 +141,10 @@ TEST(RunJson, OptionsKeepTheirTypes) {
   EXPECT_EQ(json["a"]["e"], "");
 }
 
-class MapFileTest : public testing::Test {
+class MapFileTest : public ::testing::Test {
  protected:
-  fs::path folder_ = fresh_folder(
-      testing::TempDir(), std::string("map_file_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const testing::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   std::string file_ = (folder_ / "map.db").string();
 };
 

@@ -9,11 +9,12 @@
 #include "map_server/map_server_node.h"
 #include "rumi/outputs/map_file.h"
 #include "tests/rumi/small_atlas.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::tool {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // As a live bus: time passes while it is waited for messages, and the others go on meanwhile.
 class LivingBus : public MemoryBus {
@@ -27,14 +28,10 @@ class LivingBus : public MemoryBus {
   std::function<void(int64_t now_us)> others;
 };
 
-class SnapshotTest : public testing::Test {
+class SnapshotTest : public ::testing::Test {
  protected:
   SnapshotTest() {
-    options_.database =
-        (fresh_folder(testing::TempDir(),
-                      std::string("snapshot_") + testing::UnitTest::GetInstance()->current_test_info()->name()) /
-         "map.db")
-            .string();
+    options_.database = folder_ / "map.db";
     options_.merge.thread = false;  // what the bus's clock does not wait for
     map_server::MapStore(options_.database).save(make_test_atlas(), {ImageId{1'400'000}});
   }
@@ -46,6 +43,7 @@ class SnapshotTest : public testing::Test {
       status_->tick(*server_, now_us);
     };
   }
+  const testing::TemporaryFolder folder_;
   LivingBus bus_;
   map_server::MapServerOptions options_;
   std::unique_ptr<map_server::MapServerNode> server_;

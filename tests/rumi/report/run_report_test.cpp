@@ -17,15 +17,18 @@
 #include "rumi/run/process_load.h"
 #include "ruminator/window/window_job.h"
 #include "tests/rumi/small_atlas.h"
+#include "tests/support/count_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::HasSubstr;
-using testing::IsEmpty;
-using testing::Not;
-using testing::ThrowsMessage;
+using testing::count_of;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
 
 TEST(HtmlPage, Base64IsThatOfTheRfc) {
   const auto encoded = [](const std::string& text) {
@@ -105,7 +108,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
     EXPECT_EQ(matches.verified, 20) << utime_us;
   }
   using Span = std::pair<int64_t, int64_t>;
-  EXPECT_THAT(history.untracked, testing::ElementsAre(Span(1'400'000, 1'400'000)));
+  EXPECT_THAT(history.untracked, ::testing::ElementsAre(Span(1'400'000, 1'400'000)));
   EXPECT_EQ(history.first_us, 1'000'000);
   EXPECT_EQ(history.last_us, 1'400'000);
   EXPECT_EQ(draw_matches(history).size(), cv::Size(1000, 360));
@@ -124,7 +127,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
 }
 
 // The folder of a run of two submaps, one of which was refused.
-class ReportTest : public testing::Test {
+class ReportTest : public ::testing::Test {
  protected:
   ReportTest() {
     Submap other = make_test_submap();
@@ -144,16 +147,10 @@ class ReportTest : public testing::Test {
   }
   void write_run(const nlohmann::ordered_json& run) { EXPECT_EQ(write_run_json(folder_.string(), run), ""); }
 
-  fs::path folder_ = fresh_folder(
-      testing::TempDir(), std::string("report_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  const testing::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
   map_server::Atlas atlas_ = make_test_atlas();
 };
-
-size_t count_of(const std::string& html, const std::string& what) {
-  size_t n = 0;
-  for (size_t at = html.find(what); at != std::string::npos; at = html.find(what, at + 1)) ++n;
-  return n;
-}
 
 TEST_F(ReportTest, IsOneFileWithAllSections) {
   const std::string html = make_report(folder_.string());
@@ -231,7 +228,7 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
   const ProcessLoad load = read_process_load(log, &error);
   EXPECT_EQ(error, "");
   using Point = std::pair<double, double>;
-  EXPECT_THAT(load.cpu_percent.at("map_server"), testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
+  EXPECT_THAT(load.cpu_percent.at("map_server"), ::testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
   EXPECT_EQ(load.memory_mb.at("map_server").size(), 6u);
   const std::string html = make_report(folder_.string(), {.log = log});
   EXPECT_EQ(count_of(html, "<svg"), 2u);

@@ -13,6 +13,7 @@
 #include "bus/wire/jpeg_image.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "rumi/windows/window_scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::tool {
 namespace {
@@ -25,12 +26,6 @@ constexpr int64_t kBegin = 1'700'000'000'000'000, kPeriod = 100'000;
 // tracked in submap 2. The poses of 38 and 39 were withdrawn.
 class WindowPictureTest : public ::testing::Test {
  protected:
-  WindowPictureTest()
-      : folder_(std::filesystem::temp_directory_path() / fmt::format("rumi_window_picture_{}", getpid())) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~WindowPictureTest() override { std::filesystem::remove_all(folder_); }
-
   static int64_t utime(int frame) { return kBegin + frame * kPeriod; }
   static window_t make_window(int32_t id) {
     window_t w{};
@@ -73,7 +68,8 @@ class WindowPictureTest : public ::testing::Test {
     EXPECT_TRUE(log.close());
     return file;
   }
-  std::filesystem::path folder_;
+  const testing::TemporaryFolder temporary_;
+  const std::filesystem::path folder_ = temporary_.path();
 };
 
 TEST_F(WindowPictureTest, TheSceneSaysWhatBecameOfEveryFrame) {

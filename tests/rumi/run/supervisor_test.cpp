@@ -7,18 +7,19 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
+
+#include "tests/support/process_state.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rumi::tool {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::steady_clock;
-using testing::Contains;
-using testing::HasSubstr;
-using testing::Not;
-using testing::Pair;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::Pair;
 
 Supervised shell(const std::string& name, const std::string& script) {
   return {name, {"/bin/sh", "-c", script}, false, 0};
@@ -35,7 +36,7 @@ SupervisorOptions quick() {
   return options;
 }
 
-class SupervisorTest : public testing::Test {
+class SupervisorTest : public ::testing::Test {
  protected:
   // Runs until the end; `on_line` may set stop_.
   std::string run(std::vector<Supervised> children, const SupervisorOptions& options = quick(),
@@ -45,16 +46,14 @@ class SupervisorTest : public testing::Test {
       if (line == "stop") stop_ = true;
       if (line == "at once") at_once_ = true;
     });
-    const auto begin = steady_clock::now();
     std::string reason = supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}});
-    duration_ = std::chrono::duration_cast<milliseconds>(steady_clock::now() - begin);
     restarts_ = supervisor.restarts();
     not_all_ = supervisor.not_all();
     return reason;
   }
+  const testing::TemporaryFolder folder_;
   std::atomic<bool> stop_ = false, at_once_ = false;
   std::vector<std::pair<std::string, std::string>> lines_;
-  milliseconds duration_{0};
   int restarts_ = 0;
   bool before_stop_ = false, not_all_ = false;
 };
@@ -112,11 +111,10 @@ TEST_F(SupervisorTest, StartsItsSourceLast) {
 }
 
 TEST_F(SupervisorTest, StartsWhatDiesAgain) {
-  const auto counter = std::filesystem::path(testing::TempDir()) / "supervisor_counter";
-  std::filesystem::remove(counter);
+  const std::string counter = folder_ / "counter";
   // Dies twice by a signal, then is content.
-  const std::string script = "echo x >> " + counter.string() + "; [ $(wc -l < " + counter.string() +
-                             ") -gt 2 ] || kill -9 $$; echo stop; sleep 10";
+  const std::string script =
+      "echo x >> " + counter + "; [ $(wc -l < " + counter + ") -gt 2 ] || kill -9 $$; echo stop; sleep 10";
   EXPECT_EQ(run({shell("server", script)}), "");
   EXPECT_EQ(restarts_, 2);
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("signal 9"))));
@@ -126,22 +124,19 @@ TEST_F(SupervisorTest, WhatHasRunForLongIsStartedAgainAtOnce) {
   SupervisorOptions options = quick();
   options.restart_delay = milliseconds(20'000);
   options.restart_delay_max = milliseconds(100);
-  const auto mark = std::filesystem::path(testing::TempDir()) / "supervisor_ran_for_long";
-  std::filesystem::remove(mark);
+  const std::string mark = folder_ / "mark";
   const std::string script =
-      "[ ! -e " + mark.string() + " ] || { echo stop; sleep 10; }; touch " + mark.string() + "; sleep 0.3; kill -9 $$";
+      "[ ! -e " + mark + " ] || { echo stop; sleep 10; }; touch " + mark + "; sleep 0.3; kill -9 $$";
   EXPECT_EQ(run({shell("server", script)}, options), "");
   EXPECT_EQ(restarts_, 1);
-  EXPECT_LT(duration_, milliseconds(10'000)) << "images are lost meanwhile";
-  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("at once"))));
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("starting it again at once")))) << "images are lost meanwhile";
 }
 
 TEST_F(SupervisorTest, GivesUpOnWhatNeverStarts) {
   SupervisorOptions options = quick();
   options.failed_start = milliseconds(60'000);
-  EXPECT_THAT(run({shell("server", "echo no luck; exit 1"), shell("other", "sleep 10")}, options),
+  EXPECT_THAT(run({shell("server", "echo no luck; exit 1"), shell("other", "sleep 1000")}, options),
               HasSubstr("server ended with exit code 1, 3 times in a row"));
-  EXPECT_LT(duration_, milliseconds(3000));
 }
 
 TEST_F(SupervisorTest, GivesUpAtOnceWhereStartingAgainWouldNotHelp) {
@@ -198,12 +193,11 @@ TEST_F(SupervisorTest, WaitsForWhoHasWorkLeftWhenTheSourceEnds) {
 }
 
 TEST_F(SupervisorTest, WhoDiesOverItsLastWorkIsStartedAndAskedAgain) {
-  const auto mark = std::filesystem::path(testing::TempDir()) / "supervisor_finisher";
-  std::filesystem::remove(mark);
+  const std::string mark = folder_ / "mark";
   Supervised source = shell("camera", "sleep 0.3");
   source.source = true;
   const std::string dies_first =
-      "if [ -e " + mark.string() + " ]; then echo finished; exit 0; else touch " + mark.string() + "; kill -9 $$; fi";
+      "if [ -e " + mark + " ]; then echo finished; exit 0; else touch " + mark + "; kill -9 $$; fi";
   EXPECT_EQ(run({finisher(dies_first), source}), "");
   EXPECT_EQ(restarts_, 1);
   EXPECT_EQ(lines_.back().second, "finished");
@@ -251,7 +245,6 @@ TEST_F(SupervisorTest, WhoIsAtWorkIsWaitedFor) {
   Supervised last = shell("map", "trap 'echo map done; exit 0' TERM; while :; do sleep 0.05; done");
   last.stop_stage = 1;
   EXPECT_EQ(run({last, shell("slow", script)}, options), "");
-  EXPECT_GT(duration_, options.stop_idle);
   std::vector<std::string> order;
   for (const auto& [name, line] : lines_) order.push_back(line);
   EXPECT_EQ(order, (std::vector<std::string>{"stop", "done", "map done"}));
@@ -260,8 +253,7 @@ TEST_F(SupervisorTest, WhoIsAtWorkIsWaitedFor) {
 TEST_F(SupervisorTest, WhoWaitsForOneAtWorkIsWaitedForToo) {
   SupervisorOptions options = quick();
   options.stop_idle = milliseconds(700);
-  const std::string answers = std::filesystem::path(testing::TempDir()) / "supervisor_answers";
-  std::filesystem::remove(answers);
+  const std::string answers = folder_ / "answers";
   ASSERT_EQ(mkfifo(answers.c_str(), 0600), 0);
   Supervised front = shell("front", "trap 'read -r answer <" + answers +
                                         "; echo $answer; exit 0' TERM; echo stop; while :; do sleep 0.05; done");
@@ -278,7 +270,6 @@ TEST_F(SupervisorTest, KillsWhatDoesNotEnd) {
   Supervised last = shell("map", "trap 'echo map done; exit 0' TERM; while :; do sleep 0.05; done");
   last.stop_stage = 1;
   EXPECT_EQ(run({last, shell("deaf", "trap '' TERM; echo stop; while :; do sleep 1; done")}, options), "");
-  EXPECT_LT(duration_, milliseconds(5000));
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("deaf did not end when asked to: killed, as nothing was done"))));
   EXPECT_THAT(lines_, Contains(Pair("map", "map done"))) << "the others end as ever";
 }
@@ -287,7 +278,6 @@ TEST_F(SupervisorTest, KillsWhatNeverEnds) {
   SupervisorOptions options = quick();
   options.stop_limit = milliseconds(1500);
   EXPECT_EQ(run({shell("mad", "trap '' TERM; echo stop; while :; do :; done")}, options), "");
-  EXPECT_GE(duration_, options.stop_limit);
   EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("still at work after"))));
 }
 
@@ -301,19 +291,17 @@ TEST_F(SupervisorTest, AskedTwiceItWaitsForNobody) {
                 [&asked] { asked = true; }),
             "");
   EXPECT_FALSE(asked);
-  EXPECT_LT(duration_, milliseconds(20'000));
-  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("at once"))));
+  EXPECT_THAT(lines_, Contains(Pair("rumi", HasSubstr("killed, as everything is to end at once"))));
 }
 
 // 300 kB are more than a pipe holds.
 TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
-  const auto fifo = [](const char* name) {
-    const std::string file = std::filesystem::path(testing::TempDir()) / name;
-    std::filesystem::remove(file);
+  const auto fifo = [this](const char* name) {
+    const std::string file = folder_ / name;
     EXPECT_EQ(mkfifo(file.c_str(), 0600), 0);
     return file;
   };
-  const std::string request = fifo("supervisor_request"), answer = fifo("supervisor_answer");
+  const std::string request = fifo("request"), answer = fifo("answer");
   const Supervised server =
       shell("server", "trap 'exit 0' TERM; echo stop; read -r what <" + request +
                           "; i=0; while [ $i -lt 3000 ]; do i=$((i + 1)); echo " + std::string(99, 'x') +
@@ -337,8 +325,7 @@ TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
 
 // As map_server may, while it is asked for its map. The source has been stopped and stays so.
 TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
-  const std::string file = (std::filesystem::path(testing::TempDir()) / "supervisor_beside").string();
-  std::filesystem::remove(file);
+  const std::string file = folder_ / "beside";
   Supervised camera = shell("camera", "echo camera; echo stop; while :; do sleep 0.05; done");
   camera.source = true;
   const Supervised server = shell("server", "if [ -e " + file + " ]; then echo again >" + file +
@@ -355,7 +342,6 @@ TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
                             ".answer ] && [ $i -lt 400 ]; do i=$((i + 1)); sleep 0.05; done; cat " + file + ".answer";
     error = supervisor.run_beside(shell("snapshot", ask), at_once_);
   };
-  std::filesystem::remove(file + ".answer");
   EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
   EXPECT_EQ(error, "");
   EXPECT_THAT(lines_, Contains(Pair("snapshot", "again")));
@@ -383,20 +369,12 @@ TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
 }
 
 TEST_F(SupervisorTest, KillsGrandchildrenToo) {
-  const auto file = std::filesystem::path(testing::TempDir()) / "supervisor_grandchild";
-  EXPECT_EQ(run({shell("parent", "sleep 1000 & echo $! > " + file.string() + "; echo stop; wait")}), "");
+  const std::string file = folder_ / "grandchild";
+  EXPECT_EQ(run({shell("parent", "sleep 1000 & echo $! > " + file + "; echo stop; wait")}), "");
   pid_t grandchild = 0;
   std::ifstream(file) >> grandchild;
   ASSERT_GT(grandchild, 0);
-  // It is init's to collect now, which may take a moment; a zombie counts as dead.
-  std::string state;
-  for (int i = 0; i < 100; ++i) {
-    std::ifstream stat("/proc/" + std::to_string(grandchild) + "/stat");
-    std::string id, name;
-    if (!(stat >> id >> name >> state) || state == "Z") return;
-    usleep(10'000);
-  }
-  FAIL() << "grandchild " << grandchild << " lives, state " << state;
+  EXPECT_TRUE(testing::ends(grandchild));
 }
 
 TEST_F(SupervisorTest, CutsEndlessLines) {

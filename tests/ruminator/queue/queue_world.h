@@ -3,10 +3,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -18,6 +16,7 @@
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "ruminator/queue/rebuild_queue.h"
 #include "tests/ruminator/test_jobs.h"
+#include "tests/support/patience.h"
 
 namespace rumi::testing {
 
@@ -46,15 +45,9 @@ class World {
   void run_for(double seconds) {
     for (const int64_t end = bus.now_us() + static_cast<int64_t>(seconds * 1e6); bus.now_us() < end;) tick();
   }
-  // The builder's thread takes real time. False after 20 s.
+  // The builder's thread takes real time.
   bool run_until(const std::function<bool()>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > deadline) return false;
-      tick();
-      usleep(1000);
-    }
-    return true;
+    return happens(condition, [this] { tick(); });
   }
   std::vector<int> states_of(int32_t id) const {  // without repetitions
     std::vector<int> states;

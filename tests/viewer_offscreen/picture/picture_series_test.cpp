@@ -12,18 +12,15 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/temporary_folder.h"
+
 namespace rumi::viewer_offscreen {
 namespace {
 
 namespace fs = std::filesystem;
 
-class PictureSeriesTest : public testing::Test {
+class PictureSeriesTest : public ::testing::Test {
  protected:
-  PictureSeriesTest() {
-    std::string name = (fs::temp_directory_path() / "rumi-series-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~PictureSeriesTest() override { fs::remove_all(folder_); }
   static cv::Mat picture(int shade) { return {72, 128, CV_8UC3, cv::Scalar::all(shade)}; }
   std::vector<std::string> files() const {
     std::vector<std::string> names;
@@ -31,7 +28,8 @@ class PictureSeriesTest : public testing::Test {
     std::sort(names.begin(), names.end());
     return names;
   }
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path();
 };
 
 TEST_F(PictureSeriesTest, IsNumberedAndAVideo) {
@@ -90,17 +88,17 @@ TEST_F(PictureSeriesTest, GoesOnOnlyWhereItIsTo) {
 
 TEST_F(PictureSeriesTest, SaysWhatCannotBeWritten) {
   PictureSeries lost((folder_ / "missing").string(), 5, true);
-  EXPECT_THAT(lost.add(picture(9)), testing::HasSubstr("missing/pictures"));
+  EXPECT_THAT(lost.add(picture(9)), ::testing::HasSubstr("missing/pictures"));
   fs::create_directory(folder_ / "missing");
   EXPECT_EQ(lost.add(picture(9)), "");  // it is there now
   std::ofstream(folder_ / "pictures") << "a file";
-  EXPECT_THAT(PictureSeries(folder_, 5, true).add(picture(9)), testing::HasSubstr("pictures"));
+  EXPECT_THAT(PictureSeries(folder_, 5, true).add(picture(9)), ::testing::HasSubstr("pictures"));
 }
 
 TEST_F(PictureSeriesTest, WithoutAVideoThereAreStillThePictures) {
   fs::create_directory(folder_ / "trajectory.mp4");  // in its way
   PictureSeries series(folder_, 5, true);
-  EXPECT_THAT(series.add(picture(9)), testing::HasSubstr("trajectory.mp4"));
+  EXPECT_THAT(series.add(picture(9)), ::testing::HasSubstr("trajectory.mp4"));
   EXPECT_TRUE(fs::exists(folder_ / "pictures" / "000001.png"));
 }
 

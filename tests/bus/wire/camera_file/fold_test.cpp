@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A lens that would fold the image.
+#include <gmock/gmock.h>
+
+#include "tests/bus/wire/camera_file/foreign_camera.h"
+
+namespace rumi {
+namespace {
+
+using ::testing::AllOf;
+using testing::error_of;
+using ::testing::HasSubstr;
+
+TEST(CameraWhoseLensFolds, IsRefused) {
+  const std::string wide = "fx: 380\nfy: 380\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(error_of(wide + "k1: -0.28\nk2: 0.074\n"), "");
+  EXPECT_EQ(error_of(wide + "k1: 0.26\nk2: -0.95\nk3: 1.16\n"), "");
+  EXPECT_THAT(error_of(wide + "k1: -0.9\nk2: 0.9\nk3: -5.3\n"),
+              AllOf(HasSubstr("folds the image"), HasSubstr("k1 = -0.9, k2 = 0.9, k3 = -5.3"),
+                    HasSubstr("pixels from cx, cy")));
+  EXPECT_THAT(error_of(wide + "k1: -20\n"), HasSubstr("folds the image"));
+  EXPECT_THAT(error_of(wide + "model: fisheye\nk1: -20\n"), HasSubstr("folds the image"));
+  const std::string far = "fx: 1200\nfy: 1200\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(error_of(far + "k1: -0.9\nk2: 0.9\nk3: -5.3\n"), "") << "where nobody looks";
+}
+
+}  // namespace
+}  // namespace rumi

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Copies of a database, of which one may be another's.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "tests/map_server/store/stored_atlas.h"
+
+namespace rumi::map_server {
+namespace {
+
+using testing::all_frames;
+using ::testing::AllOf;
+using testing::expect_same;
+using testing::full_atlas;
+using ::testing::HasSubstr;
+using testing::make_submap;
+using testing::open_error;
+using testing::TemporaryFolder;
+using testing::update_atlas;
+
+TEST(MapStore, KeepsTheMapInMemoryWithoutAFile) {
+  MapStore store(":memory:");
+  const Atlas atlas = full_atlas();
+  ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+  expect_same(atlas, store.load());
+  EXPECT_FALSE(std::filesystem::exists(":memory:.lock"));
+}
+
+TEST(MapStore, ACopyInMemoryLeavesTheFileAsItIs) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  Atlas atlas = full_atlas();
+  {
+    MapStore store(file);
+    ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+    MapStore beside = MapStore::copy_in_memory(file);
+    expect_same(atlas, beside.load());
+  }
+  const std::string before = testing::read_file(file);
+  {
+    MapStore copy = MapStore::copy_in_memory(file);
+    expect_same(atlas, copy.load());
+    update_atlas(&atlas, make_submap({7, 3}, 9, 5, 20'000'000));
+    ASSERT_EQ(copy.save(atlas, all_frames(atlas)), "");
+    expect_same(atlas, copy.load());
+  }
+  EXPECT_EQ(testing::read_file(file), before);
+  testing::write_file(folder / "none.db", "no database");
+  for (const char* name : {"absent.db", "none.db"}) {
+    try {
+      MapStore::copy_in_memory(folder / name);
+      ADD_FAILURE() << name;
+    } catch (const std::runtime_error& error) {
+      EXPECT_THAT(error.what(), HasSubstr(name));
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "absent.db"));
+}
+
+// Nobody else can even read it.
+Database lock_for_oneself(const std::string& file) {
+  Database holder(file);
+  holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
+  return holder;
+}
+
+std::string copy_error(const std::string& file) {
+  try {
+    MapStore::copy_in_memory(file, std::chrono::milliseconds(5));
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MapStore, ABusyDatabaseIsSaidToBeBusyAndNotTakenForAnEmptyOne) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  { ASSERT_EQ(MapStore(file).save(full_atlas(), {}), ""); }
+  const Database holder = lock_for_oneself(file);
+  EXPECT_THAT(copy_error(file), AllOf(HasSubstr("map.db is busy"), HasSubstr("0.005 s"),
+                                      HasSubstr("no map_server has it open"), HasSubstr("try again")));
+  const DatabaseLock server(file);
+  EXPECT_THAT(copy_error(file), HasSubstr("a map_server, pid " + std::to_string(getpid())));
+}
+
+TEST(MapStore, AReaderWaitsForAWriter) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "map.db";
+  const Atlas atlas = full_atlas();
+  { ASSERT_EQ(MapStore(file).save(atlas, all_frames(atlas)), ""); }
+  Database holder = lock_for_oneself(file);
+  const std::jthread writer([&holder] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    holder = Database();
+  });
+  expect_same(atlas, MapStore::copy_in_memory(file).load());
+}
+
+TEST(MapStore, CopyIsAWholeMapOfItsOwn) {
+  const TemporaryFolder folder;
+  const Atlas atlas = full_atlas();
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, all_frames(atlas)), "");
+  ASSERT_EQ(store.write_copy(folder / "copy.db"), "");
+  ASSERT_EQ(store.write_copy(folder / "copy.db"), "");  // replaces
+  const std::string copy = testing::read_file(folder / "copy.db");
+  for (const bool in_thread : {false, true}) {
+    const DatabaseBytes got = store.begin_copy_bytes(in_thread).get();
+    EXPECT_EQ(got.error, "");
+    EXPECT_EQ(std::string(got.bytes.begin(), got.bytes.end()), copy);
+    EXPECT_EQ(store.begin_copy(folder / "copy.db", in_thread).get(), "");
+    EXPECT_EQ(testing::read_file(folder / "copy.db"), copy);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
+  MapStore copied(folder / "copy.db");
+  expect_same(atlas, copied.load());
+  EXPECT_THAT(store.write_copy(folder / "absent/copy.db"), HasSubstr("absent/copy.db"));
+}
+
+TEST(MapStore, ACopyIsCalledOffWhenTheProcessEnds) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, make_submap({7, 1}, 1, 40));
+  MapStore store(folder / "map.db");
+  ASSERT_EQ(store.save(atlas, {}), "");
+  store.call_off_copies();
+  EXPECT_THAT(store.begin_copy(folder / "copy.db", true).get(), HasSubstr("interrupted"));
+  EXPECT_NE(store.begin_copy_bytes(true).get().error, "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "copy.db.tmp"));
+  EXPECT_EQ(store.save(atlas, {}), "");
+}
+
+TEST(MapStore, SecondServerOnTheSameFileIsRefusedByName) {
+  const TemporaryFolder folder;
+  {
+    MapStore store(folder / "map.db");
+    EXPECT_THAT(
+        open_error(folder / "map.db"),
+        AllOf(HasSubstr("another map_server"), HasSubstr("pid " + std::to_string(getpid())), HasSubstr("map.db.lock")));
+  }
+  EXPECT_EQ(open_error(folder / "map.db"), "");
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.db.lock"));
+  testing::write_file(folder / "map.db.lock", "4711");  // of one that was killed
+  EXPECT_EQ(open_error(folder / "map.db"), "");
+}
+
+}  // namespace
+}  // namespace rumi::map_server
