@@ -55,9 +55,9 @@ quick: build
 
 test-all: machine-test sanitized-test lint
 
-# camera_driver and systemd are tested in virtual machines; where their packages cannot be had the tests are skipped.
+# camera_driver and systemd are tested in virtual machines, packages in a chroot; where their packages cannot be had the tests are skipped.
 machine-test: build
-	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
+	-@scripts/install_dependencies.sh --packaging qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
 	ctest --test-dir $(BUILD) --output-on-failure -L machine
 
 sanitized-test: dependencies
