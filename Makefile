@@ -10,6 +10,7 @@
 #   make bench     benchmarks
 #   make install   into PREFIX (default /usr/local), building only that: programs, their configuration, units for systemd, wire types for
 #                  C++, C and Python, examples, pages; after it `cmake --install build --component programs` (or lcmtypes, python) for a part
+#   make deb       packages for Debian, of what is committed, into $(DEB_BUILD);    make dist: the sources as a tarball, into $(DIST)
 #   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
 #   make clean     remove what the above made
 
@@ -17,13 +18,15 @@ BUILD ?= build
 ASAN_BUILD ?= build-asan
 TSAN_BUILD ?= build-tsan
 BENCH_BUILD ?= build-bench
+DEB_BUILD ?= build-deb
+DIST ?= out
 PREFIX ?= /usr/local
 JOBS ?= $(shell nproc)
 DEMO ?= out/demo
 
 SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
 
-.PHONY: all demo test test-all quick build apps bench install format lint clean dependencies machine-test sanitized-test tsan
+.PHONY: all demo test test-all quick build apps bench install deb dist packages-test format lint clean dependencies machine-test sanitized-test tsan
 all: build
 
 # While it builds: per cent, files done of all, seconds so far.
@@ -45,7 +48,7 @@ demo: apps
 	$(BUILD)/bin/rumi demo -o $(DEMO)
 
 test: build
-	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE machine
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE "machine|packages"
 
 quick: build
 	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -L quick
@@ -75,6 +78,18 @@ bench: dependencies
 install: apps
 	cmake --install $(BUILD) --prefix $(PREFIX)
 
+# Builds the packages, installs and removes them in a clean chroot, and runs their units in a virtual machine.
+packages-test: build
+	@scripts/install_dependencies.sh --packaging qemu-system-x86 busybox-static cpio kmod xz-utils systemd
+	ctest --test-dir $(BUILD) --output-on-failure -L packages
+
+deb: dependencies
+	@scripts/install_dependencies.sh --packaging
+	packaging/make_deb.sh $(DEB_BUILD) $(JOBS)
+
+dist:
+	packaging/make_dist.sh $(DIST)
+
 format:
 	@scripts/install_dependencies.sh clang-format
 	clang-format -i $(SOURCES)
@@ -86,4 +101,4 @@ lint: dependencies $(BUILD)/build.ninja
 	scripts/lint.sh $(BUILD)
 
 clean:
-	rm -rf $(BUILD) $(ASAN_BUILD) $(TSAN_BUILD) $(BENCH_BUILD) out
+	rm -rf $(BUILD) $(ASAN_BUILD) $(TSAN_BUILD) $(BENCH_BUILD) $(DEB_BUILD) out

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/process_name.h"
+#include "rumi/about/about.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/programs.h"
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
-  app.set_version(rumi::version());
+  app.set_version(rumi::tool::about());
   std::function<int()> chosen;
   rumi::tool::add_demo_command(app, &chosen);
   rumi::tool::add_replay_command(app, &chosen);

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian packages that Rumi needs and that are missing; does nothing, and needs no rights, when none is.
-#   scripts/install_dependencies.sh [--check] [PACKAGE...]     --check only tells; PACKAGEs are wanted besides
+#   scripts/install_dependencies.sh [--check] [--packaging] [PACKAGE...]
+# --check only tells. Wanted besides: with --packaging what makes packages of Rumi and tests them, and the PACKAGEs.
 set -eu
 
 packages="build-essential cmake ninja-build pkg-config ccache
@@ -10,6 +11,7 @@ packages="build-essential cmake ninja-build pkg-config ccache
   libswscale-dev libgl-dev libegl-dev libegl1
   libgl1-mesa-dri colmap
   libgtest-dev libgmock-dev libbenchmark-dev iproute2 util-linux"
+packaging="debhelper debootstrap dh-python dpkg-dev git help2man lintian python3"
 
 # Drawing without a display: by OSMesa; where Mesa no longer has it (apt knows Mesa, but not it) by EGL.
 if apt-cache show libosmesa6 >/dev/null 2>&1 || ! apt-cache show libegl1 >/dev/null 2>&1; then
@@ -19,6 +21,10 @@ fi
 check_only=false
 if [ "${1:-}" = --check ]; then
   check_only=true
+  shift
+fi
+if [ "${1:-}" = --packaging ]; then
+  packages="$packages $packaging"
   shift
 fi
 

@@ -76,7 +76,8 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
     {"viewer_offscreen",
      {{"gl", {}}, {"scene", {}}, {"canvas", {"gl", "scene"}}, {"picture", {"gl", "scene", "canvas"}}}},
     {"rumi",
-     {{"run", {}},
+     {{"about", {}},
+      {"run", {}},
       {"evaluation", {}},
       {"outputs", {}},
       {"recordings", {}},
@@ -85,7 +86,7 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
       {"windows", {"evaluation"}},
       {"report", {"run", "evaluation", "outputs", "calibration", "windows"}},
       {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "synth", "windows", "report"}},
-      {"", {"commands"}}}},
+      {"", {"about", "commands"}}}},
 };
 
 struct Place {

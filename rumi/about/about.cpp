@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rumi/about/about.h"
+
+#include <cairo.h>
+#include <ceres/version.h>
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <sqlite3.h>
+
+#include <Eigen/Core>
+#include <opencv2/core/utility.hpp>
+
+#include "base/process_name.h"
+#include "rumi/about/commit.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
+namespace rumi::tool {
+
+namespace {
+
+std::string of_libav(unsigned version) {
+  return fmt::format("{}.{}.{}", AV_VERSION_MAJOR(version), AV_VERSION_MINOR(version), AV_VERSION_MICRO(version));
+}
+
+// Those that cannot be asked are named as they were when this was built.
+std::string libraries() {
+  return fmt::format(
+      "Cairo {}, Ceres {}, Eigen {}.{}.{}, LCM {}.{}.{}, libavcodec {}, libavformat {}, OpenCV {}, SQLite {}",
+      cairo_version_string(), CERES_VERSION_STRING, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
+      LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION, of_libav(avcodec_version()),
+      of_libav(avformat_version()), cv::getVersionString(), sqlite3_libversion());
+}
+
+}  // namespace
+
+std::string about() { return fmt::format("rumi {}\ncommit {}\nlibraries: {}", version(), kCommit, libraries()); }
+
+}  // namespace rumi::tool
