@@ -213,9 +213,9 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
-  if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
   if (is_empty_file(path)) return refuse(std::string("is empty; ") + kWhatToGive);
   if (kind_of_bag(path.string()) != BagKind::kNone) return open_ros_bag(path, options);
+  if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);

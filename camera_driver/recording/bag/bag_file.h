@@ -45,7 +45,7 @@ struct BagMessage {
 
 struct BagDamage {
   int64_t places = 0, bytes = 0;
-  std::string first;   // of the places, with the file's name
+  std::string first;   // of the places, with the file's name; empty if there is none
   std::string at_end;  // what is wrong with the end of the file
 };
 

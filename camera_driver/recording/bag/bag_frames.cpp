@@ -153,6 +153,14 @@ std::string calibration_of(BagFile& bag, const BagTopics& topics, const std::str
   return {};
 }
 
+// To be put behind what is wrong with a bag.
+std::string damage_of(const BagFile& bag) {
+  std::string text;
+  for (const std::string& damage : {bag.damage().first, bag.damage().at_end})
+    if (!damage.empty()) text += "; it is damaged: " + damage;
+  return text;
+}
+
 }  // namespace
 
 OpenedReader open_bag(const std::filesystem::path& path, const std::string& channel,
@@ -162,9 +170,7 @@ OpenedReader open_bag(const std::filesystem::path& path, const std::string& chan
   const BagTopics topics = read_topics(*bag);
   if (const std::string why = bag->refusal(); !why.empty()) return {nullptr, fmt::format("{}: {}", name, why)};
   const ChosenTopic chosen = choose_topic(topics, channel);
-  if (!chosen.topic && topics.images.empty() && !bag->damage().at_end.empty())
-    return {nullptr, fmt::format("{}: {}; {}", name, bag->damage().at_end, chosen.error)};
-  if (!chosen.topic) return {nullptr, fmt::format("{}: {}", name, chosen.error)};
+  if (!chosen.topic) return {nullptr, fmt::format("{}: {}{}", name, chosen.error, damage_of(*bag))};
   const std::string calibration = calibration_of(*bag, topics, chosen.topic->name);
   const std::vector<std::string> notes = bag->notes();
   auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen.topic, calibration, grey_range);

@@ -137,9 +137,9 @@ class McapFile : public RecordBag {
     if (record->op == kChunk) return read_chunk_head(file, *record).has_value();
     std::array<uint8_t, 2> channel;
     const int64_t next = record->at + record->bytes;
-    if (record->bytes < kMessageHeadBytes || next > file.size() || !file.read(record->at, channel) ||
-        !knows(little_endian<uint16_t>(channel)))
-      return false;
+    if (record->bytes < kMessageHeadBytes || next > file.size() || !file.read(record->at, channel)) return false;
+    // Where the definitions at the beginning are lost they come again at the end.
+    if (!connections().empty() && !knows(little_endian<uint16_t>(channel))) return false;
     const std::optional<Record> following = read_record(file, next);
     return next == file.size() || (following && following->at + following->bytes <= file.size());
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <optional>
 
 #include "base/sqlite.h"
@@ -58,10 +59,16 @@ class Ros2Sqlite : public BagFile {
   void scan(const std::function<void(const BagMessage&)>& visit) override {
     if (!refusal_.empty()) return;
     Blob blob(database_);
-    std::optional<int64_t> last;
-    int64_t skip = 1;
-    while (const std::optional<std::string> why = scan_from(last, visit, &blob, &last)) {
-      if (!last || !pass_over(*why, &*last, &skip)) break;
+    // Rows are numbered one by one: those of a page that is broken are passed over in growing steps.
+    constexpr int64_t kMostSkipped = int64_t{1} << 32;
+    int64_t from = std::numeric_limits<int64_t>::min();
+    for (int64_t skip = 1; skip < kMostSkipped; skip *= 2) {
+      int64_t last = from;
+      const std::optional<std::string> why = scan_from(from, visit, &blob, &last);
+      if (!why) return;
+      count_damage(*why);
+      if (last > from) skip = 1;
+      from = std::max<int64_t>(0, last) + skip;
     }
   }
   const std::map<uint32_t, BagConnection>& connections() const override { return connections_; }
@@ -97,20 +104,18 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  // All rows behind `from`; the last one is in *last. What ended it before the end, or nothing.
-  std::optional<std::string> scan_from(std::optional<int64_t> from, const std::function<void(const BagMessage&)>& visit,
-                                       Blob* blob, std::optional<int64_t>* last) {
+  // All rows behind `from`; *last becomes the last one. What ended it before the end, or nothing.
+  std::optional<std::string> scan_from(int64_t from, const std::function<void(const BagMessage&)>& visit, Blob* blob,
+                                       int64_t* last) {
     try {
-      Statement select(database_, from
-                                      ? "SELECT rowid, topic_id, timestamp FROM messages WHERE rowid > ? ORDER BY rowid"
-                                      : "SELECT rowid, topic_id, timestamp FROM messages ORDER BY rowid");
-      if (from) select.bind(*from);
+      Statement select(database_, "SELECT rowid, topic_id, timestamp FROM messages WHERE rowid > ? ORDER BY rowid");
+      select.bind(from);
       while (select.step()) {
         *last = select.integer(0);
         BagMessage message;
         message.connection = static_cast<uint32_t>(select.integer(1));
         message.time_ns = select.integer(2);
-        take(**last, &message, visit, blob);
+        take(*last, &message, visit, blob);
       }
       return std::nullopt;
     } catch (const SqliteError& error) {
@@ -133,16 +138,6 @@ class Ros2Sqlite : public BagFile {
 
   void count_damage(const std::string& what) {
     if (damage_.places++ == 0) damage_.first = fmt::format("{}: {}", name_, what);
-  }
-
-  // Rows are numbered one by one: those of a page that is broken are passed over in growing steps. False at the end.
-  bool pass_over(const std::string& why, int64_t* last, int64_t* skip) {
-    count_damage(fmt::format("behind message {}: {}", *last, why));
-    constexpr int64_t kMostSkipped = int64_t{1} << 32;
-    if (*skip > kMostSkipped) return false;
-    *last += *skip;
-    *skip *= 2;
-    return true;
   }
 
   std::string name_, refusal_;

@@ -49,6 +49,9 @@ constexpr std::array kKinds = {
     PixelKind{"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2, cv::COLOR_YUV2BGR_YUY2},
 };
 
+// Two pixels share their colour.
+bool is_of_pairs(const std::string& encoding) { return encoding.starts_with("yu") || encoding == "uyvy"; }
+
 std::string printable(std::string text) {
   constexpr size_t kMost = 40;
   if (text.size() > kMost) text = text.substr(0, kMost) + "...";
@@ -70,6 +73,8 @@ std::string why_unknown(const std::string& encoding) {
 std::string check_sizes(const RosImage& image, size_t row_bytes, size_t step) {
   if (image.width < 1 || image.height < 1 || image.width > kMaxSide || image.height > kMaxSide)
     return fmt::format("has {} x {} pixels: must have 1 to {} a side", image.width, image.height, kMaxSide);
+  if (is_of_pairs(image.encoding) && image.width % 2 != 0)
+    return fmt::format("has {} pixels a row: {} has pairs of them", image.width, image.encoding);
   if (step < row_bytes)
     return fmt::format("has rows of {} bytes: {} pixels of {} take {}", step, image.width, printable(image.encoding),
                        row_bytes);
