@@ -9,6 +9,8 @@ Database::Database(const std::string& file) : Database(file, SQLITE_OPEN_READWRI
 
 Database Database::open_existing(const std::string& file) { return {file, SQLITE_OPEN_READWRITE}; }
 
+Database Database::open_to_read(const std::string& file) { return {file, SQLITE_OPEN_READONLY}; }
+
 Database::Database(const std::string& file, int flags) {
   const int code = sqlite3_open_v2(file.c_str(), &db_, flags, nullptr);
   if (code == SQLITE_OK) return;

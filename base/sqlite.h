@@ -30,6 +30,8 @@ class Database {
   explicit Database(const std::string& file);
   // Opens what there is, for reading if it may not be written.
   static Database open_existing(const std::string& file);
+  // Opens what there is, for reading only.
+  static Database open_to_read(const std::string& file);
   // So long whoever else has the file locked is waited for; without this, not at all.
   void wait_for_others(std::chrono::milliseconds time);
   // All of the other one, instead of what is here. Waits as the other one does.

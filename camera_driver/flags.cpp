@@ -27,7 +27,7 @@ constexpr std::array kFlags = {
     ShortFlag{"--encoding", "camera_driver.encoding", "FORM", "auto",
               "auto (JPEG files as they are, all else grey), grey, rgb or jpeg"},
     ShortFlag{"--log-channel", "camera_driver.log_channel", "NAME", "CAMERA",
-              "channel of the images where the input is an lcm log"},
+              "channel of the images in an lcm log, or topic in a ROS bag (default there: the one that has images)"},
     ShortFlag{"--loop", "camera_driver.loop", nullptr, nullptr, "begin again at the end, for ever; times keep rising"},
     ShortFlag{"--speed", "camera_driver.speed", "N", "1", "N times faster than the times say"},
     ShortFlag{"--live-stamps", "camera_driver.live_stamps", nullptr, nullptr,

@@ -16,7 +16,7 @@ void add_own_flags(rumi::CommandLine& app, std::string* input, std::vector<std::
   app.add_option(
          "INPUT", *input,
          "what to publish: a camera (/dev/video0, a name in /dev/v4l/by-id, or camera:NAME), a TUM-style folder (with "
-         "rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, a video, or an lcm log")
+         "rgb.txt), an EuRoC folder (with mav0/cam0), a folder of images, a video, an lcm log, or a ROS bag")
       ->required();
   app.add_action(
       "--list", [] { fmt::print("{}", rumi::camera_driver::list_cameras(rumi::camera_driver::kernel_video_system())); },

@@ -15,6 +15,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "camera_driver/recording/bag/bag_file.h"
 #include "camera_driver/recording/file_list.h"
 #include "camera_driver/recording/folder_contents.h"
 #include "camera_driver/recording/foreign_recording.h"
@@ -26,7 +27,8 @@ namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kWhatToGive = "give a dataset folder (TUM, EuRoC), an image folder, a video or an lcm log";
+constexpr const char* kWhatToGive =
+    "give a dataset folder (TUM, EuRoC), an image folder, a video, an lcm log or a ROS bag";
 constexpr const char* kHowToRecord = "make one with `rumi camera_driver` and lcm-logger";
 
 // A trailing slash would make parent_path() the folder itself.
@@ -49,8 +51,8 @@ std::optional<image_t> first_readable_image(FrameReader& reader) {
   return image;
 }
 
-// The calibration in the metadata of the first readable image of a log, or an empty string.
-std::string calibration_in_log(FrameReader& reader) {
+// The calibration in the metadata of the first readable image of a log or bag, or an empty string.
+std::string calibration_in_images(FrameReader& reader) {
   const std::optional<image_t> image = first_readable_image(reader);
   return image ? metadata(*image, kCalibrationKey) : "";
 }
@@ -169,24 +171,37 @@ bool is_log_damaged_at_its_beginning(const fs::path& file) {
   return (extension == ".lcm" || extension == ".lcmlog" || extension == ".log") && LogReader(file.string()).go_on();
 }
 
-Opened open_file(const fs::path& file, const CameraOptions& options) {
+bool is_empty_file(const fs::path& path) {
   std::error_code code;
-  if (fs::file_size(file, code) == 0)
-    return {{nullptr, fmt::format("{}: is empty; {}", file.string(), kWhatToGive)}, {}};
+  return fs::is_regular_file(path, code) && fs::file_size(path, code) == 0;
+}
+
+Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_calibration,
+                   const CameraOptions& options) {
+  if (!opened.error.empty()) return {std::move(opened), {}};
+  // A calibration's fps is that of the camera, and need not be that of a video.
+  if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
+    return {{nullptr, fmt::format("{}: {}; give --rate HZ", file.string(), no_times)}, {}};
+  const bool asks_images = may_bring_calibration && options.camera_file.empty();
+  const std::string in_images = asks_images ? calibration_in_images(*opened.reader) : "";
+  CameraFileResult camera = in_images.empty()
+                                ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
+                                : parse_camera(in_images, file.string() + " (calibration in its images)");
+  return {std::move(opened), std::move(camera)};
+}
+
+Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
+  return with_camera(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)),
+                     /*may_bring_calibration=*/true, options);
+}
+
+Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   const bool log = is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file);
   OpenedReader opened =
       log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
-  if (!opened.error.empty()) return {std::move(opened), {}};
-  // A calibration's fps is that of the camera, and need not be that of a video.
-  if (const std::string no_times = opened.reader->why_no_times(); !no_times.empty() && options.rate_hz <= 0)
-    return {{nullptr, fmt::format("{}: {}; give --rate HZ", file.string(), no_times)}, {}};
-  CameraFileResult camera;
-  const std::string in_log = log && options.camera_file.empty() ? calibration_in_log(*opened.reader) : "";
-  camera = in_log.empty() ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
-                          : parse_camera(in_log, file.string() + " (calibration in its images)");
-  return {std::move(opened), std::move(camera)};
+  return with_camera(file, std::move(opened), log, options);
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
@@ -199,6 +214,8 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (const std::string why = why_unreadable(path, kWhatToGive); !why.empty()) return refuse(why);
   const fs::file_status status = fs::status(path, code);
   if (const std::string advice = advice_on_foreign_recording(path); !advice.empty()) return refuse(advice);
+  if (is_empty_file(path)) return refuse(std::string("is empty; ") + kWhatToGive);
+  if (kind_of_bag(path.string()) != BagKind::kNone) return open_ros_bag(path, options);
   if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);

@@ -101,7 +101,7 @@ void describe(OptionTable& table, CameraOptions& o) {
   table.add("camera_driver.live_stamps", &o.live_stamps, "live: the time of an image is when it is published");
   table.add("camera_driver.encoding", &o.encoding, "on the wire; auto: JPEG files as they are, all else grey",
             {"auto", "grey", "rgb", "jpeg"});
-  table.add("camera_driver.log_channel", &o.log_channel, "channel of the images in an lcm log");
+  table.add("camera_driver.log_channel", &o.log_channel, "channel of the images in an lcm log; topic in a ROS bag");
   table.add("camera_driver.files", &o.files,
             "pattern (* and ?) of the images of a folder or list; empty: those of one camera");
   table.add("camera_driver.grey_range", &o.grey_range,

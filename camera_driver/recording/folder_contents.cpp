@@ -50,9 +50,10 @@ std::string other_files(const fs::path& folder) {
 }
 
 std::string recordings_in(const fs::path& folder) {
-  static const std::set<std::string> kExtensions = {
-      ".mp4", ".mov", ".mkv",  ".avi",  ".webm", ".m4v", ".mpg", ".mpeg",  ".ts",  ".mts", ".m2ts",  ".wmv",
-      ".flv", ".3gp", ".h264", ".h265", ".264",  ".265", ".ivf", ".mjpeg", ".lcm", ".log", ".lcmlog"};
+  static const std::set<std::string> kExtensions = {".mp4",  ".mov",    ".mkv", ".avi",  ".webm", ".m4v",   ".mpg",
+                                                    ".mpeg", ".ts",     ".mts", ".m2ts", ".wmv",  ".flv",   ".3gp",
+                                                    ".h264", ".h265",   ".264", ".265",  ".ivf",  ".mjpeg", ".lcm",
+                                                    ".log",  ".lcmlog", ".bag", ".db3",  ".mcap"};
   std::vector<std::string> names;
   std::error_code code, ignored;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {

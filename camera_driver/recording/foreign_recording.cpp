@@ -28,24 +28,6 @@ std::string extension_of(const fs::path& file) {
   return extension;
 }
 
-std::string advice_on_ros(const std::string& what, const std::string& with_ros) {
-  return fmt::format(
-      "is {}, which is not read. Write the images of one topic into a folder, each with its time in nanoseconds as its "
-      "name (the Python package `rosbags` reads it without ROS), or take images or a video with ROS ({}; --rate HZ, "
-      "where "
-      "these have no times), and give that, with --camera FILE",
-      what, with_ros);
-}
-
-std::string advice_on_ros1() {
-  return advice_on_ros("a ROS 1 bag", "`rosrun image_view extract_images image:=/TOPIC` while `rosbag play` runs");
-}
-
-std::string advice_on_ros2(const std::string& what) {
-  return advice_on_ros(what,
-                       "`ros2 run image_view video_recorder --ros-args -r image:=/TOPIC` while `ros2 bag play` runs");
-}
-
 // Archives, and files that only stand for others.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
   using namespace std::string_literals;
@@ -77,13 +59,6 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
 std::string advice_on_file(const fs::path& file) {
   using namespace std::string_literals;
   const std::string beginning = beginning_of(file, 32), extension = extension_of(file);
-  if (beginning.starts_with("#ROSBAG") || (extension == ".bag" && beginning.starts_with("#ROSRECORD")))
-    return advice_on_ros1();
-  if (beginning.starts_with("\x89MCAP")) return advice_on_ros2("an MCAP file (a ROS 2 bag)");
-  if (extension == ".db3" || (extension == ".sqlite3" && beginning.starts_with("SQLite format 3\0"s)))
-    return advice_on_ros2("a ROS 2 bag (SQLite)");
-  if (extension == ".bag") return advice_on_ros1();
-  if (extension == ".mcap") return advice_on_ros2("an MCAP file (a ROS 2 bag)");
   struct Other {
     const char *extension, *what, *how;
   };
@@ -161,11 +136,7 @@ std::string advice_on_input(const std::string& input) {
 
 std::string advice_on_foreign_recording(const fs::path& path) {
   std::error_code ignored;
-  if (!fs::is_directory(path, ignored)) return advice_on_file(path);
-  const std::string metadata = beginning_of(path / "metadata.yaml", 1000);
-  return metadata.find("rosbag2_bagfile_information") == std::string::npos
-             ? ""
-             : advice_on_ros2("the folder of a ROS 2 bag");
+  return fs::is_directory(path, ignored) ? "" : advice_on_file(path);
 }
 
 }  // namespace rumi::camera_driver

@@ -6,8 +6,8 @@
 
 namespace rumi::camera_driver {
 
-// What to do with a recording of another system that is not read (a ROS bag, a folder of one, ...), after the name of
-// the file; empty: it is none of these.
+// What to do with a file of another system that is not read (of a ZED camera, an archive, ...), after its name; empty:
+// it is none of these.
 std::string advice_on_foreign_recording(const std::filesystem::path& path);
 
 // What to do where the input is no name of a file or folder, but an address (rtsp://...), a pipe ("-") or a pattern

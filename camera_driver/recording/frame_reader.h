@@ -55,5 +55,8 @@ struct OpenedReader {
 OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range);
 // image_t messages on one channel.
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel);
+// The images of a topic of a ROS bag, a file or a folder; with the default of log_channel of the one that has some.
+OpenedReader open_bag(const std::filesystem::path& path, const std::string& channel,
+                      std::optional<GreyRange> grey_range);
 
 }  // namespace rumi::camera_driver

@@ -98,22 +98,31 @@ GreyRange sample_grey_range(const std::vector<fs::path>& files) {
   for (size_t i = 0; i < count; ++i) {
     std::string ignored;
     const auto bytes = read_file(files[i * files.size() / count], &ignored);
-    if (bytes && !looks_like_jpeg(*bytes)) histogram.add(decode(*bytes, /*colour=*/false, &ignored));
+    if (bytes) histogram.add(grey_pixels_of_bytes(*bytes));
   }
   return histogram.range();
+}
+
+cv::Mat grey_pixels_of_bytes(const std::vector<uint8_t>& bytes) {
+  std::string ignored;
+  return looks_like_jpeg(bytes) ? cv::Mat() : decode(bytes, /*colour=*/false, &ignored);
 }
 
 std::optional<image_t> load_image_file(const fs::path& file, bool colour, const std::function<GreyRange()>& range,
                                        std::string* error) {
   std::optional<std::vector<uint8_t>> bytes = read_file(file, error);
-  if (!bytes) return std::nullopt;
-  if (looks_like_jpeg(*bytes)) {
+  return bytes ? load_image_bytes(std::move(*bytes), colour, range, error) : std::nullopt;
+}
+
+std::optional<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour,
+                                        const std::function<GreyRange()>& range, std::string* error) {
+  if (looks_like_jpeg(bytes)) {
     JpegSize size;
-    if (!inspect_jpeg(*bytes, &size, error)) return std::nullopt;
-    bytes->resize(size.bytes);
-    return wrap_jpeg(0, size.width, size.height, std::move(*bytes));
+    if (!inspect_jpeg(bytes, &size, error)) return std::nullopt;
+    bytes.resize(size.bytes);
+    return wrap_jpeg(0, size.width, size.height, std::move(bytes));
   }
-  cv::Mat pixels = decode(*bytes, colour, error);
+  cv::Mat pixels = decode(bytes, colour, error);
   if (pixels.empty()) return std::nullopt;
   if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
   return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);

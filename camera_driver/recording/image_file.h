@@ -22,5 +22,10 @@ GreyRange sample_grey_range(const std::vector<std::filesystem::path>& files);
 // pixels have 16 bits. Nothing, and why in *error, if the file cannot be read.
 std::optional<image_t> load_image_file(const std::filesystem::path& file, bool colour,
                                        const std::function<GreyRange()>& range, std::string* error);
+// The same, of the bytes of such a file.
+std::optional<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour,
+                                        const std::function<GreyRange()>& range, std::string* error);
+// To find the range of a recording: empty for a JPEG, which has 8 bits, and for what cannot be read.
+cv::Mat grey_pixels_of_bytes(const std::vector<uint8_t>& bytes);
 
 }  // namespace rumi::camera_driver

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -12,6 +11,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
+#include "camera_driver/recording/channel_list.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/time_unit.h"
@@ -32,17 +32,8 @@ bool begins_like_image(std::span<const uint8_t> head) {
   return head.size() == kHeadBytes && big_endian(head.first(kHashBytes)) == image_t::getHash();
 }
 
-std::string list_of(const std::map<std::string, int64_t>& channels) {
-  constexpr size_t kMostNamed = 8;
-  std::vector<std::string> names;
-  for (const auto& [channel, messages] : channels)
-    if (names.size() < kMostNamed) names.push_back(fmt::format("{} ({})", channel, messages));
-  if (channels.size() > kMostNamed) names.push_back(fmt::format("{} more", channels.size() - kMostNamed));
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 // On which channels of the log images are, and what to do; what else it has where there are none.
-std::string advice_on_channels(const std::string& file) {
+std::string advice_on_channels_of(const std::string& file) {
   LogReader log(file);
   std::map<std::string, int64_t> with_images, others;
   do {
@@ -50,10 +41,9 @@ std::string advice_on_channels(const std::string& file) {
       ++(begins_like_image(event->data) ? with_images : others)[event->channel];
   } while (!log.error().empty() && log.go_on());
   if (!with_images.empty())
-    return fmt::format(
-        "it has images on {0}: name one with --set camera_driver.log_channel={1} (`rumi calibrate`: -c {1})",
-        list_of(with_images), with_images.begin()->first);
-  const std::string all = others.empty() ? "is empty" : fmt::format("has messages on {}", list_of(others));
+    return advice_on_channels({with_images.begin(), with_images.end()}, with_images.begin()->first);
+  const std::string all =
+      others.empty() ? "is empty" : fmt::format("has messages on {}", list_of_channels({others.begin(), others.end()}));
   return fmt::format("no channel of it has images (image_t of rumi, libbot or bot_core); it {}", all);
 }
 
@@ -222,7 +212,7 @@ OpenedReader open_log(const std::filesystem::path& file, const std::string& chan
                                  reader->malformed().count > 0
                                      ? fmt::format(", but {} other or broken messages", reader->malformed().count)
                                      : "",
-                                 advice_on_channels(file.string()))};
+                                 advice_on_channels_of(file.string()))};
   return {std::move(reader), ""};
 }
 

@@ -120,9 +120,11 @@ OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRan
   if (const std::string why = reader->opened() ? "" : why_no_video(file); !why.empty())
     return {nullptr, fmt::format("{}: {}", file.string(), why)};
   if (!reader->opened())
-    return {nullptr, fmt::format("{}: is neither an lcm log nor a video that can be decoded; give a dataset folder, an "
-                                 "image folder, a video or an lcm log",
-                                 file.string())};
+    return {
+        nullptr,
+        fmt::format("{}: is neither an lcm log, a ROS bag nor a video that can be decoded; give a dataset folder, an "
+                    "image folder, a video, an lcm log or a ROS bag",
+                    file.string())};
   return {std::move(reader), ""};
 }
 

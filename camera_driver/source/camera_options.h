@@ -28,7 +28,7 @@ struct CameraOptions : CameraControls {
   double speed = 1;                    // live only: pace relative to the times
   bool live_stamps = false;            // live only: utime is when the image is published
   std::string encoding = "auto";       // auto: JPEG files as they are, all else grey; or grey, rgb, jpeg
-  std::string log_channel = "CAMERA";  // of the images in an lcm log
+  std::string log_channel = "CAMERA";  // of the images in an lcm log, or their topic in a bag
   std::string files;                   // pattern of the images of a folder or list; empty: those of one camera
   std::string grey_range = "auto";     // of pixels of 16 bits, see parse_grey_range(); auto: that of the recording
 

@@ -164,10 +164,10 @@ void calibrate(const Arguments& arguments) {
 void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command = app.add_command("calibrate", "Calibrate a camera from images of a board (see draw-board)");
-  command->add_option(
-      "SOURCE", arguments->source,
-      "images of the board: a folder, a dataset folder, a video or an lcm log; without it: those that come in live, "
-      "until there are enough or Ctrl-C");
+  command->add_option("SOURCE", arguments->source,
+                      "images of the board: a folder, a dataset folder, a video, an lcm log or a ROS bag; without it: "
+                      "those that come in live, "
+                      "until there are enough or Ctrl-C");
   command->add_option("-o,--output", arguments->file, "the calibration, our YAML")->type_name("FILE").required();
   command
       ->add_option("--picture", arguments->picture,
@@ -187,7 +187,9 @@ void add_calibrate_command(CommandLine& app, std::function<int()>* chosen) {
       ->positive()
       ->show_default();
   command->add_flag("--force", arguments->force, "write a calibration that is refused because it is doubtful");
-  command->add_option("-c,--channel", arguments->names.camera, "channel of the images, live or in a log")
+  command
+      ->add_option("-c,--channel", arguments->names.camera,
+                   "channel of the images, live or in a log; topic in a ROS bag")
       ->show_default();
   add_bus_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");

@@ -53,7 +53,8 @@ void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("cut-window", "Make a window of chosen frames of a recording, for `rumi ruminate`");
-  command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("INPUT", arguments->input, "dataset folder, folder of images, video, lcm log or ROS bag")
+      ->required();
   command->add_option("-o,--output", arguments->file, "the window file, by custom *.window")
       ->type_name("FILE")
       .required();

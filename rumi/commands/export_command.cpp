@@ -44,7 +44,8 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments<ExportOptions>>();
   ExportOptions& options = arguments->options;
   CommandLine* command = app.add_command("export", "Write a recording as an lcm log, for lcm-logplayer and others");
-  command->add_option("INPUT", options.input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("INPUT", options.input, "dataset folder, folder of images, video, lcm log or ROS bag")
+      ->required();
   command->add_option("-o,--output", options.log, "the log; must not exist")->type_name("FILE").required();
   command->add_option("-c,--channel", options.channel, "channel of the images in the log that is written")
       ->type_name("NAME")
@@ -59,8 +60,8 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
 void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments<ImportOptions>>();
   ImportOptions& options = arguments->options;
-  CommandLine* command = app.add_command("import", "Write the images of an lcm log as a TUM-style folder");
-  command->add_option("LOG", options.log, "lcm log")->required();
+  CommandLine* command = app.add_command("import", "Write the images of an lcm log or ROS bag as a TUM-style folder");
+  command->add_option("LOG", options.log, "lcm log or ROS bag")->required();
   command->add_option("-o,--output", options.folder, "folder; created, or empty")->type_name("FOLDER").required();
   add_settings(*command, &arguments->settings);
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel"},

@@ -76,7 +76,8 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
   CommandLine* command =
       app.add_command("replay", "Run all components on a recording in one process, as fast as possible, repeatably");
-  command->add_option("INPUT", arguments->run.input, "dataset folder, folder of images, video or lcm log")->required();
+  command->add_option("INPUT", arguments->run.input, "dataset folder, folder of images, video, lcm log or ROS bag")
+      ->required();
   command
       ->add_option("-o,--output", arguments->run.out,
                    "folder; one with files that would be overwritten is refused, unless an earlier run made them")
@@ -89,7 +90,8 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   add_option_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
-  camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--rate", "--encoding"},
+  camera_driver::add_flags(*command,
+                           {"--camera", "--every", "--start", "--duration", "--rate", "--encoding", "--log-channel"},
                            &arguments->settings);
   run_if_chosen(command, chosen, arguments, replay);
 }

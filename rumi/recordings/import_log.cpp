@@ -16,6 +16,7 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
+#include "camera_driver/recording/bag/bag_file.h"
 #include "camera_driver/source/image_source.h"
 #include "camera_driver/source/timestamps.h"
 
@@ -85,8 +86,10 @@ int run_import(const ImportOptions& options) {
   std::error_code code;
   if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
     return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
-  if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log))
-    return fail(fmt::format("{}: is no lcm log; give one, as lcm-logger or `rumi export` writes it", options.log));
+  if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log) &&
+      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone)
+    return fail(fmt::format("{}: is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it",
+                            options.log));
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
   if (!opened.ok()) return fail(opened.error);
 

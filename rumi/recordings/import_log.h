@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// lcm log with images -> TUM-style folder: rgb/SECONDS.jpg or .png, rgb.txt, calibration.yaml.
+// lcm log or ROS bag with images -> TUM-style folder: rgb/SECONDS.jpg or .png, rgb.txt, calibration.yaml.
 #pragma once
 
 #include <string>

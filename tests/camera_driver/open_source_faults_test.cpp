@@ -114,7 +114,7 @@ TEST(ImageSource, RefusesWhatCannotBeUsed) {
   EXPECT_THAT(error_of(folder / "no_file"), AllOf(HasSubstr("0.png"), HasSubstr("no such file")));
   EXPECT_THAT(error_of(folder / "empty.lcm"), HasSubstr("is empty"));
   EXPECT_THAT(error_of(folder / "binary/rgb.txt"), HasSubstr("give the folder"));
-  EXPECT_THAT(error_of(folder / "garbage.mp4"), HasSubstr("neither an lcm log nor a video"));
+  EXPECT_THAT(error_of(folder / "garbage.mp4"), HasSubstr("neither an lcm log, a ROS bag nor a video"));
   EXPECT_THAT(error_of("/dev/video99"), HasSubstr("there is no such camera"));
   EXPECT_THAT(error_of("/dev/null"), HasSubstr("is not a camera"));
 }

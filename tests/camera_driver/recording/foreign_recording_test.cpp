@@ -17,20 +17,6 @@ using rumi::testing::TemporaryFolder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-TEST(ForeignRecording, RosBagsAreKnownByWhatTheyBeginWith) {
-  const TemporaryFolder folder;
-  EXPECT_THAT(advice_on_foreign_recording(folder.write("walk", "#ROSBAG V2.0\nE")), HasSubstr("is a ROS 1 bag"));
-  EXPECT_THAT(advice_on_foreign_recording(folder.write("walk.x", "\x89MCAP0\r\n\x01")), HasSubstr("MCAP"));
-  EXPECT_THAT(advice_on_foreign_recording(folder.write("walk.db3", "SQLite format 3\0"s)), HasSubstr("a ROS 2 bag"));
-}
-
-TEST(ForeignRecording, AFolderOfARos2BagIsKnownByItsMetadata) {
-  const TemporaryFolder folder;
-  EXPECT_EQ(advice_on_foreign_recording(folder.path()), "");
-  folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 5\n");
-  EXPECT_THAT(advice_on_foreign_recording(folder.path()), HasSubstr("the folder of a ROS 2 bag"));
-}
-
 TEST(ForeignRecording, OthersAreKnownByTheirNames) {
   const TemporaryFolder folder;
   EXPECT_THAT(advice_on_foreign_recording(folder.write("walk.SVO2", "x")), HasSubstr("ZED"));
@@ -83,12 +69,6 @@ TEST(ForeignRecording, AVideoWithoutItsIndexWasNeverClosed) {
             "");
   EXPECT_EQ(why_no_video(folder.write("d.mp4", "no video at all")), "");
   EXPECT_EQ(why_no_video(folder.write("e.mp4", "")), "");
-}
-
-TEST(ForeignRecording, IsRefusedByNameWithHowToGetImages) {
-  const TemporaryFolder folder;
-  const std::string error = open_recording(folder.write("walk.bag", "#ROSBAG V2.0\nE"), {}).error;
-  EXPECT_THAT(error, AllOf(HasSubstr("walk.bag: is a ROS 1 bag"), HasSubstr("rosbags"), HasSubstr("--camera FILE")));
 }
 
 }  // namespace

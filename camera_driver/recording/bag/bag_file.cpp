@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/bag/bag_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string beginning_of(const fs::path& file, size_t bytes) {
+  std::string text(bytes, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(text.data(), static_cast<std::streamsize>(bytes));
+  text.resize(static_cast<size_t>(std::max<std::streamsize>(0, in.gcount())));
+  return text;
+}
+
+std::string extension_of(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+BagKind kind_of_file(const fs::path& file) {
+  const std::string beginning = beginning_of(file, 32), extension = extension_of(file);
+  if (beginning.starts_with("#ROSBAG") || beginning.starts_with("#ROSRECORD")) return BagKind::kRos1;
+  if (beginning.starts_with("\x89MCAP")) return BagKind::kMcap;
+  // Other programs' databases are SQLite's, too.
+  if (extension == ".db3") return BagKind::kSqlite;
+  if (extension == ".bag") return BagKind::kRos1;
+  return extension == ".mcap" ? BagKind::kMcap : BagKind::kNone;
+}
+
+}  // namespace
+
+bool BagConnection::has_images() const { return type == "sensor_msgs/Image" || type == "sensor_msgs/CompressedImage"; }
+
+bool BagConnection::has_calibration() const { return type == "sensor_msgs/CameraInfo"; }
+
+std::string type_named(const std::string& name) {
+  const size_t slash = name.find("/msg/");
+  return slash == std::string::npos ? name : name.substr(0, slash) + name.substr(slash + 4);
+}
+
+BagKind kind_of_bag(const std::string& path) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) return kind_of_file(path);
+  const std::string metadata = beginning_of(fs::path(path) / "metadata.yaml", 1000);
+  return metadata.find("rosbag2_bagfile_information") == std::string::npos ? BagKind::kNone : BagKind::kFolder;
+}
+
+std::unique_ptr<BagFile> open_bag_file(const std::string& path) {
+  switch (kind_of_bag(path)) {
+    case BagKind::kMcap:
+      return open_mcap_file(path);
+    case BagKind::kSqlite:
+      return open_ros2_sqlite(path);
+    case BagKind::kFolder:
+      return open_bag_folder(path);
+    default:
+      return open_ros1_bag(path);
+  }
+}
+
+}  // namespace rumi::camera_driver

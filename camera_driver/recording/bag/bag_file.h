@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A bag of ROS, whatever its container: messages of some connections, each on a topic.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rumi::camera_driver {
+
+enum class RosEncoding { kRos1, kCdr, kOther };
+
+struct BagConnection {
+  std::string topic;
+  std::string type;  // "sensor_msgs/Image", of ROS 2, too; of others as it is
+  RosEncoding encoding = RosEncoding::kOther;
+
+  bool has_images() const;
+  bool has_calibration() const;
+};
+
+// "sensor_msgs/msg/Image" and "sensor_msgs/Image" are the same.
+std::string type_named(const std::string& name);
+
+// Where the bytes of a message are.
+struct BagPlace {
+  static constexpr int32_t kInFile = -1;
+  int32_t file = 0;         // of a bag of several
+  int32_t chunk = kInFile;  // that was decompressed; `at` is in it then
+  int64_t at = 0, bytes = 0;
+};
+
+// Of images and others: the stamp of a header stands at the beginning of a message.
+inline constexpr size_t kHeadBytes = 12;
+struct BagMessage {
+  uint32_t connection = 0;
+  int64_t time_ns = 0;  // when it was recorded
+  BagPlace place;
+  std::array<uint8_t, kHeadBytes> head{};  // zeros behind the message's end
+};
+
+struct BagDamage {
+  int64_t places = 0, bytes = 0;
+  std::string first;   // of the places, with the file's name; empty if there is none
+  std::string at_end;  // what is wrong with the end of the file
+};
+
+class BagFile {
+ public:
+  virtual ~BagFile() = default;
+  // Calls `visit` for each message in the order in which they are stored; damage is passed over. Messages of
+  // connections that are known to have neither images nor calibrations need not be visited, but are counted. Once.
+  virtual void scan(const std::function<void(const BagMessage&)>& visit) = 0;
+  // After scan(): those that were found.
+  virtual const std::map<uint32_t, BagConnection>& connections() const = 0;
+  virtual const std::map<uint32_t, int64_t>& other_messages() const = 0;  // those that were not visited
+  virtual const BagDamage& damage() const = 0;
+  virtual int64_t size_bytes() const = 0;
+  // Why nothing of it can be read; empty if that is not known.
+  virtual std::string refusal() const { return {}; }
+  virtual std::vector<std::string> notes() const { return {}; }
+  virtual bool read(const BagPlace& place, std::vector<uint8_t>* bytes) = 0;
+};
+
+enum class BagKind { kNone, kRos1, kMcap, kSqlite, kFolder };
+// By the beginning of a file, else by its name; a folder by its metadata.yaml.
+BagKind kind_of_bag(const std::string& path);
+std::unique_ptr<BagFile> open_ros1_bag(const std::string& file);
+std::unique_ptr<BagFile> open_mcap_file(const std::string& file);
+std::unique_ptr<BagFile> open_ros2_sqlite(const std::string& file);
+std::unique_ptr<BagFile> open_bag_folder(const std::string& folder);
+// Precondition: it is a bag.
+std::unique_ptr<BagFile> open_bag_file(const std::string& path);
+
+}  // namespace rumi::camera_driver

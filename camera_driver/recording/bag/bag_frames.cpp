@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "bus/transport/bus.h"
+#include "bus/wire/image_codec.h"
+#include "camera_driver/recording/bag/bag_topics.h"
+#include "camera_driver/recording/bag/camera_info.h"
+#include "camera_driver/recording/bag/ros_pixels.h"
+#include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/image_file.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+class BagFrames : public FrameReader {
+ public:
+  BagFrames(std::string path, std::unique_ptr<BagFile> bag, BagTopic topic, std::string calibration,
+            std::optional<GreyRange> range)
+      : path_(std::move(path)),
+        bag_(std::move(bag)),
+        topic_(std::move(topic)),
+        calibration_(std::move(calibration)),
+        range_(range) {
+    choose_times();
+    count_damage();
+  }
+
+  const std::vector<int64_t>& utimes() const override { return utimes_; }
+  std::string where(size_t frame) const override {
+    return fmt::format("{}: image {} of {}", path_, frame, topic_.name);
+  }
+  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+    std::optional<image_t> image;
+    std::vector<uint8_t> message;
+    if (!read_message(*bag_, topic_.messages[frame].place, &message)) {
+      *error = "cannot be read: the bag is damaged there";
+    } else {
+      image = is_compressed() ? load_compressed(message, colour, error) : load_raw(message, colour, error);
+    }
+    if (!image) *error = fmt::format("{}: {}", where(frame), *error);
+    if (image && !calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
+    return image;
+  }
+  Malformed malformed() const override { return malformed_; }
+  std::vector<std::string> notes() const override { return notes_; }
+  void add_note(const std::string& note) {
+    if (!note.empty()) notes_.push_back(note);
+  }
+
+ private:
+  bool is_compressed() const { return topic_.kind.type == "sensor_msgs/CompressedImage"; }
+
+  void choose_times() {
+    std::vector<BagEntry>& messages = topic_.messages;
+    const bool has_stamps =
+        std::any_of(messages.begin(), messages.end(), [](const BagEntry& entry) { return entry.stamp_ns != 0; });
+    if (!has_stamps)
+      add_note(
+          fmt::format("the images of {} have no times of their own (header.stamp is 0): they have those at which "
+                      "the bag recorded them",
+                      topic_.name));
+    const auto utime_of = [&](const BagEntry& entry) {
+      constexpr int64_t kPerMicrosecond = 1000;
+      return ((has_stamps ? entry.stamp_ns : entry.time_ns) + kPerMicrosecond / 2) / kPerMicrosecond;
+    };
+    const auto good_end = std::remove_if(messages.begin(), messages.end(),
+                                         [&](const BagEntry& entry) { return !plausible_utime(utime_of(entry)); });
+    malformed_.count = messages.end() - good_end;
+    if (malformed_.count > 0) malformed_.first = fmt::format("{}: an image of {} is of no time", path_, topic_.name);
+    messages.erase(good_end, messages.end());
+    for (const BagEntry& entry : messages) utimes_.push_back(utime_of(entry));
+  }
+
+  // As many images as its bytes would have held.
+  void count_damage() {
+    const BagDamage& damage = bag_->damage();
+    if (!damage.at_end.empty()) add_note(damage.at_end);
+    if (damage.places == 0) return;
+    if (malformed_.count == 0) malformed_.first = damage.first;
+    const auto images = static_cast<double>(utimes_.size());
+    const double share = static_cast<double>(damage.bytes) / std::max(1.0, static_cast<double>(bag_->size_bytes()));
+    malformed_.count += std::max(damage.places, static_cast<int64_t>(share * images));
+  }
+
+  std::optional<image_t> load_raw(Bytes message, bool colour, std::string* error) {
+    cv::Mat pixels = raw_pixels(message, colour, error);
+    if (pixels.empty()) return std::nullopt;
+    if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
+    return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
+  }
+  cv::Mat raw_pixels(Bytes message, bool colour, std::string* error) const {
+    RosImage image;
+    if (parse(message, topic_.kind.encoding, &image)) return pixels_of(image, colour, error);
+    *error = "is no sensor_msgs/Image, or broken";
+    return {};
+  }
+
+  // The bytes of a JPEG or PNG file.
+  std::optional<std::vector<uint8_t>> file_in(Bytes message, std::string* error) const {
+    RosCompressedImage image;
+    if (!parse(message, topic_.kind.encoding, &image)) {
+      *error = "is no sensor_msgs/CompressedImage, or broken";
+      return std::nullopt;
+    }
+    return std::vector<uint8_t>(image.data.begin(), image.data.end());
+  }
+  std::optional<image_t> load_compressed(Bytes message, bool colour, std::string* error) {
+    std::optional<std::vector<uint8_t>> file = file_in(message, error);
+    if (!file) return std::nullopt;
+    return load_image_bytes(
+        std::move(*file), colour, [this] { return range(); }, error);
+  }
+
+  GreyRange range() {
+    if (range_) return *range_;
+    GreyHistogram histogram;
+    const size_t count = std::min(utimes_.size(), GreyHistogram::kMostImages);
+    for (size_t i = 0; i < count; ++i) {
+      std::vector<uint8_t> message;
+      std::string ignored;
+      if (!read_message(*bag_, topic_.messages[i * utimes_.size() / count].place, &message)) continue;
+      if (!is_compressed()) histogram.add(raw_pixels(message, /*colour=*/false, &ignored));
+      if (const auto file = is_compressed() ? file_in(message, &ignored) : std::nullopt)
+        histogram.add(grey_pixels_of_bytes(*file));
+    }
+    range_ = histogram.range();
+    tell_grey_range(path_, *range_);
+    return *range_;
+  }
+
+  std::string path_;
+  std::unique_ptr<BagFile> bag_;
+  BagTopic topic_;
+  std::string calibration_;  // empty: the bag has none
+  std::optional<GreyRange> range_;
+  std::vector<int64_t> utimes_;
+  Malformed malformed_;
+  std::vector<std::string> notes_;
+};
+
+// Of the first message that is whole; empty if there is none.
+std::string calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {
+  const BagTopic* calibration = calibration_beside(topics, images);
+  for (size_t i = 0; calibration && i < calibration->messages.size(); ++i) {
+    std::vector<uint8_t> message;
+    RosCameraInfo info;
+    if (read_message(bag, calibration->messages[i].place, &message) &&
+        parse(message, calibration->kind.encoding, &info))
+      return camera_info_text(info, is_rectified_topic(images));
+  }
+  return {};
+}
+
+// To be put behind what is wrong with a bag.
+std::string damage_of(const BagFile& bag) {
+  std::string text;
+  for (const std::string& damage : {bag.damage().first, bag.damage().at_end})
+    if (!damage.empty()) text += "; it is damaged: " + damage;
+  return text;
+}
+
+}  // namespace
+
+OpenedReader open_bag(const std::filesystem::path& path, const std::string& channel,
+                      std::optional<GreyRange> grey_range) {
+  const std::string name = path.string();
+  std::unique_ptr<BagFile> bag = open_bag_file(name);
+  const BagTopics topics = read_topics(*bag);
+  if (const std::string why = bag->refusal(); !why.empty()) return {nullptr, fmt::format("{}: {}", name, why)};
+  const ChosenTopic chosen = choose_topic(topics, channel);
+  if (!chosen.topic) return {nullptr, fmt::format("{}: {}{}", name, chosen.error, damage_of(*bag))};
+  const std::string calibration = calibration_of(*bag, topics, chosen.topic->name);
+  const std::vector<std::string> notes = bag->notes();
+  auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen.topic, calibration, grey_range);
+  if (reader->utimes().empty()) return {nullptr, fmt::format("{}: {}", name, reader->malformed().first)};
+  reader->add_note(chosen.note);
+  for (const std::string& note : notes) reader->add_note(note);
+  return {std::move(reader), ""};
+}
+
+}  // namespace rumi::camera_driver

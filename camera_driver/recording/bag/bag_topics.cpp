@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/bag/bag_topics.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "base/natural_order.h"
+#include "camera_driver/recording/bag/decompress.h"
+#include "camera_driver/recording/bag/ros_messages.h"
+#include "camera_driver/recording/bag/ros_pixels.h"
+#include "camera_driver/recording/channel_list.h"
+#include "camera_driver/source/camera_options.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+bool is_depth(BagFile& bag, const BagTopic& topic) {
+  std::vector<uint8_t> message;
+  if (!read_message(bag, topic.messages.front().place, &message)) return false;
+  RosImage image;
+  RosCompressedImage compressed;
+  if (topic.kind.type == "sensor_msgs/Image")
+    return parse(message, topic.kind.encoding, &image) && is_depth_encoding(image.encoding);
+  return parse(message, topic.kind.encoding, &compressed) &&
+         compressed.format.find("compressedDepth") != std::string::npos;
+}
+
+// Stamps are in the messages: of one that is compressed by itself it must be taken out first.
+int64_t stamp_of(BagFile& bag, const BagMessage& message, RosEncoding encoding) {
+  std::vector<uint8_t> whole;
+  if (looks_like_zstd(message.head) && read_message(bag, message.place, &whole)) {
+    whole.resize(std::max(whole.size(), kHeadBytes));
+    return stamp_ns(Bytes(whole).first(kHeadBytes), encoding);
+  }
+  return stamp_ns(message.head, encoding);
+}
+
+std::vector<BagTopic> topics_of(const std::map<uint32_t, BagConnection>& connections,
+                                const std::vector<BagEntry>& entries, bool (BagConnection::*is_wanted)() const) {
+  std::map<std::pair<std::string, std::string>, BagTopic> topics;
+  for (const BagEntry& entry : entries) {
+    const auto connection = connections.find(entry.connection);
+    if (connection == connections.end() || !(connection->second.*is_wanted)()) continue;
+    BagTopic& topic = topics[{connection->second.topic, connection->second.type}];
+    topic.name = connection->second.topic;
+    topic.kind = connection->second;
+    topic.messages.push_back(entry);
+  }
+  std::vector<BagTopic> list;
+  for (auto& [name, topic] : topics) list.push_back(std::move(topic));
+  return list;
+}
+
+using Counts = std::vector<std::pair<std::string, int64_t>>;
+
+Counts counts_of(const std::vector<BagTopic>& topics) {
+  Counts counts;
+  for (const BagTopic& topic : topics)
+    counts.emplace_back(topic.name + (topic.is_depth ? ", depth" : ""), topic.messages.size());
+  return counts;
+}
+
+std::string why_no_images(const BagTopics& topics) {
+  Counts counts = counts_of(topics.calibrations);
+  for (const auto& [topic, other] : topics.others)
+    counts.emplace_back(fmt::format("{} [{}]", topic, other.first), other.second);
+  return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage); it {}",
+                     counts.empty() ? "is empty" : "has messages on " + list_of_channels(counts));
+}
+
+}  // namespace
+
+bool read_message(BagFile& bag, const BagPlace& place, std::vector<uint8_t>* message) {
+  if (!bag.read(place, message)) return false;
+  if (!looks_like_zstd(*message)) return true;
+  MemoryBytes compressed(*message);
+  Decompressed whole = decompress(compressed, 0, compressed.size(), Compression::kZstd);
+  *message = std::move(whole.bytes);
+  return whole.is_whole;
+}
+
+BagTopics read_topics(BagFile& bag) {
+  std::vector<BagEntry> entries;
+  bag.scan([&](const BagMessage& message) {
+    const auto connection = bag.connections().find(message.connection);
+    // A connection may come later, behind damage: then as in ROS 1, where stamps are at the same place.
+    const bool is_known = connection != bag.connections().end();
+    const RosEncoding encoding = is_known ? connection->second.encoding : RosEncoding::kRos1;
+    entries.push_back({message.place, message.connection, stamp_of(bag, message, encoding), message.time_ns});
+  });
+  BagTopics topics;
+  topics.images = topics_of(bag.connections(), entries, &BagConnection::has_images);
+  topics.calibrations = topics_of(bag.connections(), entries, &BagConnection::has_calibration);
+  for (BagTopic& topic : topics.images) topic.is_depth = is_depth(bag, topic);
+  std::sort(topics.images.begin(), topics.images.end(), [](const BagTopic& a, const BagTopic& b) {
+    return a.is_depth != b.is_depth ? b.is_depth : natural_less(a.name, b.name);
+  });
+  for (const auto& [connection, messages] : bag.other_messages()) {
+    const BagConnection& other = bag.connections().at(connection);
+    auto& [type, count] = topics.others[other.topic];
+    type = other.type;
+    count += messages;
+  }
+  return topics;
+}
+
+ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel) {
+  const std::vector<BagTopic>& images = topics.images;
+  for (const BagTopic& topic : images)
+    if (topic.name == channel || topic.name == "/" + channel) return {&topic, "", ""};
+  if (images.empty()) return {nullptr, "", why_no_images(topics)};
+  const bool is_named = channel != CameraOptions{}.log_channel;
+  const auto depths = std::count_if(images.begin(), images.end(), [](const BagTopic& topic) { return topic.is_depth; });
+  const auto others = static_cast<ptrdiff_t>(images.size()) - depths;
+  if (!is_named && images.size() == 1) return {&images.front(), "", ""};
+  if (!is_named && others == 1)
+    return {&images.front(),
+            fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
+                        list_of_channels(counts_of({images.begin() + 1, images.end()}))),
+            ""};
+  return {nullptr, "",
+          fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
+                      advice_on_channels(counts_of(images), images.front().name))};
+}
+
+const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic) {
+  const auto above = [](const std::string& name) { return name.substr(0, std::min(name.rfind('/'), name.size())); };
+  const std::string parent = above(topic), grandparent = above(parent);
+  // The last one: of RealSense's own recorder.
+  for (const std::string& name : {parent + "/camera_info", topic + "/camera_info", grandparent + "/camera_info",
+                                  grandparent + "/info/camera_info"})
+    for (const BagTopic& calibration : topics.calibrations)
+      if (calibration.name == name) return &calibration;
+  return nullptr;
+}
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// sensor_msgs/CameraInfo as a calibration file.
+#pragma once
+
+#include <string>
+
+#include "camera_driver/recording/bag/ros_messages.h"
+
+namespace rumi::camera_driver {
+
+// As `ros2 topic echo` prints it, which parse_camera() reads and judges. `is_rectified`: of images that are undistorted
+// already, whose camera is P.
+std::string camera_info_text(const RosCameraInfo& info, bool is_rectified);
+// By the topic's name: image_rect, image_rect_color.
+bool is_rectified_topic(const std::string& topic);
+
+}  // namespace rumi::camera_driver
