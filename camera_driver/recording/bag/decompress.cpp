@@ -135,6 +135,7 @@ Decompressed decompress(ByteSource& source, int64_t at, int64_t stored_bytes, Co
   }
   Decompressed& result = unpacking.result();
   result.is_whole = state == State::kEnded;
+  result.is_cut_off = state == State::kGoesOn;
   if (state == State::kDamaged) result.bytes.clear();
   return std::move(result);
 }

@@ -60,7 +60,11 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
   const int64_t length = has_length ? stored_bytes : rest;
   Decompressed chunk = decompress(bytes_, at, length, compression);
   if (crc != kNoCrc && chunk.is_whole && crc != crc_of(chunk.bytes)) chunk = {};
-  const int64_t next = has_length ? at + stored_bytes : chunk.is_whole ? at + chunk.stored_bytes : kNoEnd;
+  const bool ends_file = !has_length && chunk.is_cut_off;
+  const int64_t next = ends_file        ? bytes_.size()
+                       : has_length     ? at + stored_bytes
+                       : chunk.is_whole ? at + chunk.stored_bytes
+                                        : kNoEnd;
   const auto number = static_cast<int32_t>(chunks_.size());
   chunks_.push_back({at, length, compression});
   open_chunk_ = number;

@@ -65,6 +65,7 @@ TEST_F(DamagedBags, CutOffAnywhereHaveTheImagesBefore) {
       before = images;
     }
     EXPECT_GE(before, kImages - 4) << kind;
+    EXPECT_EQ(skipped_.malformed, 0) << kind;  // what is missing at the end is not known to be images
   }
 }
 
@@ -124,7 +125,7 @@ TEST_F(DamagedBags, MessagesThatAreNoneAreLeftOut) {
 }
 
 TEST_F(DamagedBags, EndlesslyCompressedChunksAreNotUnpacked) {
-  const std::string bomb = compressed("zstd", std::string(300 << 20, '\0'));
+  const std::string bomb = compressed("zstd", std::string(257 << 20, '\0'));
   const auto record = [](uint8_t op, const std::string& content) {
     return bytes_of(op) + bytes_of(static_cast<uint64_t>(content.size())) + content;
   };
