@@ -56,7 +56,7 @@ std::vector<Bytes> seeds() {
       if (is_one_camera) std::erase_if(bag, [](const auto& message) { return message.topic == "/cam1/image_raw"; });
       const int choice = (kind == "sqlite" ? 2 : testing::is_ros2(kind) ? 1 : 0) + (is_one_camera ? 0 : 8 + 4);
       all.push_back(to_bytes(std::string(1, static_cast<char>(choice)) +
-                             testing::read(testing::write_bag(scratch().folder(), kind, bag))));
+                             testing::read_file(testing::write_bag(scratch().folder(), kind, bag))));
     }
   return all;
 }

@@ -17,7 +17,7 @@ class DamagedBags : public Bags {
   DamagedBags() { give_calibration(); }
   // Images that are as they were recorded; -1 if the bag is refused, with a message.
   int images_of(const std::string& file, const std::string& bytes) {
-    testing::write(file, bytes);
+    testing::write_file(file, bytes);
     const OpenedSource opened = open(file);
     if (!opened.ok()) {
       EXPECT_THAT(opened.error, HasSubstr(file));
@@ -35,7 +35,7 @@ TEST_F(DamagedBags, InAnyPlaceLoseWhatIsThere) {
   constexpr int kMostLost = 8;
   for (const std::string& kind : bag_kinds()) {
     add_usual(kind, kImages);
-    const std::string file = write(kind), whole = read(file);
+    const std::string file = write(kind), whole = testing::read_file(file);
     if (kind == "sqlite") continue;  // below
     const size_t length = 40, step = std::max<size_t>(1, whole.size() / 60);
     for (size_t at = 0; at + length < whole.size(); at += step) {
@@ -57,7 +57,7 @@ TEST_F(DamagedBags, CutOffAnywhereHaveTheImagesBefore) {
   for (const std::string& kind : bag_kinds()) {
     if (kind == "sqlite") continue;
     add_usual(kind, kImages);
-    const std::string file = write(kind), whole = read(file);
+    const std::string file = write(kind), whole = testing::read_file(file);
     int before = -1;
     for (int part = 1; part <= 40; ++part) {
       const int images = images_of(file, whole.substr(0, whole.size() * part / 41));
@@ -72,7 +72,7 @@ TEST_F(DamagedBags, CutOffAnywhereHaveTheImagesBefore) {
 TEST_F(DamagedBags, LengthsThatAreTooLargeTakeNoMemory) {
   for (const std::string& kind : {std::string("ros1 none"), std::string("mcap"), std::string("mcap none")}) {
     add_usual(kind, 6);
-    const std::string file = write(kind), whole = read(file);
+    const std::string file = write(kind), whole = testing::read_file(file);
     for (size_t at = 13; at + 4 < std::min<size_t>(whole.size(), 1500); at += 3) {
       std::string bytes = whole;
       bytes.replace(at, 4, "\xff\xff\xff\x7f");
@@ -98,7 +98,7 @@ TEST_F(DamagedBags, ABagThatIsStillBeingRecordedIsReadToItsLastMessage) {
 
 TEST_F(DamagedBags, PagesOfADatabaseThatAreBrokenArePassedOver) {
   add_usual("sqlite", kImages);
-  const std::string file = write("sqlite"), whole = read(file);
+  const std::string file = write("sqlite"), whole = testing::read_file(file);
   constexpr size_t kPage = 4096;
   int read_in_all = 0;
   for (size_t page = 0; page < whole.size() / kPage; ++page) {
@@ -119,7 +119,7 @@ TEST_F(DamagedBags, MessagesThatAreNoneAreLeftOut) {
     messages_[5].bytes.resize(40);
     messages_[7].bytes.clear();
     const std::string file = write(kind);
-    EXPECT_EQ(images_of(file, read(file)), 4) << kind;
+    EXPECT_EQ(images_of(file, testing::read_file(file)), 4) << kind;
     EXPECT_EQ(skipped_.total(), 2) << kind;
   }
 }
