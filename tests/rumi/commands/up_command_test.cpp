@@ -81,7 +81,7 @@ TEST_F(LiveTest, RunsToTheEndOfTheRecordingAndLosesNothing) {
 }
 
 TEST_F(LiveTest, ImagesThatCameTooFastAreToldOf) {
-  const fs::path out = work_->path / "fast";
+  const fs::path out = work_->path() / "fast";
   const Outcome outcome = shell(up(out, "--speed 20 --set ruminator.rebuild=false"));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
   EXPECT_THAT(outcome.output, ContainsRegex("[0-9]+ of [0-9]+ images were dropped: they came faster"));
@@ -105,8 +105,8 @@ void publish_uncalibrated(const std::string& log_file) {
 }
 
 TEST_F(LiveTest, ImagesFromElsewhereGetTheCalibrationOfTheCommandLine) {
-  const fs::path out = work_->path / "elsewhere", log = work_->path / "images.lcm",
-                 said = work_->path / "elsewhere.log";
+  const fs::path out = work_->path() / "elsewhere", log = work_->path() / "images.lcm",
+                 said = work_->path() / "elsewhere.log";
   ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' -o '" + log.string() + "'").exit_code, 0);
   const std::string up = "$RUMI/rumi up '" RUMI_CONFIG "' --camera '" + (sequence_ / "calibration.yaml").string() +
                          "' --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" +
