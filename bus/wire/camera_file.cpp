@@ -25,7 +25,8 @@ namespace fs = std::filesystem;
 constexpr size_t kMaxBytes = 65536, kMaxListBytes = 4 << 20;
 
 constexpr const char* kExpected =
-    "expected our YAML (fx: 525 ... width: 640, see config/cameras), or a file of a tool that docs/calibration.md names";
+    "expected our YAML (fx: 525 ... width: 640, see config/cameras), or a file of a tool that docs/calibration.md "
+    "names";
 
 // With an error, or with cameras.
 FileCameras read_text(const std::string& text, const std::string& name) {
