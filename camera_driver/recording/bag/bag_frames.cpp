@@ -140,17 +140,30 @@ class BagFrames : public FrameReader {
   std::vector<std::string> notes_;
 };
 
-// Of the first message that is whole; empty if there is none.
-std::string calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {
-  const BagTopic* calibration = calibration_beside(topics, images);
-  for (size_t i = 0; calibration && i < calibration->messages.size(); ++i) {
-    std::vector<uint8_t> message;
-    RosCameraInfo info;
-    if (read_message(bag, calibration->messages[i].place, &message) &&
-        parse(message, calibration->kind.encoding, &info))
-      return camera_info_text(info, is_rectified_topic(images));
-  }
-  return {};
+// Empty if the message is broken.
+std::string calibration_in(BagFile& bag, const BagTopic& topic, const BagEntry& entry, bool is_rectified) {
+  std::vector<uint8_t> message;
+  RosCameraInfo info;
+  const bool is_whole = read_message(bag, entry.place, &message) && parse(message, topic.kind.encoding, &info);
+  return is_whole ? camera_info_text(info, is_rectified) : "";
+}
+
+struct FoundCalibration {
+  std::string text;  // of the first message that is whole; empty if there is none
+  std::string note;
+};
+
+FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {
+  FoundCalibration found;
+  const BagTopic* topic = calibration_beside(topics, images);
+  if (!topic) return found;
+  const bool is_rectified = is_rectified_topic(images);
+  for (size_t i = 0; found.text.empty() && i < topic->messages.size(); ++i)
+    found.text = calibration_in(bag, *topic, topic->messages[i], is_rectified);
+  const std::string last = calibration_in(bag, *topic, topic->messages.back(), is_rectified);
+  if (!last.empty() && last != found.text)
+    found.note = fmt::format("{} is another one at the end: the first one is used for all images", topic->name);
+  return found;
 }
 
 // To be put behind what is wrong with a bag.
@@ -171,11 +184,12 @@ OpenedReader open_bag(const std::filesystem::path& path, const std::string& chan
   if (const std::string why = bag->refusal(); !why.empty()) return {nullptr, fmt::format("{}: {}", name, why)};
   const ChosenTopic chosen = choose_topic(topics, channel);
   if (!chosen.topic) return {nullptr, fmt::format("{}: {}{}", name, chosen.error, damage_of(*bag))};
-  const std::string calibration = calibration_of(*bag, topics, chosen.topic->name);
+  const FoundCalibration calibration = calibration_of(*bag, topics, chosen.topic->name);
   const std::vector<std::string> notes = bag->notes();
-  auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen.topic, calibration, grey_range);
+  auto reader = std::make_unique<BagFrames>(name, std::move(bag), *chosen.topic, calibration.text, grey_range);
   if (reader->utimes().empty()) return {nullptr, fmt::format("{}: {}", name, reader->malformed().first)};
   reader->add_note(chosen.note);
+  reader->add_note(calibration.note);
   for (const std::string& note : notes) reader->add_note(note);
   return {std::move(reader), ""};
 }

@@ -89,6 +89,16 @@ TEST_F(Bags, CameraInfoOfAnotherModelIsRefused) {
   }
 }
 
+TEST_F(Bags, CameraInfoThatChangesIsToldOf) {
+  add_usual("mcap", 3);
+  EXPECT_THAT(open_frames(write("mcap"), {}).reader->notes(), ::testing::IsEmpty());
+  add_info("mcap", {.fx = 55});
+  EXPECT_THAT(open_frames(write("mcap"), {}).reader->notes(),
+              ::testing::ElementsAre(HasSubstr("another one at the end")));
+  play(write("mcap"));
+  EXPECT_EQ(camera_.fx, 50);
+}
+
 TEST_F(Bags, RectifiedImagesHaveTheRectifiedCamera) {
   add_info("mcap");
   add_image("mcap", 0, "/cam0/image_rect");
