@@ -49,6 +49,7 @@ std::vector<BagTopic> topics_of(const std::map<uint32_t, BagConnection>& connect
     topic.messages.push_back(entry);
   }
   std::vector<BagTopic> list;
+  list.reserve(topics.size());
   for (auto& [name, topic] : topics) list.push_back(std::move(topic));
   return list;
 }
