@@ -18,6 +18,7 @@ constexpr double kLatestNumber = 1e8;  // as seconds three years; more is no num
 
 double usual_step_of(const std::vector<RawPose>& poses) {
   std::vector<double> times;
+  times.reserve(poses.size());
   for (const RawPose& pose : poses) times.push_back(pose.time.value);
   std::sort(times.begin(), times.end());
   return usual_step(times);
