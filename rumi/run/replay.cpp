@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rumi/run/replay.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
