@@ -47,7 +47,9 @@ void listen_to_signals() {
   };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
-  sigaction(SIGHUP, &action, nullptr);  // the terminal was closed: what was asked for is written all the same
+  // The terminal was closed, which the kernel and the shell both tell: what was asked for is written all the same.
+  action.sa_handler = [](int) { g_stop = true; };
+  sigaction(SIGHUP, &action, nullptr);
   action.sa_handler = [](int) { g_reload = true; };
   sigaction(SIGUSR2, &action, nullptr);
 }

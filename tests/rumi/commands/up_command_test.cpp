@@ -219,6 +219,13 @@ TEST_F(LiveTest, EndsCleanlyWhenAskedTo) {
   EXPECT_FALSE(fs::exists(out.string() + "-live.db.lock")) << "map_server did not end by itself";
 }
 
+TEST_F(LiveTest, AClosedTerminalWhichIsToldTwiceEndsItCleanly) {
+  const fs::path out = work_->path() / "closed";
+  const Outcome outcome = up_and(out, "--loop", "kill -HUP $up; sleep 0.2; kill -HUP $up");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+}
+
 TEST_F(LiveTest, ASnapshotOfNobodySaysSo) {
   const Outcome outcome = shell("$RUMI/rumi snapshot --timeout 1 -o '" + (work_->path() / "nobody").string() + "'");
   EXPECT_EQ(outcome.exit_code, 1);
