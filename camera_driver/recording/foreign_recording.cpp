@@ -5,28 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
+
+#include "camera_driver/recording/file_kind.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string beginning_of(const fs::path& file, size_t bytes) {
-  std::string text(bytes, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(bytes));
-  text.resize(static_cast<size_t>(std::max<std::streamsize>(0, in.gcount())));
-  return text;
-}
-
-std::string extension_of(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 // Archives, and files that only stand for others.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
@@ -37,7 +23,7 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
     std::string beginning;
     const char* how;
   };
-  const bool is_tar = fs::path(file).stem().extension() == ".tar" || extension_of(file) == ".tgz";
+  const bool is_tar = fs::path(file).stem().extension() == ".tar" || lower_extension(file) == ".tgz";
   const std::array packed = {
       Packed{"\x1F\x8B"s, is_tar ? "tar xf" : "gunzip -k"},
       Packed{"PK\x03\x04"s, "unzip"},
@@ -50,7 +36,7 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
   for (const Packed& kind : packed)
     if (beginning.starts_with(kind.beginning))
       return fmt::format("is packed: unpack it (`{} {}`) and give what was in it", kind.how, file.string());
-  if (extension_of(file) == ".tar")
+  if (lower_extension(file) == ".tar")
     return fmt::format("is packed: unpack it (`tar xf {}`) and give what was in it", file.string());
   return {};
 }
@@ -58,7 +44,7 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
 // By the beginnings of the files, whatever their names are.
 std::string advice_on_file(const fs::path& file) {
   using namespace std::string_literals;
-  const std::string beginning = beginning_of(file, 32), extension = extension_of(file);
+  const std::string beginning = beginning_of(file, 32), extension = lower_extension(file);
   struct Other {
     const char *extension, *what, *how;
   };

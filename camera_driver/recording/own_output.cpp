@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/own_output.h"
 
-#include <algorithm>
-#include <fstream>
 #include <set>
+
+#include "camera_driver/recording/file_kind.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string beginning_of(const fs::path& file) {
-  std::string text(200, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  text.resize(static_cast<size_t>(std::max<std::streamsize>(0, in.gcount())));
-  return text;
-}
+constexpr size_t kBytes = 200;  // of a file, that tell whose it is
 
 bool is_of_a_run(const fs::path& name) {
   static const std::set<std::string> kNames = {"run.json",    "trajectory.txt", "trajectory.png", "trajectory.mp4",
@@ -27,7 +21,7 @@ bool is_of_a_run(const fs::path& name) {
 }
 
 bool is_output_folder(const fs::path& folder) {
-  if (beginning_of(folder / "run.json").find("\"program\": \"rumi\"") == std::string::npos) return false;
+  if (beginning_of(folder / "run.json", kBytes).find("\"program\": \"rumi\"") == std::string::npos) return false;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
     if (!is_of_a_run(it->path())) return false;
@@ -43,7 +37,7 @@ std::string advice_on_own_output(const fs::path& path) {
                ? "is the output folder of a run and no recording: give the recording that its run.json names (input); "
                  "`rumi export-map` writes its map for other programs"
                : "";
-  if (!beginning_of(path).starts_with("SQLite format 3")) return "";
+  if (!beginning_of(path, kBytes).starts_with("SQLite format 3")) return "";
   return "is a database and no recording: the map of a run (map.db) is written for other programs by `rumi "
          "export-map`, "
          "and drawn by `rumi view`; to find the place of a recording in it give the recording, with --set "

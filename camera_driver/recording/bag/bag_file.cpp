@@ -1,33 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/bag/bag_file.h"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
-#include <fstream>
+
+#include "camera_driver/recording/file_kind.h"
 
 namespace rumi::camera_driver {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string beginning_of(const fs::path& file, size_t bytes) {
-  std::string text(bytes, '\0');
-  std::ifstream in(file, std::ios::binary);
-  in.read(text.data(), static_cast<std::streamsize>(bytes));
-  text.resize(static_cast<size_t>(std::max<std::streamsize>(0, in.gcount())));
-  return text;
-}
-
-std::string extension_of(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 BagKind kind_of_file(const fs::path& file) {
-  const std::string beginning = beginning_of(file, 32), extension = extension_of(file);
+  const std::string beginning = beginning_of(file, 32), extension = lower_extension(file);
   if (beginning.starts_with("#ROSBAG") || beginning.starts_with("#ROSRECORD")) return BagKind::kRos1;
   if (beginning.starts_with("\x89MCAP")) return BagKind::kMcap;
   // Other programs' databases are SQLite's, too.
