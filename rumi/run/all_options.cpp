@@ -4,8 +4,9 @@
 namespace rumi::tool {
 
 void describe(OptionTable& table, UpOptions& o) {
-  table.add("up.input", &o.input,
-            "of camera_driver: camera, dataset, image folder, video, lcm log or ROS bag; empty: images come from elsewhere");
+  table.add(
+      "up.input", &o.input,
+      "of camera_driver: camera, dataset, image folder, video, lcm log or ROS bag; empty: images come from elsewhere");
   table.add("up.lcm_url", &o.lcm_url, "LCM URL; empty: LCM_DEFAULT_URL, else this machine only");
   table.add("up.channel_prefix", &o.channel_prefix, "put before every channel name");
   table.add("up.channel", &o.channel, "channel of the camera images");
