@@ -52,7 +52,7 @@ TEST_P(FuzzTarget, TakesWhatOnceBrokeIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FuzzTarget, ::testing::ValuesIn(targets()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& target) { return target.param.name; });
 
 }  // namespace
 }  // namespace rumi::fuzz

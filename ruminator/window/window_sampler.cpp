@@ -213,15 +213,18 @@ void WindowSampler::leave_submap() {
 }
 
 void WindowSampler::begin_window(int64_t utime_us) {
-  open_ = Collecting{.window = {.id = last_id_ + 1,
-                                .session = session_,
-                                .stream = stream_,
-                                .submap_before = submap_,
-                                .lost_utime_us = utime_us},
+  RuminationWindow window;
+  window.id = last_id_ + 1;
+  window.session = session_;
+  window.stream = stream_;
+  window.submap_before = submap_;
+  window.lost_utime_us = utime_us;
+  open_ = Collecting{.window = std::move(window),
                      .before = StrideSampler(options_.stride),
                      .before_since_us = utime_us,
                      .before_until_us = utime_us,
                      .gap = GapThinner(options_.gap_max_frames),
+                     .untracked = {},
                      .part = Gap()};
   if (submap_ == kNoSubmap) return;
   // The last tracked frame is the nearest to the gap and ties it to the submap.

@@ -31,7 +31,7 @@ TEST(EigenAssert, IsThrownWithWhatAndWhere) {
   EXPECT_THAT(outside, ::testing::ContainsRegex("DenseCoeffsBase.h:[0-9]+: "));
   const Eigen::MatrixXd two(2, 2);
   EXPECT_THAT(asserted([&] { three = two * three; }), HasSubstr("invalid matrix product"));
-  EXPECT_THAT(asserted([&] { three += Eigen::VectorXd(2); }), HasSubstr("rows() == "));
+  EXPECT_THAT(asserted([&] { three += Eigen::VectorXd::Zero(2); }), HasSubstr("rows() == "));
   EXPECT_NE(asserted([&] { Eigen::SparseMatrix<double>(2, 2).insert(2, 0) = 1; }), "");
   EXPECT_EQ(asserted([&] { three(2) = 1; }), "");
 }

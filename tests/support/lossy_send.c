@@ -33,7 +33,7 @@ static struct {
 __attribute__((constructor)) static void begin(void) {
   unsigned long seed = 1;
   const char* text = getenv("RUMI_LOSSY");
-  real_sendmsg = (sendmsg_t)dlsym(RTLD_NEXT, "sendmsg");
+  *(void**)&real_sendmsg = dlsym(RTLD_NEXT, "sendmsg");  // as POSIX has it: ISO C knows no such cast
   if (text) sscanf(text, "%lf %lf %lf %lu", &loss, &duplicate, &reorder, &seed);
   // Each program has numbers of its own, the same in each run.
   state = seed * 0x9E3779B97F4A7C15u + 1;
