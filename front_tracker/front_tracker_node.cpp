@@ -326,7 +326,8 @@ void FrontTrackerNode::tell_of_silence(int64_t now_us) {
   silent_since_us_ = 0;
   if (counts.undecodable > 0)
     log_warning(
-        "{} messages came on the camera's channel, and none is an image_t: is the channel another's (--channel)?",
+        "{} messages came on the camera's channel, and none is an image_t whose utime is microseconds: is the channel "
+        "another's (--channel), or is the time in nanoseconds?",
         counts.undecodable);
   else
     log_warning("no image has come for {} s: is the camera's program running, on this channel (--channel)?",

@@ -43,15 +43,17 @@ TEST_F(FrontTrackerNodeTest, SaysOnceThatNoImageComes) {
   EXPECT_EQ(log.text(), once);
 }
 
-TEST_F(FrontTrackerNodeTest, SaysThatWhatComesOnTheCamerasChannelIsNoImage) {
+TEST_F(FrontTrackerNodeTest, SaysThatWhatComesOnTheCamerasChannelIsNoImageOrHasNoTime) {
   MemoryBus bus;  // for it alone
   bus.set_now_us(1'000'000);
   FrontTrackerNode node(bus, node_options());
   bus.publish(channels::kCamera, map_request_t());
+  bus.publish(channels::kCamera, image(1'700'000'000'000'000'000, grey_));  // nanoseconds
   bus.dispatch();
   const testing::CapturedLog log;
   node.tick(11'000'000);
-  EXPECT_THAT(log.text(), HasSubstr("1 messages came on the camera's channel, and none is an image_t"));
+  EXPECT_THAT(log.text(), HasSubstr("2 messages came on the camera's channel, and none is an image_t whose utime is "
+                                    "microseconds"));
 }
 
 TEST_F(FrontTrackerNodeTest, ImagesOfWhichNoneGetsAPoseAreNotAll) {
