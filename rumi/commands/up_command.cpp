@@ -68,7 +68,10 @@ void tell_of_map(const AllOptions& options, bool fresh) {
   const std::optional<std::string> before = describe_map_before(database);
   if (options.map_server.localize_only && !fs::exists(database))
     throw std::runtime_error(fmt::format("{}: there is no such file to localize in (map_server.database)", database));
-  if (options.map_server.localize_only && before) {
+  if (options.map_server.localize_only && !before)
+    throw std::runtime_error(
+        fmt::format("{}: there is no map in it to localize in (map_server.localize_only)", database));
+  if (options.map_server.localize_only) {
     say("rumi", fmt::format("map: {}, {}, stays as it is", database, *before));
   } else if (fresh) {
     const std::string aside = set_aside(database, options.ruminator.spool);
