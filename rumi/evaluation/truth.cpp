@@ -71,8 +71,7 @@ class TruthReader {
     head.resize(static_cast<size_t>(in.gcount()));
     const auto begins = [&head](const char* sign) { return head.starts_with(sign); };
     if (begins("#ROSBAG") || begins("\x89MCAP") || begins("SQLite format"))
-      return "is a bag of ROS: write its poses as TUM's lines (time tx ty tz qx qy qz qw), as evo_traj --save_as_tum "
-             "does";
+      return "is a bag of ROS: `rumi evaluate` reads the camera's poses in it, `rumi import` writes them as a file";
     if (begins("PK") || begins("\x93NUMPY")) return "is an archive, or a file of NumPy: write its poses as TUM's lines";
     if (begins("\xFF\xFE") || begins("\xFE\xFF")) return "is UTF-16 (as PowerShell writes it): save it as UTF-8";
     if (head.find("IMAGE_ID") != std::string::npos || head.find("POINT3D_ID") != std::string::npos) return kColmap;
