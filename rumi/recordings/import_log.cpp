@@ -18,6 +18,7 @@
 #include "camera_driver/open_source.h"
 #include "camera_driver/recording/bag/bag_file.h"
 #include "camera_driver/recording/bag/bag_poses.h"
+#include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/source/image_source.h"
 #include "camera_driver/source/timestamps.h"
 
@@ -107,9 +108,11 @@ int run_import(const ImportOptions& options) {
   if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
     return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
   if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log) &&
-      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone)
-    return fail(fmt::format("{}: is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it",
-                            options.log));
+      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone) {
+    const std::string advice = camera_driver::advice_on_foreign_recording(options.log);
+    const char* usual = "is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it";
+    return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
+  }
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
   if (!opened.ok()) return fail(opened.error);
 
