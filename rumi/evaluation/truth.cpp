@@ -51,6 +51,7 @@ class TruthReader {
     if (!result_.ok()) return std::move(result_);
     sort_by_time();
     if (is_euroc_) move_to_camera();
+    if (file_.ends_with(kEndingOfIclNuim)) mirror_y();
     return std::move(result_);
   }
 
@@ -191,6 +192,16 @@ class TruthReader {
     poses.erase(end, poses.end());
     if (back > 0) note(fmt::format("its times go back {} times: sorted", back));
     if (doubled > 0) note(fmt::format("{} poses have a time that another one has: the first of each is kept", doubled));
+  }
+
+  void mirror_y() {
+    note("of ICL-NUIM, whose y points up: mirrored, so that it points down as in the images");
+    for (TimedPose& pose : result_.poses) {
+      Eigen::Vector3d& t = pose.map_from_cam.translation;
+      Eigen::Quaterniond& q = pose.map_from_cam.rotation;
+      t.y() = -t.y();
+      q.x() = -q.x(), q.z() = -q.z();  // an axis of rotation turns the other way as well
+    }
   }
 
   // EuRoC's truth is of the body, or of a marker on it.

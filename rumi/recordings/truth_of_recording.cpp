@@ -18,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using camera_driver::BagKind;
 
-constexpr const char* kEndingOfIcl = ".gt.freiburg";
 constexpr double kRateOfIcl_hz = 30;
 
 bool is_file(const fs::path& path) {
@@ -31,7 +30,7 @@ fs::path truth_of_icl(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code code;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
-    if (it->path().filename().string().ends_with(kEndingOfIcl)) files.push_back(it->path());
+    if (it->path().filename().string().ends_with(kEndingOfIclNuim)) files.push_back(it->path());
   return files.size() == 1 ? files.front() : fs::path();
 }
 
@@ -82,7 +81,7 @@ FoundTruth find_truth(const std::string& recording) {
   if (found.file.empty())
     found.error =
         fmt::format("there is no truth beside {} (groundtruth.txt, mav0/state_groundtruth_estimate0/data.csv, *{})",
-                    recording, kEndingOfIcl);
+                    recording, kEndingOfIclNuim);
   return found;
 }
 

@@ -97,7 +97,7 @@ TEST_F(EvaluateCommandTest, WithoutATruthTakesTheOneBesideTheRecording) {
 TEST_F(EvaluateCommandTest, ATruthThatCountsImagesHasTheRateAtWhichTheyWerePlayed) {
   std::string frames = "utime,state,submap,in_map\n", truth;
   for (int i = 0; i < 40; ++i) frames += fmt::format("{},TRACKING,1,1\n", 100'000 * int64_t{i});
-  for (int i = 0; i < 40; ++i) truth += fmt::format("{} {} {} 0 0 0 0 1\n", i, 0.1 * i, 0.01 * i * i);
+  for (int i = 0; i < 40; ++i) truth += fmt::format("{} {} {} 0 0 0 0 1\n", i, 0.1 * i, -0.01 * i * i);
   write("frames.csv", frames);
   write("trajectory.txt", walk(0, 40, 0));
   std::filesystem::create_directory(folder_.path() / "recording");
