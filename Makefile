@@ -55,9 +55,11 @@ quick: build
 
 test-all: machine-test sanitized-test lint
 
-# camera_driver and systemd are tested in virtual machines; where their packages cannot be had the tests are skipped.
+# camera_driver and systemd are tested in virtual machines, bags with ROS's own program; where their packages cannot be had
+# the tests are skipped.
 machine-test: build
 	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
+	-@scripts/install_dependencies.sh python3-rosbag
 	ctest --test-dir $(BUILD) --output-on-failure -L machine
 
 sanitized-test: dependencies

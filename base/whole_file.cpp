@@ -49,6 +49,12 @@ void WholeFile::write(std::string_view bytes) {
   if (stream_ && std::fwrite(bytes.data(), 1, bytes.size(), stream_) != bytes.size()) note_error();
 }
 
+void WholeFile::overwrite(int64_t at, std::string_view bytes) {
+  if (stream_ && fseeko(stream_, at, SEEK_SET) != 0) note_error();
+  write(bytes);
+  if (stream_ && fseeko(stream_, 0, SEEK_END) != 0) note_error();
+}
+
 std::string WholeFile::commit() {
   if (!stream_) return problem_;
   if (std::fclose(stream_) != 0) note_error();

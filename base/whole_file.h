@@ -3,6 +3,7 @@
 // beside it, renamed at the end.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -18,12 +19,15 @@ class WholeFile {
 
   // Errors are kept for commit().
   void write(std::string_view bytes);
+  // What was written there before; write() goes on at the end.
+  void overwrite(int64_t at, std::string_view bytes);
   template <class T>
   void write_value(const T& value) {  // as it lies in memory (little endian)
     write({reinterpret_cast<const char*>(&value), sizeof(value)});
   }
   // Empty, or the name of the file and why it could not be written.
   std::string commit();
+  const std::string& problem() const { return problem_; }  // so far, as commit() would tell it
 
  private:
   void note_error();

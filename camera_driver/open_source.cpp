@@ -16,6 +16,7 @@
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/bag/bag_file.h"
+#include "camera_driver/recording/dataset_folder.h"
 #include "camera_driver/recording/file_list.h"
 #include "camera_driver/recording/folder_contents.h"
 #include "camera_driver/recording/foreign_recording.h"
@@ -35,13 +36,6 @@ constexpr const char* kHowToRecord = "make one with `rumi camera_driver` and lcm
 fs::path without_slash(const std::string& input) {
   const fs::path path = fs::path(input).lexically_normal();
   return path.has_filename() ? path : path.parent_path();
-}
-
-// data.csv of an EuRoC folder, however much of its path is given; empty if it is none.
-fs::path find_euroc_list(const fs::path& folder) {
-  for (const char* inner : {"mav0/cam0/data.csv", "cam0/data.csv", "data.csv"})
-    if (may_be_there(folder / inner)) return folder / inner;
-  return {};
 }
 
 std::optional<image_t> first_readable_image(FrameReader& reader) {
@@ -70,8 +64,8 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
   for (const fs::path& file : candidates)
     if (may_be_there(file)) return read_camera_file(file.string());
   CameraFileResult missing;
-  missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there", input,
-                              candidates.front().string());
+  missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there{}", input,
+                              candidates.front().string(), advice_on_known_camera(input, options.log_channel));
   return missing;
 }
 
@@ -80,8 +74,9 @@ struct Opened {
   CameraFileResult camera;
 };
 
-Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options) {
+Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options, const std::string& note) {
   if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
+  if (!note.empty()) list.notes.push_back(note);
   return {{make_file_list_reader(std::move(list), parse_grey_range(options.grey_range)), ""}, std::move(camera)};
 }
 
@@ -135,16 +130,18 @@ std::string files_not_read(const fs::path& folder) {
       files);
 }
 
-Opened open_folder(const fs::path& folder, const CameraOptions& options) {
+Opened open_folder(const fs::path& given, const CameraOptions& options) {
+  const auto [folder, note] = find_dataset(given);
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
   if (may_be_there(folder / "rgb.txt"))
-    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name), options);
+    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name), options,
+                     note);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
     return from_list(read_euroc_list(list, options),
                      find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name),
-                     options);
+                     options, note);
   }
   FileList list = list_image_folder(folder, options);
   if (list.error.empty() && list.entries.empty())
@@ -162,7 +159,7 @@ Opened open_folder(const fs::path& folder, const CameraOptions& options) {
   return from_list(
       std::move(list),
       find_camera(options, {calibration, images / "calibration.yaml", above / "calibration.yaml", sensor}, name),
-      options);
+      options, note);
 }
 
 // By its name only: a video would have to be searched to its end.
@@ -187,6 +184,9 @@ Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_cal
   CameraFileResult camera = in_images.empty()
                                 ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
                                 : parse_camera(in_images, file.string() + " (calibration in its images)");
+  const std::string why = opened.reader->why_no_calibration();
+  if (!why.empty() && camera.ok()) camera.notes.push_back(fmt::format("{}; {} is used", why, camera.file));
+  if (!why.empty() && !camera.ok()) camera.error += "; " + why;
   return {std::move(opened), std::move(camera)};
 }
 

@@ -10,10 +10,10 @@
 
 namespace rumi::camera_driver {
 
-// input: TUM-style folder (rgb.txt), EuRoC folder (mav0/cam0/data.csv, mav0 or cam0 itself), folder of images, lcm log,
-// ROS bag or video. The camera comes from options.camera_file, else calibration.yaml beside the data (EuRoC: else
-// sensor.yaml); in a log from the images' metadata, in a bag from its camera_info, else calibration.yaml beside it.
-// Fails if the first readable image does not fit it.
+// input: TUM-style folder (rgb.txt), EuRoC folder (mav0/cam0/data.csv, mav0 or cam0 itself), the folder above one of
+// them, folder of images, lcm log, ROS bag or video. The camera comes from options.camera_file, else calibration.yaml
+// beside the data (EuRoC: else sensor.yaml); in a log from the images' metadata, in a bag from its camera_info, else
+// calibration.yaml beside it. Fails if the first readable image does not fit it.
 OpenedSource open_recording(const std::string& input, const CameraOptions& options);
 // The images of a recording as they are, without a calibration; of the options, log_channel and rate_hz (times of a
 // folder of images, where their names tell none) are used.

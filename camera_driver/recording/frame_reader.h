@@ -27,6 +27,8 @@ class FrameReader {
   virtual const std::vector<int64_t>& utimes() const = 0;
   // Empty, or why the frames have no times.
   virtual std::string why_no_times() const { return {}; }
+  // Empty, or why the calibration that it has beside its images is none.
+  virtual std::string why_no_calibration() const { return {}; }
   // For messages: "…/rgb.txt:12".
   virtual std::string where(size_t frame) const = 0;
   // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. Quickest in rising

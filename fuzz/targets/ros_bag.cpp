@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ROS bag as a recording. Byte 0 chooses the kind that it is taken for, and the options.
+// A ROS bag as a recording, and as a truth. Byte 0 chooses the kind that it is taken for, and the options.
 #include "bus/wire/camera_file.h"
 #include "camera_driver/open_source.h"
+#include "camera_driver/recording/bag/bag_poses.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 #include "tests/camera_driver/recording.h"
@@ -28,6 +29,7 @@ void run(View input) {
   const camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
   for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
   }
+  camera_driver::poses_in_bag(file, options.log_channel);
 }
 
 std::vector<testing::BagMessageToWrite> messages(bool is_ros2, const std::string& encoding, int type) {
@@ -42,6 +44,10 @@ std::vector<testing::BagMessageToWrite> messages(bool is_ros2, const std::string
     all.push_back({"/cam1/image_raw", "sensor_msgs/CompressedImage",
                    testing::compressed_message(is_ros2, i * 100'000'000, "png", png), i * 100'000'000});
     all.push_back({"/imu", "sensor_msgs/Imu", "x", i * 100'000'000});
+    all.push_back({"/tf", "tf2_msgs/TFMessage",
+                   testing::transforms_message(is_ros2, {{i * 100'000'000, "world", "body", {0.1 * i, 0, 0}},
+                                                         {i * 100'000'000, "body", "camera"}}),
+                   i * 100'000'000});
   }
   return all;
 }

@@ -58,7 +58,7 @@ class Progress {
     else if (terminal_)
       show(collector);
     else
-      fmt::print(stderr, "{}{}\n", collector.counts().to_string(), live_ ? advice(collector) : "");
+      fmt::print(stderr, "so far {}{}\n", collector.counts().to_string(), live_ ? advice(collector) : "");
   }
 
  private:

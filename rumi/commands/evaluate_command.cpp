@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi evaluate OUT --groundtruth F: how good the outputs of a run are.
+// rumi evaluate OUT [--groundtruth F]: how good the outputs of a run are.
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include "base/json_text.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/run_evaluation.h"
+#include "rumi/recordings/truth_of_recording.h"
 #include "rumi/report/evaluation_plot.h"
 
 namespace rumi::tool {
@@ -68,9 +70,32 @@ void print_report(const ordered_json& json) {
   if (!of_honesty.empty() && of_honesty != reason) fmt::print("note: {}\n", of_honesty);
 }
 
-void evaluate(const Arguments& arguments) {
+// Where none is given, the truth that lies beside the recording of the run.
+void choose_truth(Arguments& arguments) {
+  if (!arguments.groundtruth.empty()) return;
+  const fs::path file = fs::path(arguments.out) / "run.json";
+  std::ifstream in(file);
+  const ordered_json run = ordered_json::parse(in, nullptr, /*allow_exceptions=*/false);
+  const std::string recording =
+      run.is_object() && run.contains("input") && run["input"].is_string() ? run["input"] : "";
+  if (recording.empty())
+    fail_if(fmt::format("{}: names no recording (input) beside which a truth could be: give --groundtruth FILE",
+                        file.string()));
+  const FoundTruth found = find_truth(recording);
+  if (!found.error.empty()) fail_if(fmt::format("{}: {}; give --groundtruth FILE", arguments.out, found.error));
+  arguments.groundtruth = found.file;
+  if (arguments.truth.frames_per_second > 0 || found.frames_per_second == 0) return;
+  const ordered_json rate = run.value(ordered_json::json_pointer("/options/camera_driver/rate"), ordered_json());
+  arguments.truth.frames_per_second =
+      rate.is_number() && rate.get<double>() > 0 ? rate.get<double>() : found.frames_per_second;
+}
+
+void evaluate(Arguments& arguments) {
   RunEvaluation evaluation;
-  fail_if(evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation));
+  choose_truth(arguments);
+  fail_if(evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation,
+                          read_truth));
+  if (!arguments.json) fmt::print("{:<44}{}\n", "truth", arguments.groundtruth);
   const ordered_json json = to_json(evaluation);
   if (arguments.json) {
     fmt::print("{}\n", json_text(json, 2));
@@ -92,10 +117,11 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command = app.add_command("evaluate", "Measure the outputs of a run against the true path");
   command->add_option("OUT", arguments->out, "output folder of `rumi replay` or `rumi snapshot`")->required();
   command
-      ->add_option("--groundtruth", arguments->groundtruth,
-                   "true path: TUM's lines, EuRoC's or TUM-VI's data.csv, KITTI's matrices, or positions only")
-      ->type_name("FILE")
-      .required();
+      ->add_option(
+          "--groundtruth", arguments->groundtruth,
+          "true path: TUM's lines, EuRoC's or TUM-VI's data.csv, KITTI's matrices, positions only, or a ROS bag "
+          "with the camera in /tf; without it the one that lies beside the recording of the run")
+      ->type_name("FILE");
   command->add_flag("--json", arguments->json, "print JSON");
   command
       ->add_option(

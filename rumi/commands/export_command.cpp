@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// rumi export and rumi import: recordings to and from lcm logs.
+// rumi export and rumi import: recordings to and from the formats of other programs.
 #include <memory>
 #include <vector>
 
@@ -8,7 +8,7 @@
 #include "camera_driver/options.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
-#include "rumi/recordings/export_log.h"
+#include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/import_log.h"
 
 namespace rumi::tool {
@@ -43,13 +43,23 @@ void add_settings(CommandLine& command, std::vector<std::string>* settings) {
 void add_export_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments<ExportOptions>>();
   ExportOptions& options = arguments->options;
-  CommandLine* command = app.add_command("export", "Write a recording as an lcm log, for lcm-logplayer and others");
+  CommandLine* command = app.add_command("export", "Write a recording for other programs: as an lcm log or a ROS bag");
   command->add_option("INPUT", options.input, "dataset folder, folder of images, video, lcm log or ROS bag")
       ->required();
-  command->add_option("-o,--output", options.log, "the log; must not exist")->type_name("FILE").required();
-  command->add_option("-c,--channel", options.channel, "channel of the images in the log that is written")
-      ->type_name("NAME")
-      .show_default();
+  command
+      ->add_option("-o,--output", options.file,
+                   "NAME.mcap (ROS 2, Foxglove) and NAME.bag (ROS 1) are bags, all else is an lcm log; must not exist")
+      ->type_name("FILE")
+      .required();
+  command
+      ->add_option("-c,--channel", options.channel,
+                   "channel or topic of the images in what is written (CAMERA; in a bag /camera/image_raw)")
+      ->type_name("NAME");
+  command
+      ->add_option("--poses", options.poses,
+                   "poses that are written into the bag, too: the output folder of a run of this recording, or a file "
+                   "as of TUM (trajectory.txt)")
+      ->type_name("OUT");
   add_settings(*command, &arguments->settings);
   camera_driver::add_flags(*command,
                            {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},

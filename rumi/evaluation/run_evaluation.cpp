@@ -125,7 +125,7 @@ std::string doubt_about_unit(const std::vector<TimedPose>& truth) {
 
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
                             const TruthOptions& truth_options, const MetricOptions& asked_metrics,
-                            RunEvaluation* evaluation) {
+                            RunEvaluation* evaluation, const ReadTruth& read_truth) {
   const fs::path out = folder;
   const TrajectoryFile map = read_trajectory((out / "trajectory.txt").string());
   if (!map.ok()) return map.error;
@@ -134,7 +134,7 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   const std::optional<RunTimes> run_times = times_of(frames.frames);
   TruthOptions with_times = truth_options;
   with_times.run = run_times;
-  TruthFile truth = read_groundtruth(groundtruth, with_times);
+  TruthFile truth = read_truth(groundtruth, with_times);
   if (!truth.ok()) return truth.error;
   MetricOptions metric_options = asked_metrics;
   metric_options.truth_has_rotations = truth.has_rotations;

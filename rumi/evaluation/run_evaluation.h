@@ -2,6 +2,7 @@
 // The outputs of a run against the true path.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -29,10 +30,13 @@ struct RunEvaluation {
   nlohmann::ordered_json cpu_ms_per_frame;  // by component, from run.json; null if it is not there
 };
 
+using ReadTruth = std::function<TruthFile(const std::string&, const TruthOptions&)>;
+
 // Reads trajectory.txt, frames.csv and submaps/ in the folder, and the truth. Returns what is wrong, or nothing. It is
 // wrong if fewer than three images have a truth; that fewer have a pose is told by `run.map.reason`.
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth,
-                            const MetricOptions& metrics, RunEvaluation* evaluation);
+                            const MetricOptions& metrics, RunEvaluation* evaluation,
+                            const ReadTruth& read_truth = read_groundtruth);
 
 nlohmann::ordered_json to_json(const RunEvaluation& evaluation);
 

@@ -51,6 +51,7 @@ class TruthReader {
     if (!result_.ok()) return std::move(result_);
     sort_by_time();
     if (is_euroc_) move_to_camera();
+    if (file_.ends_with(kEndingOfIclNuim)) mirror_y();
     return std::move(result_);
   }
 
@@ -71,8 +72,7 @@ class TruthReader {
     head.resize(static_cast<size_t>(in.gcount()));
     const auto begins = [&head](const char* sign) { return head.starts_with(sign); };
     if (begins("#ROSBAG") || begins("\x89MCAP") || begins("SQLite format"))
-      return "is a bag of ROS: write its poses as TUM's lines (time tx ty tz qx qy qz qw), as evo_traj --save_as_tum "
-             "does";
+      return "is a bag of ROS: `rumi evaluate` reads the camera's poses in it, `rumi import` writes them as a file";
     if (begins("PK") || begins("\x93NUMPY")) return "is an archive, or a file of NumPy: write its poses as TUM's lines";
     if (begins("\xFF\xFE") || begins("\xFE\xFF")) return "is UTF-16 (as PowerShell writes it): save it as UTF-8";
     if (head.find("IMAGE_ID") != std::string::npos || head.find("POINT3D_ID") != std::string::npos) return kColmap;
@@ -192,6 +192,16 @@ class TruthReader {
     poses.erase(end, poses.end());
     if (back > 0) note(fmt::format("its times go back {} times: sorted", back));
     if (doubled > 0) note(fmt::format("{} poses have a time that another one has: the first of each is kept", doubled));
+  }
+
+  void mirror_y() {
+    note("of ICL-NUIM, whose y points up: mirrored, so that it points down as in the images");
+    for (TimedPose& pose : result_.poses) {
+      Eigen::Vector3d& t = pose.map_from_cam.translation;
+      Eigen::Quaterniond& q = pose.map_from_cam.rotation;
+      t.y() = -t.y();
+      q.x() = -q.x(), q.z() = -q.z();  // an axis of rotation turns the other way as well
+    }
   }
 
   // EuRoC's truth is of the body, or of a marker on it.

@@ -35,6 +35,10 @@ struct TruthFile {
   bool ok() const { return error.empty(); }
 };
 
+// What ICL-NUIM's files end with. Their poses are of the renderer's world, whose y points up: they are mirrored, so
+// that y points down as in the images.
+inline constexpr const char* kEndingOfIclNuim = ".gt.freiburg";
+
 TruthFile read_groundtruth(const std::string& file, const TruthOptions& options = {});
 
 }  // namespace rumi::tool

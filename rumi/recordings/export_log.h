@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any recording -> lcm log of CAMERA images, for lcm-logplayer and everyone who reads lcm logs.
 #pragma once
 
-#include <string>
-
-#include "camera_driver/options.h"
+#include "bus/transport/log_file.h"
+#include "rumi/recordings/image_sink.h"
 
 namespace rumi::tool {
 
-struct ExportOptions {
-  std::string input;  // whatever camera_driver takes
-  std::string log;    // must not exist
-  std::string channel = "CAMERA";
-  camera_driver::CameraOptions camera;
-};
+// An lcm log; the time of an event is that of its image.
+class LogSink : public ImageSink {
+ public:
+  LogSink(const std::string& file, std::string channel);
+  ~LogSink() override;
+  bool write(const image_t& image) override;
+  std::string close() override;
+  std::string content() const override;
 
-// Event time = capture time; the calibration is in every image's metadata. Tells what it does, and what is wrong, on
-// stderr. Returns the exit code. A log that could not be completed is removed.
-int run_export(const ExportOptions& options);
+ private:
+  std::string file_, channel_;
+  LogWriter log_;
+  bool is_whole_ = false;
+};
 
 }  // namespace rumi::tool

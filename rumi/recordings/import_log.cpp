@@ -17,6 +17,8 @@
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/recording/bag/bag_file.h"
+#include "camera_driver/recording/bag/bag_poses.h"
+#include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/source/image_source.h"
 #include "camera_driver/source/timestamps.h"
 
@@ -56,6 +58,25 @@ std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::stri
   return ".png";
 }
 
+// Of a bag that has the camera's path, as its truth; empty, or what went wrong.
+std::string write_truth(const ImportOptions& options) {
+  if (camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone) return {};
+  const camera_driver::BagPoses bag = camera_driver::poses_in_bag(options.log, options.camera.log_channel);
+  if (!bag.has_transforms) return {};
+  if (!bag.error.empty()) {
+    fmt::print(stderr, "rumi import: there is no groundtruth.txt: {}\n", bag.error);
+    return {};
+  }
+  std::string lines = "# " + bag.note + "\n# seconds tx ty tz qx qy qz qw\n";
+  for (const auto& [utime_us, pose] : bag.poses) {
+    const Eigen::Vector3d& t = pose.translation;
+    const Eigen::Quaterniond& q = pose.rotation;
+    lines += fmt::format("{} {} {} {} {} {} {} {}\n", camera_driver::format_seconds(utime_us), t.x(), t.y(), t.z(),
+                         q.x(), q.y(), q.z(), q.w());
+  }
+  return write_text(fs::path(options.folder) / "groundtruth.txt", lines);
+}
+
 // Empty, or what went wrong.
 std::string write_folder(camera_driver::ImageSource& source, const fs::path& folder, int64_t* count) {
   std::error_code code;
@@ -87,14 +108,17 @@ int run_import(const ImportOptions& options) {
   if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
     return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
   if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log) &&
-      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone)
-    return fail(fmt::format("{}: is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it",
-                            options.log));
+      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone) {
+    const std::string advice = camera_driver::advice_on_foreign_recording(options.log);
+    const char* usual = "is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it";
+    return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
+  }
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
   if (!opened.ok()) return fail(opened.error);
 
   int64_t count = 0;
-  const std::string problem = write_folder(*opened.source, options.folder, &count);
+  std::string problem = write_folder(*opened.source, options.folder, &count);
+  if (problem.empty()) problem = write_truth(options);
   if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
   fmt::print("{}: {} images\n", options.folder, count);
   const std::vector<std::string> complaints = opened.source->skipped().complaints(count);

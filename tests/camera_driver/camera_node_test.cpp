@@ -8,7 +8,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
-#include "rumi/recordings/export_log.h"
+#include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/import_log.h"
 #include "tests/camera_driver/recording.h"
 
@@ -121,7 +121,7 @@ TEST(LogConversion, ThereAndBackIsTheSame) {
     const TemporaryFolder folder;
     write_tum(folder / "data", 4, extension);
     const std::string log = folder / "x.lcm";
-    ASSERT_EQ(tool::run_export({folder / "data", log, "CAMERA", {}}), 0);
+    ASSERT_EQ(tool::run_export({folder / "data", log, "CAMERA", {}, {}}), 0);
     ASSERT_EQ(tool::run_import({log, folder / "back", {}}), 0);
     const std::vector<image_t> first = all_images(folder / "data"), in_log = all_images(log),
                                back = all_images(folder / "back");
@@ -141,12 +141,12 @@ TEST(LogConversion, BadInputAndOutput) {
   const TemporaryFolder folder;
   write_tum(folder / "data", 2);
   const std::string data = folder / "data", log = folder / "x.lcm";
-  EXPECT_EQ(tool::run_export({folder / "missing", log, "CAMERA", {}}), 1);
+  EXPECT_EQ(tool::run_export({folder / "missing", log, "CAMERA", {}, {}}), 1);
   EXPECT_FALSE(fs::exists(log));
-  EXPECT_EQ(tool::run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}}), 1);
-  ASSERT_EQ(tool::run_export({data, log, "CAMERA", {}}), 0);
+  EXPECT_EQ(tool::run_export({data, folder / "no/such/folder.lcm", "CAMERA", {}, {}}), 1);
+  ASSERT_EQ(tool::run_export({data, log, "CAMERA", {}, {}}), 0);
   const std::string bytes = read_file(log);
-  EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}}), 1);  // never replaced
+  EXPECT_EQ(tool::run_export({data, log, "CAMERA", {}, {}}), 1);  // never replaced
   EXPECT_EQ(read_file(log), bytes);
   EXPECT_EQ(tool::run_import({log, data, {}}), 1);  // not empty
   EXPECT_EQ(tool::run_import({data + "/rgb.txt", folder / "out", {}}), 1);

@@ -26,6 +26,8 @@ bool BagConnection::has_images() const { return type == "sensor_msgs/Image" || t
 
 bool BagConnection::has_calibration() const { return type == "sensor_msgs/CameraInfo"; }
 
+bool BagConnection::has_transforms() const { return type == "tf2_msgs/TFMessage" || type == "tf/tfMessage"; }
+
 std::string type_named(const std::string& name) {
   const size_t slash = name.find("/msg/");
   return slash == std::string::npos ? name : name.substr(0, slash) + name.substr(slash + 4);

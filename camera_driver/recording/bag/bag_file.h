@@ -21,6 +21,8 @@ struct BagConnection {
 
   bool has_images() const;
   bool has_calibration() const;
+  bool has_transforms() const;  // of frames (tf)
+  bool is_read() const { return has_images() || has_calibration() || has_transforms(); }
 };
 
 // "sensor_msgs/msg/Image" and "sensor_msgs/Image" are the same.
@@ -53,7 +55,7 @@ class BagFile {
  public:
   virtual ~BagFile() = default;
   // Calls `visit` for each message in the order in which they are stored; damage is passed over. Messages of
-  // connections that are known to have neither images nor calibrations need not be visited, but are counted. Once.
+  // connections that are known to be of no type that is read need not be visited, but are counted. Once.
   virtual void scan(const std::function<void(const BagMessage&)>& visit) = 0;
   // After scan(): those that were found.
   virtual const std::map<uint32_t, BagConnection>& connections() const = 0;

@@ -8,6 +8,7 @@
 #include "camera_driver/recording/bag/bag_topics.h"
 #include "camera_driver/recording/bag/camera_info.h"
 #include "camera_driver/recording/bag/ros_pixels.h"
+#include "camera_driver/recording/dataset_folder.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/image_file.h"
 
@@ -45,6 +46,8 @@ class BagFrames : public FrameReader {
   }
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override { return notes_; }
+  std::string why_no_calibration() const override { return why_no_calibration_; }
+  void set_why_no_calibration(const std::string& why) { why_no_calibration_ = why; }
   void add_note(const std::string& note) {
     if (!note.empty()) notes_.push_back(note);
   }
@@ -138,19 +141,22 @@ class BagFrames : public FrameReader {
   std::vector<int64_t> utimes_;
   Malformed malformed_;
   std::vector<std::string> notes_;
+  std::string why_no_calibration_;
 };
 
-// Empty if the message is broken.
-std::string calibration_in(BagFile& bag, const BagTopic& topic, const BagEntry& entry, bool is_rectified) {
+// Nothing if the message is broken.
+std::optional<RosCameraInfo> camera_info_in(BagFile& bag, const BagTopic& topic, const BagEntry& entry) {
   std::vector<uint8_t> message;
   RosCameraInfo info;
   const bool is_whole = read_message(bag, entry.place, &message) && parse(message, topic.kind.encoding, &info);
-  return is_whole ? camera_info_text(info, is_rectified) : "";
+  return is_whole ? std::optional(info) : std::nullopt;
 }
 
 struct FoundCalibration {
-  std::string text;  // of the first message that is whole; empty if there is none
+  std::string text;  // of the first message that is one; empty if there is none
   std::string note;
+  std::string why_none;     // if there are messages
+  bool is_nominal = false;  // of the Kinect's driver, for all Kinects
 };
 
 FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {
@@ -158,10 +164,17 @@ FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std
   const BagTopic* topic = calibration_beside(topics, images);
   if (!topic) return found;
   const bool is_rectified = is_rectified_topic(images);
-  for (size_t i = 0; found.text.empty() && i < topic->messages.size(); ++i)
-    found.text = calibration_in(bag, *topic, topic->messages[i], is_rectified);
-  const std::string last = calibration_in(bag, *topic, topic->messages.back(), is_rectified);
-  if (!last.empty() && last != found.text)
+  for (size_t i = 0; found.text.empty() && i < topic->messages.size(); ++i) {
+    const std::optional<RosCameraInfo> info = camera_info_in(bag, *topic, topic->messages[i]);
+    if (info && is_calibrated(*info, is_rectified)) found.text = camera_info_text(*info, is_rectified);
+    found.is_nominal = info && is_nominal_kinect(*info);
+  }
+  if (found.text.empty()) {
+    found.why_none = fmt::format("{} is all zero: whoever recorded it had no calibration", topic->name);
+    return found;
+  }
+  const std::optional<RosCameraInfo> last = camera_info_in(bag, *topic, topic->messages.back());
+  if (last && camera_info_text(*last, is_rectified) != found.text)
     found.note = fmt::format("{} is another one at the end: the first one is used for all images", topic->name);
   return found;
 }
@@ -190,6 +203,9 @@ OpenedReader open_bag(const std::filesystem::path& path, const std::string& chan
   if (reader->utimes().empty()) return {nullptr, fmt::format("{}: {}", name, reader->malformed().first)};
   reader->add_note(chosen.note);
   reader->add_note(calibration.note);
+  if (const std::string advice = advice_on_known_camera(path, channel); calibration.is_nominal && !advice.empty())
+    reader->add_note("its camera_info has the nominal values of the Kinect's driver" + advice);
+  reader->set_why_no_calibration(calibration.why_none);
   for (const std::string& note : notes) reader->add_note(note);
   return {std::move(reader), ""};
 }

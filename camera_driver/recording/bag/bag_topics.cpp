@@ -63,8 +63,23 @@ Counts counts_of(const std::vector<BagTopic>& topics) {
   return counts;
 }
 
+// Cameras 0 and 1 of one rig, or left and right: names that differ in nothing else. As of folders, the first one is
+// played.
+bool are_of_one_rig(const std::string& first, const std::string& second) {
+  static const std::vector<std::pair<std::string, std::string>> kSides = {{"0", "1"}, {"left", "right"}};
+  return std::any_of(kSides.begin(), kSides.end(), [&](const auto& sides) {
+    for (size_t at = first.find(sides.first); at != std::string::npos; at = first.find(sides.first, at + 1)) {
+      std::string other = first;
+      if (other.replace(at, sides.first.size(), sides.second) == second) return true;
+    }
+    return false;
+  });
+}
+
 std::string why_no_images(const BagTopics& topics) {
   Counts counts = counts_of(topics.calibrations);
+  for (const BagTopic& topic : topics.transforms)
+    counts.emplace_back(fmt::format("{} [{}]", topic.name, topic.kind.type), topic.messages.size());
   for (const auto& [topic, other] : topics.others)
     counts.emplace_back(fmt::format("{} [{}]", topic, other.first), other.second);
   return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage); it {}",
@@ -94,6 +109,7 @@ BagTopics read_topics(BagFile& bag) {
   BagTopics topics;
   topics.images = topics_of(bag.connections(), entries, &BagConnection::has_images);
   topics.calibrations = topics_of(bag.connections(), entries, &BagConnection::has_calibration);
+  topics.transforms = topics_of(bag.connections(), entries, &BagConnection::has_transforms);
   for (BagTopic& topic : topics.images) topic.is_depth = is_depth(bag, topic);
   std::sort(topics.images.begin(), topics.images.end(), [](const BagTopic& a, const BagTopic& b) {
     return a.is_depth != b.is_depth ? b.is_depth : natural_less(a.name, b.name);
@@ -121,6 +137,9 @@ ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel) {
             fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
                         list_of_channels(counts_of({images.begin() + 1, images.end()}))),
             ""};
+  if (!is_named && others == 2 && are_of_one_rig(images[0].name, images[1].name))
+    return {&images.front(),
+            fmt::format("{} is played, and not {}; --log-channel chooses", images[0].name, images[1].name), ""};
   return {nullptr, "",
           fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
                       advice_on_channels(counts_of(images), images.front().name))};

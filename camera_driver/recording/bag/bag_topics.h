@@ -28,7 +28,7 @@ struct BagTopic {
 bool read_message(BagFile& bag, const BagPlace& place, std::vector<uint8_t>* message);
 
 struct BagTopics {
-  std::vector<BagTopic> images, calibrations;                     // none is empty; those that are no depth first
+  std::vector<BagTopic> images, calibrations, transforms;         // none is empty; images that are no depth first
   std::map<std::string, std::pair<std::string, int64_t>> others;  // topic: type and messages
 };
 BagTopics read_topics(BagFile& bag);

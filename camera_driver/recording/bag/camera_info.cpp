@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/bag/camera_info.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 namespace rumi::camera_driver {
@@ -25,6 +27,17 @@ std::string camera_info_text(const RosCameraInfo& info, bool is_rectified) {
     out["d"] = {0, 0, 0, 0, 0};
   }
   return out.dump(-1, ' ', /*ensure_ascii=*/true, nlohmann::json::error_handler_t::replace);
+}
+
+bool is_calibrated(const RosCameraInfo& info, bool is_rectified) {
+  const auto is_given = [](double value) { return value != 0; };
+  return is_rectified ? std::any_of(info.p.begin(), info.p.end(), is_given)
+                      : std::any_of(info.k.begin(), info.k.end(), is_given);
+}
+
+bool is_nominal_kinect(const RosCameraInfo& info) {
+  static constexpr std::array<double, 9> kNominal = {525, 0, 319.5, 0, 525, 239.5, 0, 0, 1};
+  return info.k == kNominal;
 }
 
 bool is_rectified_topic(const std::string& topic) { return topic.find("image_rect") != std::string::npos; }

@@ -82,7 +82,7 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
 
 void RecordBag::take_message(ByteSource& source, BagMessage* message) {
   const auto known = connections_.find(message->connection);
-  if (known != connections_.end() && !known->second.has_images() && !known->second.has_calibration()) {
+  if (known != connections_.end() && !known->second.is_read()) {
     ++other_messages_[message->connection];
     return;
   }

@@ -125,7 +125,7 @@ class Ros2Sqlite : public BagFile {
 
   void take(int64_t row, BagMessage* message, const std::function<void(const BagMessage&)>& visit, Blob* blob) {
     const auto known = connections_.find(message->connection);
-    if (known != connections_.end() && !known->second.has_images() && !known->second.has_calibration()) {
+    if (known != connections_.end() && !known->second.is_read()) {
       ++other_messages_[message->connection];
       return;
     }

@@ -7,6 +7,12 @@
 namespace rumi::camera_driver {
 namespace {
 
+int64_t time_ns(uint32_t seconds, uint32_t nanoseconds, bool has_sign) {
+  constexpr int64_t kNanoseconds = 1'000'000'000;
+  const int64_t with_sign = has_sign ? static_cast<int32_t>(seconds) : int64_t{seconds};
+  return with_sign * kNanoseconds + nanoseconds;
+}
+
 // Takes one value behind the other; what the bytes cannot hold is 0 or empty, and then they are no such message.
 class MessageReader {
  public:
@@ -30,11 +36,23 @@ class MessageReader {
     if (is_cdr_ && !text.empty() && text.back() == '\0') text.pop_back();
     return text;
   }
-  void header() {
+  struct Header {
+    int64_t stamp_ns = 0;
+    std::string frame;
+  };
+  Header header() {
+    Header header;
     if (!is_cdr_) number32();  // seq
-    number32(), number32();    // stamp
-    text();                    // frame_id
+    const uint32_t seconds = number32(), nanoseconds = number32();
+    header.stamp_ns = time_ns(seconds, nanoseconds, is_cdr_);
+    header.frame = frame();
+    return header;
   }
+  std::string frame() {
+    std::string name = text();
+    return name.starts_with('/') ? name.substr(1) : name;  // as older versions of ROS write them
+  }
+  bool is_at_end() const { return bytes_.empty(); }
   template <size_t kCount>
   void reals(std::array<double, kCount>* values) {
     for (double& value : *values) value = real();
@@ -119,6 +137,23 @@ bool parse(Bytes message, RosEncoding encoding, RosCameraInfo* info) {
   return in.is_ok();
 }
 
+bool parse(Bytes message, RosEncoding encoding, std::vector<RosTransform>* transforms) {
+  MessageReader in(message, encoding);
+  const uint32_t count = in.number32();
+  for (uint32_t i = 0; i < count && in.is_ok() && !in.is_at_end(); ++i) {
+    const MessageReader::Header header = in.header();
+    RosTransform transform = {header.stamp_ns, header.frame, in.frame(), {}};
+    std::array<double, 7> v{};  // x y z of the translation, x y z w of the rotation
+    in.reals(&v);
+    const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
+    constexpr double kLongest = 1.1, kShortest = 0.9;  // rounded perhaps; others are none
+    if (!in.is_ok() || !(rotation.norm() > kShortest && rotation.norm() < kLongest)) continue;
+    transform.parent_from_child = SE3(rotation, Eigen::Vector3d(v[0], v[1], v[2]));
+    if (transform.parent_from_child.is_finite()) transforms->push_back(std::move(transform));
+  }
+  return in.is_ok();
+}
+
 int64_t stamp_ns(Bytes head, RosEncoding encoding) {
   // Behind seq in ROS 1, behind the preamble in ROS 2, both of 4 bytes.
   std::vector<uint8_t> padded(head.begin(), head.end());
@@ -126,9 +161,13 @@ int64_t stamp_ns(Bytes head, RosEncoding encoding) {
   MessageReader in(padded, encoding);
   if (encoding != RosEncoding::kCdr) in.number32();
   const uint32_t seconds = in.number32(), nanoseconds = in.number32();
-  constexpr int64_t kNanoseconds = 1'000'000'000;
-  const int64_t with_sign = encoding == RosEncoding::kCdr ? static_cast<int32_t>(seconds) : int64_t{seconds};
-  return with_sign * kNanoseconds + nanoseconds;
+  return time_ns(seconds, nanoseconds, encoding == RosEncoding::kCdr);
+}
+
+std::string frame_of(Bytes message, RosEncoding encoding) {
+  MessageReader in(message, encoding);
+  const std::string frame = in.header().frame;
+  return in.is_ok() ? frame : "";
 }
 
 }  // namespace rumi::camera_driver

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "camera_driver/recording/bag/bag_file.h"
+#include "slam/geometry/transform.h"
 
 namespace rumi::camera_driver {
 
@@ -36,11 +37,21 @@ struct RosCameraInfo {
   uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;
 };
 
+struct RosTransform {  // geometry_msgs/TransformStamped
+  int64_t stamp_ns = 0;
+  std::string parent, child;  // frames, without a slash before them
+  SE3 parent_from_child;
+};
+
 // Each is false if the bytes are no such message; what they give points into them.
 bool parse(Bytes message, RosEncoding encoding, RosImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCompressedImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCameraInfo* info);
+bool parse(Bytes message, RosEncoding encoding,
+           std::vector<RosTransform>* transforms);  // TFMessage; those that are any
 // Of the header that all three begin with, of which the first kHeadBytes are enough.
 int64_t stamp_ns(Bytes head, RosEncoding encoding);
+// The frame that such a header names, without a slash before it; empty if there is none.
+std::string frame_of(Bytes message, RosEncoding encoding);
 
 }  // namespace rumi::camera_driver

@@ -43,8 +43,11 @@ class EvaluateCommandTest : public ::testing::Test {
   }
   Said evaluate(const std::string& truth, std::vector<std::string> flags = {}) {
     write("truth.txt", truth);
-    std::vector<std::string> words = {"rumi", "evaluate", folder_.path().string(), "--groundtruth",
-                                      (folder_.path() / "truth.txt").string()};
+    flags.insert(flags.begin(), {"--groundtruth", (folder_.path() / "truth.txt").string()});
+    return evaluate_with(flags);
+  }
+  Said evaluate_with(const std::vector<std::string>& flags) {
+    std::vector<std::string> words = {"rumi", "evaluate", folder_.path().string()};
     words.insert(words.end(), flags.begin(), flags.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -76,6 +79,39 @@ TEST_F(EvaluateCommandTest, MeasuresARun) {
   EXPECT_EQ(said.code, 0) << said.err;
   EXPECT_THAT(said.out, HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m"));
   EXPECT_THAT(said.err, IsEmpty());
+}
+
+TEST_F(EvaluateCommandTest, WithoutATruthTakesTheOneBesideTheRecording) {
+  const std::string recording = folder_ / "recording";
+  write("run.json", fmt::format(R"({{"input": "{}", "options": {{"camera_driver": {{"rate": 10}}}}}})", recording));
+  EXPECT_THAT(evaluate_with({}).err, AllOf(HasSubstr("recording is no longer there"), HasSubstr("--groundtruth FILE")));
+  std::filesystem::create_directory(recording);
+  EXPECT_THAT(evaluate_with({}).err, AllOf(HasSubstr("there is no truth beside"), HasSubstr("--groundtruth FILE")));
+  write("recording/groundtruth.txt", walk(0, 40, 1.4e9));
+  const Said said = evaluate_with({});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr(recording + "/groundtruth.txt"),
+                              HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m")));
+}
+
+TEST_F(EvaluateCommandTest, ATruthThatCountsImagesHasTheRateAtWhichTheyWerePlayed) {
+  std::string frames = "utime,state,submap,in_map\n", truth;
+  for (int i = 0; i < 40; ++i) frames += fmt::format("{},TRACKING,1,1\n", 100'000 * int64_t{i});
+  for (int i = 0; i < 40; ++i) truth += fmt::format("{} {} {} 0 0 0 0 1\n", i, 0.1 * i, -0.01 * i * i);
+  write("frames.csv", frames);
+  write("trajectory.txt", walk(0, 40, 0));
+  std::filesystem::create_directory(folder_.path() / "recording");
+  write("recording/traj0.gt.freiburg", truth);
+  write("run.json",
+        fmt::format(R"({{"input": "{}", "options": {{"camera_driver": {{"rate": 10}}}}}})", folder_ / "recording"));
+  const Said said = evaluate_with({});
+  EXPECT_EQ(said.code, 0) << said.err;
+  EXPECT_THAT(said.out, AllOf(HasSubstr("40 of 40, 40 with a truth"),
+                              HasSubstr("ATE RMSE after Sim(3) alignment             0.0000 m")));
+}
+
+TEST_F(EvaluateCommandTest, OfARunThatNamesNoRecordingAsksForTheTruth) {
+  EXPECT_THAT(evaluate_with({}).err, HasSubstr("names no recording (input) beside which a truth could be"));
 }
 
 TEST_F(EvaluateCommandTest, DoubtsATruthInMillimetres) {

@@ -60,6 +60,13 @@ TEST_F(Messages, OfRecordings) {
   file("r.bag", "#ROSBAG V2.0\n");
   file("r.mcap", "\x89MCAP0\r\n");
   file("r.svo2", "x");
+  file("rgbd_dataset_freiburg1_xyz.tgz", "\x1F\x8B");
+  file("living_room_traj0_frei_png.tar.gz", "\x1F\x8B");
+  file("MH_01_easy.zip", "PK\x03\x04");
+  testing::write_tum(folder_.path() / "rgbd_dataset_freiburg2_desk", 3);
+  std::filesystem::remove(folder_.path() / "rgbd_dataset_freiburg2_desk/calibration.yaml");
+  file("run/trajectory.txt", "1000 0 0 0 0 0 0 1\n");
+  file("run/frames.csv", "utime,state,submap,in_map\n");
   file("text.avi", "this is no video\n");
   file("gif/1.gif", "GIF89a");
   file("deep/left/x.txt", "");
@@ -83,6 +90,19 @@ TEST_F(Messages, OfRecordings) {
       {"rumi replay r.bag -o out", 1, {"r.bag: no topic of it has images", "is empty"}},
       {"rumi replay r.mcap -o out", 1, {"r.mcap: no topic of it has images", "is empty"}},
       {"rumi replay r.svo2 -o out", 1, {"r.svo2: is a recording of a ZED camera", "give that"}},
+      {"rumi replay rgbd_dataset_freiburg1_xyz.tgz -o out",
+       1,
+       {"is packed: unpack it (`tar xf rgbd_dataset_freiburg1"}},
+      {"rumi replay living_room_traj0_frei_png.tar.gz -o out", 1, {"is packed: unpack it (`tar xf living_room_traj0"}},
+      {"rumi import MH_01_easy.zip -o new", 1, {"is packed: unpack it (`unzip MH_01_easy.zip`)"}},
+      {"rumi replay rgbd_dataset_freiburg2_desk -o out",
+       1,
+       {"no calibration", "by its name it is of TUM's freiburg2: give --camera config/cameras/tum_fr2.yaml"}},
+      {"rumi export tum -o a.db3", 1, {"a.db3: bags in SQLite are not written: give NAME.mcap"}},
+      {"rumi export tum -o a.lcm --poses run", 1, {"--poses are written into bags only: give -o NAME.mcap"}},
+      {"rumi export tum -o a.mcap --poses tum", 1, {"tum: has no trajectory.txt: give the output folder of a run"}},
+      {"rumi evaluate run", 1, {"run.json: names no recording", "give --groundtruth FILE"}},
+      {"rumi evaluate run --groundtruth r.bag", 1, {"r.bag: has no poses of the camera", "groundtruth.txt of TUM"}},
       {"rumi replay /dev/video7 -o out", 1, {"/dev/video7", "make one with `rumi camera_driver` and lcm-logger"}},
       {"rumi replay broken --camera c.yaml -o out",
        1,

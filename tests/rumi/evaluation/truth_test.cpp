@@ -49,6 +49,20 @@ void expect_the_pose(const TruthFile& result) {
   EXPECT_NEAR(result.poses[0].map_from_cam.rotation.w(), 0.8, 1e-12);
 }
 
+TEST_F(TruthTest, OfIclNuimIsMirrored) {
+  const std::string text = "0 1 2 3 0.1 0.2 0.3 0.9273618495495703\n1 1 2 4 0 0 0 1\n2 1 3 4 0 0 0 1\n";
+  const TruthFile mirrored = read_groundtruth(write("livingRoom0.gt.freiburg", text), of_run(0, 10));
+  ASSERT_EQ(mirrored.error, "");
+  EXPECT_THAT(mirrored.notes, ::testing::Contains(HasSubstr("whose y points up: mirrored")));
+  const SE3 &pose = mirrored.poses[0].map_from_cam, as_written = read(text, of_run(0, 10)).poses[0].map_from_cam;
+  EXPECT_EQ(pose.translation, Eigen::Vector3d(1, -2, 3));
+  // The same point, mirrored in the camera and in the world.
+  const Eigen::Vector3d point(0.5, 0.25, 2), mirror(1, -1, 1);
+  const Eigen::Vector3d there = as_written * point;
+  EXPECT_LT((pose * mirror.cwiseProduct(point) - mirror.cwiseProduct(there)).norm(), 1e-12);
+  EXPECT_EQ(mirrored.poses[2].utime_us, 200'000);
+}
+
 TEST_F(TruthTest, OfTumMayHaveAnySeparator) {
   for (const char* text : {"1400000000.0 1 2 3 0 0.6 0 0.8\n", "1400000000.0\t1\t2\t3\t0\t0.6\t0\t0.8\r\n",
                            "1400000000.0,1,2,3,0,0.6,0,0.8\n", "1400000000.0;1;2;3;0;0.6;0;0.8\n",

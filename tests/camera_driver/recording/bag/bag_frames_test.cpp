@@ -66,13 +66,29 @@ TEST_F(Bags, WithoutCameraInfoNeedACalibration) {
   EXPECT_EQ(play(file).size(), 3u);
 }
 
-TEST_F(Bags, CameraGoesBeforeTheirCameraInfo) {
+TEST_F(Bags, CameraInfoThatIsAllZeroIsNone) {
   add_info("mcap", {.fx = 0});
   add_image("mcap", 0);
   const std::string file = write("mcap");
-  EXPECT_THAT(error_of(file), HasSubstr("is all zero"));
+  EXPECT_THAT(error_of(file), AllOf(HasSubstr("give --camera FILE"), HasSubstr("/cam0/camera_info is all zero")));
+  folder_.write("calibration.yaml", kCalibration);
+  EXPECT_EQ(play(file).size(), 1u);
+  EXPECT_EQ(camera_.fy, 51);
+  fs::remove(folder_ / "calibration.yaml");
   give_calibration();
   EXPECT_EQ(play(file).size(), 1u);
+  options_.camera_file.clear();
+  add_info("mcap");  // a later one is one
+  EXPECT_EQ(play(write("mcap")).size(), 1u);
+  EXPECT_EQ(camera_.fx, 50);
+}
+
+TEST_F(Bags, CameraGoesBeforeTheirCameraInfo) {
+  add_info("mcap", {.fx = 55});
+  add_image("mcap", 0);
+  give_calibration();
+  EXPECT_EQ(play(write("mcap")).size(), 1u);
+  EXPECT_EQ(camera_.fx, 50);
 }
 
 TEST_F(Bags, CameraInfoOfAnotherModelIsRefused) {
@@ -109,20 +125,51 @@ TEST_F(Bags, RectifiedImagesHaveTheRectifiedCamera) {
 }
 
 TEST_F(Bags, OfSeveralCamerasAskForOne) {
-  for (int i = 0; i < 3; ++i) add_image("ros1 lz4", i, "/cam1/image_raw");
   add_usual("ros1 lz4", 0);
-  for (int i = 0; i < 3; ++i) add_image("ros1 lz4", i, "/cam1/image_raw");
+  for (int i = 0; i < 3; ++i) add_image("ros1 lz4", i, "/rear/image_raw");
   for (int i = 0; i < 2; ++i) add_image("ros1 lz4", i);
   const std::string file = write("ros1 lz4");
-  EXPECT_THAT(error_of(file), AllOf(HasSubstr("/cam0/image_raw (2), /cam1/image_raw (3)"),
+  EXPECT_THAT(error_of(file), AllOf(HasSubstr("/cam0/image_raw (2), /rear/image_raw (3)"),
                                     HasSubstr("camera_driver.log_channel=/cam0/image_raw")));
   options_.log_channel = "/cam0/image_raw";
   EXPECT_EQ(play(file).size(), 2u);
-  options_.log_channel = "cam1/image_raw";
+  options_.log_channel = "rear/image_raw";
   give_calibration();
   EXPECT_EQ(play(file).size(), 3u);
   options_.log_channel = "/cam2/image_raw";
   EXPECT_THAT(error_of(file), HasSubstr("no images on '/cam2/image_raw'; it has images on"));
+}
+
+// EuRoC's.
+TEST_F(Bags, OfTwoCamerasOfOneRigTheFirstIsPlayed) {
+  give_calibration();
+  for (const auto& [first, second] : {std::pair("/cam0/image_raw", "/cam1/image_raw"),
+                                      std::pair("/stereo/left/image_raw", "/stereo/right/image_raw")}) {
+    messages_.clear();
+    for (int i = 0; i < 3; ++i) add_image("ros1 none", i, second);
+    for (int i = 0; i < 2; ++i) add_image("ros1 none", i, first);
+    const std::string file = write("ros1 none");
+    EXPECT_EQ(play(file).size(), 2u) << first;
+    EXPECT_THAT(open_frames(file, {}).reader->notes(),
+                ::testing::Contains(HasSubstr(fmt::format("{} is played, and not {}", first, second))));
+    options_.log_channel = second;
+    EXPECT_EQ(play(file).size(), 3u) << second;
+    options_.log_channel = CameraOptions{}.log_channel;
+  }
+}
+
+TEST_F(Bags, NominalCameraInfoOfAKinectIsToldOf) {
+  RosWriter info(false);
+  info.header(stamp_ns(0)).number(uint32_t{480}).number(uint32_t{640}).text("plumb_bob").number(uint32_t{0});
+  for (const double k : {525., 0., 319.5, 0., 525., 239.5, 0., 0., 1.}) info.real(k);
+  for (int i = 0; i < 21; ++i) info.real(0);
+  for (int i = 0; i < 6; ++i) info.number(uint32_t{0});
+  add("/camera/rgb/camera_info", "sensor_msgs/CameraInfo", 0, info.number(uint8_t{0}).bytes());
+  add_image("ros1 none", 0, "/camera/rgb/image_color");
+  fs::rename(write("ros1 none"), folder_ / "rgbd_dataset_freiburg2_desk.bag");
+  EXPECT_THAT(open_frames(folder_ / "rgbd_dataset_freiburg2_desk.bag", {}).reader->notes(),
+              ::testing::Contains(
+                  AllOf(HasSubstr("nominal values of the Kinect"), HasSubstr("--camera config/cameras/tum_fr2.yaml"))));
 }
 
 TEST_F(Bags, DepthIsNotTakenForTheCamera) {
@@ -132,9 +179,9 @@ TEST_F(Bags, DepthIsNotTakenForTheCamera) {
   EXPECT_THAT(error_of(write("mcap")), HasSubstr("encoding '32FC1'"));
   for (int i = 0; i < 3; ++i) add_image("mcap", i);
   EXPECT_EQ(play(write("mcap")).size(), 3u);
-  for (int i = 0; i < 3; ++i) add_image("mcap", i, "/cam1/image_raw");
+  for (int i = 0; i < 3; ++i) add_image("mcap", i, "/rear/image_raw");
   EXPECT_THAT(error_of(write("mcap")),
-              HasSubstr("/cam0/image_raw (3), /cam1/image_raw (3), /cam0/depth, depth (1): name one"));
+              HasSubstr("/cam0/image_raw (3), /rear/image_raw (3), /cam0/depth, depth (1): name one"));
 }
 
 TEST_F(Bags, WithoutImagesSayWhatTheyHave) {

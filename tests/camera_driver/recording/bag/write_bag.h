@@ -34,10 +34,10 @@ class RosWriter {
   explicit RosWriter(bool is_ros2) : is_ros2_(is_ros2) {
     if (is_ros2_) bytes_ = std::string("\0\1\0\0", 4);
   }
-  RosWriter& header(int64_t stamp_ns) {
+  RosWriter& header(int64_t stamp_ns, const std::string& frame = "camera") {
     if (!is_ros2_) number<uint32_t>(7);  // seq
     number(static_cast<uint32_t>(stamp_ns / 1'000'000'000)).number(static_cast<uint32_t>(stamp_ns % 1'000'000'000));
-    return text("camera");
+    return text(frame);
   }
   template <class Number>
   RosWriter& number(Number value) {
@@ -65,10 +65,10 @@ struct BagMessageToWrite {
 };
 
 inline std::string image_message(bool is_ros2, int64_t stamp_ns, const cv::Mat& pixels, const std::string& encoding,
-                                 bool is_big_endian = false) {
+                                 bool is_big_endian = false, const std::string& frame = "camera") {
   RosWriter out(is_ros2);
   const cv::Mat whole = pixels.clone();
-  out.header(stamp_ns).number(static_cast<uint32_t>(whole.rows)).number(static_cast<uint32_t>(whole.cols));
+  out.header(stamp_ns, frame).number(static_cast<uint32_t>(whole.rows)).number(static_cast<uint32_t>(whole.cols));
   out.text(encoding).number(static_cast<uint8_t>(is_big_endian)).number(static_cast<uint32_t>(whole.step[0]));
   return out.data(std::string(whole.datastart, whole.dataend)).bytes();
 }
@@ -76,6 +76,22 @@ inline std::string image_message(bool is_ros2, int64_t stamp_ns, const cv::Mat& 
 inline std::string compressed_message(bool is_ros2, int64_t stamp_ns, const std::string& format,
                                       const std::vector<uint8_t>& file) {
   return RosWriter(is_ros2).header(stamp_ns).text(format).data(std::string(file.begin(), file.end())).bytes();
+}
+
+struct TransformToWrite {
+  int64_t stamp_ns = 0;
+  std::string parent, child;
+  std::vector<double> translation = {0, 0, 0}, rotation = {0, 0, 0, 1};  // x y z, x y z w
+};
+inline std::string transforms_message(bool is_ros2, const std::vector<TransformToWrite>& transforms) {
+  RosWriter out(is_ros2);
+  out.number(static_cast<uint32_t>(transforms.size()));
+  for (const TransformToWrite& transform : transforms) {
+    out.header(transform.stamp_ns, transform.parent).text(transform.child);
+    for (const double value : transform.translation) out.real(value);
+    for (const double value : transform.rotation) out.real(value);
+  }
+  return out.bytes();
 }
 
 // Of 64 x 48 pixels.
