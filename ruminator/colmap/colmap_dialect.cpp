@@ -39,6 +39,8 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
       {{"log_color"}, kIfThere, flag(false)},  // and codes of a terminal into their complaints
       {{"random_seed", "default_random_seed"}, kUseful, text(s.random_seed)},
       {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // to older ones that above is enough
+      // Of 4.x: it places images that see no point. 4.2.1 crashes in it.
+      {{"Mapper.structure_less_registration_fallback"}, kIfThere, flag(false)},
       {{"Mapper.num_threads"}, kUseful, text(s.threads)},
       {{"Mapper.extract_colors"}, kUseful, flag(false)},
       {{"Mapper.min_num_matches"}, kUseful, text(s.min_num_matches)},

@@ -78,8 +78,10 @@ TEST_F(ColmapDialectTest, Debian13IsSpokenTo) {
 
 TEST_F(ColmapDialectTest, SidIsSpokenTo) {
   EXPECT_EQ(said_to(testing::kSid),
-            paths() + " --log_target stderr --log_color 0 --default_random_seed 0 --Mapper.random_seed 0" + kMiddle +
-                " --Mapper.ba_global_frames_ratio 1.4" + kEnd + "\n");
+            paths() +
+                " --log_target stderr --log_color 0 --default_random_seed 0 --Mapper.random_seed 0"
+                " --Mapper.structure_less_registration_fallback 0" +
+                kMiddle + " --Mapper.ba_global_frames_ratio 1.4" + kEnd + "\n");
 }
 
 TEST_F(ColmapDialectTest, AModelIsExtendedInTheWordsOfEach) {
