@@ -35,8 +35,10 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
       {{"database_path"}, kAlways, command.database},
       {{"image_path"}, kAlways, command.output_folder},  // has to exist; images are only read for colours
       {{"output_path"}, kAlways, command.output_folder},
-      {{"log_target"}, kIfThere, "stderr"},    // newer ones would write files into /tmp, too,
-      {{"log_color"}, kIfThere, flag(false)},  // and codes of a terminal into their complaints
+      // By themselves they would write files into /tmp, the newer ones with codes of a terminal in them.
+      {{"log_to_stderr"}, kIfThere, flag(true)},
+      {{"log_target"}, kIfThere, "stderr"},
+      {{"log_color"}, kIfThere, flag(false)},
       {{"random_seed", "default_random_seed"}, kUseful, text(s.random_seed)},
       {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // to older ones that above is enough
       // Of 4.x: it places images that see no point. 4.2.1 crashes in it.

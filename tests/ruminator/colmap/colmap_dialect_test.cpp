@@ -67,13 +67,13 @@ std::string without(const std::string& text, const std::string& part) {
 }
 
 TEST_F(ColmapDialectTest, Debian12IsSpokenTo) {
-  EXPECT_EQ(said_to(testing::kDebian12),
-            paths() + " --random_seed 0" + kMiddle + " --Mapper.ba_global_images_ratio 1.4" + kEnd + "\n");
+  EXPECT_EQ(said_to(testing::kDebian12), paths() + " --log_to_stderr 1 --random_seed 0" + kMiddle +
+                                             " --Mapper.ba_global_images_ratio 1.4" + kEnd + "\n");
 }
 
 TEST_F(ColmapDialectTest, Debian13IsSpokenTo) {
-  EXPECT_EQ(said_to(testing::kDebian13),
-            paths() + " --random_seed 0" + kMiddle + " --Mapper.ba_global_images_ratio 1.4" + kEnd + "\n");
+  EXPECT_EQ(said_to(testing::kDebian13), paths() + " --log_to_stderr 1 --random_seed 0" + kMiddle +
+                                             " --Mapper.ba_global_images_ratio 1.4" + kEnd + "\n");
 }
 
 TEST_F(ColmapDialectTest, SidIsSpokenTo) {
