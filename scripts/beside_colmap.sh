@@ -23,9 +23,11 @@ count=$(wc -l <"$work/all.txt")
   exit 1
 }
 awk -v n="$count" 'int(NR * 60 / n) > int((NR - 1) * 60 / n)' "$work/all.txt" | sed 's|.*/||' >"$work/list.txt"
+# shellcheck source=scripts/colmap_names.sh
+. "$(dirname "$0")/colmap_names.sh"
 echo "COLMAP extracts the features that it is to match ..."
 colmap feature_extractor --database_path "$work/features.db" --image_path "$images" --image_list_path "$work/list.txt" \
-  --ImageReader.single_camera 1 --SiftExtraction.use_gpu 0 >"$work/extractor.log" 2>&1 || {
+  --ImageReader.single_camera 1 "--$extraction.use_gpu" 0 >"$work/extractor.log" 2>&1 || {
   cat "$work/extractor.log" >&2
   exit 1
 }
@@ -35,8 +37,8 @@ colmap feature_extractor --database_path "$work/features.db" --image_path "$imag
 setsid sh -c 'echo 19 >/proc/self/autogroup 2>/dev/null || true
   renice -n 19 $$ >/dev/null
   while cp "$1/features.db" "$1/matches.db"; do
-    colmap exhaustive_matcher --database_path "$1/matches.db" --SiftMatching.use_gpu 0 >/dev/null 2>&1
-  done' sh "$work" &
+    colmap exhaustive_matcher --database_path "$1/matches.db" "--$2.use_gpu" 0 >/dev/null 2>&1
+  done' sh "$work" "$matching" &
 busy=$!
 sleep 2
 ticks=$(getconf CLK_TCK)

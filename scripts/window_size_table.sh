@@ -44,6 +44,9 @@ ours() { # size
   mv "$work/ours.json.part" "$work/ours.json"
 }
 
+# shellcheck source=scripts/colmap_names.sh
+. "$(dirname "$0")/colmap_names.sh"
+
 # Runs COLMAP with what is left of the limit.
 colmap_step() { # work command options ...
   work=$1
@@ -55,9 +58,9 @@ colmap_step() { # work command options ...
 colmap_steps() { # work
   colmap_step "$1" feature_extractor --database_path "$1/colmap.db" --image_path "$1/images" \
     --ImageReader.single_camera 1 --ImageReader.camera_model OPENCV --ImageReader.camera_params "$(camera_parameters)" \
-    --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads "$threads" &&
-    colmap_step "$1" exhaustive_matcher --database_path "$1/colmap.db" --SiftMatching.use_gpu 0 \
-      --SiftMatching.num_threads "$threads" &&
+    "--$extraction.use_gpu" 0 "--$extraction.num_threads" "$threads" &&
+    colmap_step "$1" exhaustive_matcher --database_path "$1/colmap.db" "--$matching.use_gpu" 0 \
+      "--$matching.num_threads" "$threads" &&
     colmap_step "$1" mapper --database_path "$1/colmap.db" --image_path "$1/images" --output_path "$1/models" \
       --Mapper.num_threads "$threads"
 }

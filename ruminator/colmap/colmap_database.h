@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writes COLMAP's database.db (3.8, user_version 3800) with our keypoints and verified matches, so that of COLMAP only
-// `mapper` has to run. Keypoints go in undistorted with a PINHOLE camera: every lens model we know works, k3 and
-// fisheye included, and the focal lengths are all that the mapper can refine.
+// Writes COLMAP's database.db (3.8, user_version 3800; later versions bring it up to date when they open it) with our
+// keypoints and verified matches, so that of COLMAP only `mapper` has to run. Keypoints go in undistorted with a
+// PINHOLE camera: every lens model we know works, k3 and fisheye included, and the focal lengths are all that the
+// mapper can refine.
 #pragma once
 
 #include <string>

@@ -5,14 +5,15 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "base/free_space.h"
+#include "ruminator/colmap/colmap_dialect.h"
 #include "ruminator/colmap/colmap_environment.h"
 
 namespace rumi::ruminator {
@@ -26,69 +27,8 @@ using Outcome = ChildResult::Outcome;
 constexpr uintmax_t kFullDiskBytes = 1 << 20;  // less is left: what failed, failed because of that
 constexpr double kIdleLimitS = 300;            // of a mapper that neither works nor says anything: it hangs
 constexpr size_t kLongestLine = 4096;
-// The names that an option has had, from 3.8 on.
-struct MapperOption {
-  std::vector<std::string> names;
-  std::string value;
-};
 
-std::vector<MapperOption> mapper_options(const MapperCommand& command, const MapperSettings& s) {
-  const auto text = [](auto value) { return fmt::format("{}", value); };
-  const auto flag = [](bool value) { return std::string(value ? "1" : "0"); };
-  std::vector<MapperOption> options = {
-      {{"database_path"}, command.database},
-      {{"image_path"}, command.output_folder},  // has to exist; images are only read for colours
-      {{"output_path"}, command.output_folder},
-      {{"log_target"}, "stderr"},  // 4.x also writes files into /tmp
-      {{"random_seed", "default_random_seed"}, text(s.random_seed)},
-      {{"Mapper.random_seed"}, text(s.random_seed)},
-      {{"Mapper.num_threads"}, text(s.threads)},
-      {{"Mapper.extract_colors"}, flag(false)},
-      {{"Mapper.min_num_matches"}, text(s.min_num_matches)},
-      {{"Mapper.multiple_models"}, flag(s.multiple_models)},
-      {{"Mapper.max_num_models"}, text(s.max_num_models)},
-      {{"Mapper.min_model_size"}, text(s.min_model_size)},
-      {{"Mapper.init_min_tri_angle"}, text(s.init_min_tri_angle_deg)},
-      {{"Mapper.init_min_num_inliers"}, text(s.init_min_num_inliers)},
-      {{"Mapper.abs_pose_min_num_inliers"}, text(s.abs_pose_min_num_inliers)},
-      {{"Mapper.filter_max_reproj_error"}, text(s.filter_max_reproj_error_px)},
-      {{"Mapper.ba_refine_focal_length"}, flag(false)},
-      {{"Mapper.ba_refine_principal_point"}, flag(false)},
-      {{"Mapper.ba_refine_extra_params"}, flag(false)},  // the camera has none
-      {{"Mapper.ba_local_num_images"}, text(s.local_num_images)},
-      {{"Mapper.ba_local_max_num_iterations"}, text(s.local_max_num_iterations)},
-      {{"Mapper.ba_local_max_refinements"}, text(s.local_max_refinements)},
-      {{"Mapper.ba_local_function_tolerance"}, text(s.function_tolerance)},
-      {{"Mapper.ba_global_max_num_iterations"}, text(s.global_max_num_iterations)},
-      {{"Mapper.ba_global_max_refinements"}, text(s.global_max_refinements)},
-      {{"Mapper.ba_global_images_ratio", "Mapper.ba_global_frames_ratio"}, text(s.global_growth)},
-      {{"Mapper.ba_global_points_ratio"}, text(s.global_growth)},
-      {{"Mapper.ba_global_function_tolerance"}, text(s.function_tolerance)},
-  };
-  if (!command.input_model.empty()) {
-    options.push_back({{"input_path"}, command.input_model});
-    options.push_back(
-        {{"Mapper.fix_existing_images", "Mapper.fix_existing_frames"}, flag(command.fix_existing_images)});
-  }
-  return options;
-}
-
-// What this COLMAP has no name for is left out: it would refuse to start.
-std::vector<std::string> mapper_arguments(const std::vector<MapperOption>& options,
-                                          const std::set<std::string>& known) {
-  std::vector<std::string> arguments = {"mapper"};
-  for (const MapperOption& option : options)
-    for (const std::string& name : option.names)
-      if (known.contains(name)) {
-        arguments.push_back("--" + name);
-        arguments.push_back(option.value);
-        break;
-      }
-  return arguments;
-}
-
-// Counts the images in what the mapper says: "Registering image #7 (12)", in 4.x "(num_reg_frames=12)", before it tries
-// the twelfth.
+// Counts the images in what the mapper says, line by line.
 class ProgressReader {
  public:
   explicit ProgressReader(const std::function<void(int)>& progress) : progress_(progress) {}
@@ -98,22 +38,12 @@ class ProgressReader {
         if (line_.size() < kLongestLine) line_ += c;
         continue;
       }
-      read_line();
+      if (const std::optional<int> images = registered_images(line_)) progress_(*images);
       line_.clear();
     }
   }
 
  private:
-  void read_line() const {
-    const size_t at = line_.find("Registering image #");
-    const size_t bracket = line_.find('(', at == std::string::npos ? line_.size() : at);
-    const size_t digits = line_.find_first_of("0123456789", std::min(bracket, line_.size()));
-    if (digits == std::string::npos) return;
-    int number = 0;
-    const auto read = std::from_chars(line_.data() + digits, line_.data() + line_.size(), number);
-    if (read.ec == std::errc() && number > 0) progress_(number - 1);
-  }
-
   const std::function<void(int)>& progress_;
   std::string line_;
 };
@@ -162,7 +92,7 @@ void judge_failure(const ChildResult& child, const MapperCommand& command, Mappe
     return fail(outcome, Kind::kKilled, described);
   if (tells_of_full_disk(child.last_output) || is_full(command.output_folder))
     return fail(outcome, Kind::kDiskFull, fmt::format("{}: the disk is full; {}", command.output_folder, details));
-  if (child.outcome == Outcome::kExited && contains_any_case(child.last_output, "failed to create sparse model"))
+  if (child.outcome == Outcome::kExited && tells_of_no_model(child.last_output))
     return fail(outcome, Kind::kNoModel, "COLMAP found no model: no pair of images to begin with, or too few to go on");
   fail(outcome, Kind::kFailed, details);
 }
@@ -226,7 +156,7 @@ MapperOutcome ColmapMapper::run(const MapperCommand& command, const MapperSettin
   }
   ProgressReader progress(command.progress);
   ChildCommand child;
-  child.arguments = mapper_arguments(mapper_options(command, settings), program_->options());
+  child.arguments = mapper_arguments(command, settings, program_->options());
   child.arguments.insert(child.arguments.begin(), program_->name());
   child.environment = colmap_environment();
   child.log_file = command.log_file;

@@ -2,12 +2,17 @@
 #include "ruminator/colmap/colmap_program.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
 
 #include "base/log.h"
+#include "ruminator/colmap/colmap_dialect.h"
 #include "ruminator/colmap/colmap_environment.h"
 
 namespace rumi::ruminator {
@@ -22,8 +27,8 @@ constexpr const char* kWithout =
     "windows are rebuilt without it, by Rumi's own models alone: some get fewer poses, or none";
 
 // "  --Mapper.num_threads arg (=-1)": the name.
-std::set<std::string> options_in_help(std::string_view help) {
-  std::set<std::string> names;
+OptionNames options_in_help(std::string_view help) {
+  OptionNames names;
   for (size_t at = help.find("--"); at != std::string_view::npos; at = help.find("--", at + 2)) {
     const std::string_view rest = help.substr(at + 2);
     const auto part_of_name = [](char c) {
@@ -43,6 +48,34 @@ std::string version_in_help(std::string_view help) {
   const std::string_view rest = help.substr(at + kName.size());
   return std::string(rest.substr(0, rest.find_first_of(" \n\r\t")));
 }
+
+std::string version_or_unknown(const std::string& version) {
+  return version.empty() ? std::string("of unknown version") : version;
+}
+
+// COLMAP 4.x leaves a log in TMPDIR each time it is asked for help, whatever it is told of logs. It gets a TMPDIR that
+// is removed with it.
+class TemporaryTmpdir {
+ public:
+  TemporaryTmpdir() {
+    std::error_code error;
+    std::string name = (std::filesystem::temp_directory_path(error) / "rumi-colmap-XXXXXX").string();
+    if (!error && mkdtemp(name.data())) name_ = std::move(name);
+  }
+  ~TemporaryTmpdir() {
+    std::error_code ignored;
+    if (!name_.empty()) std::filesystem::remove_all(name_, ignored);
+  }
+  TemporaryTmpdir(const TemporaryTmpdir&) = delete;
+  TemporaryTmpdir& operator=(const TemporaryTmpdir&) = delete;
+  // None where there is no room for it: then the log is left, too.
+  void add_to(std::vector<std::string>* environment) const {
+    if (!name_.empty()) environment->push_back("TMPDIR=" + name_);
+  }
+
+ private:
+  std::string name_;
+};
 
 std::string why_it_failed(const std::string& name, const ChildResult& help) {
   const std::string said = complaint(help.last_output);
@@ -79,6 +112,8 @@ ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
   ChildCommand command;
   command.arguments = {name_, "mapper", "-h"};
   command.environment = colmap_environment();
+  const TemporaryTmpdir tmpdir;
+  tmpdir.add_to(&command.environment);
   command.time_limit_s = kHelpTimeLimitS;
   command.idle_limit_s = idle_limit_s_;
   command.nice = nice;
@@ -88,12 +123,23 @@ ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
   };
   ChildResult help = run_child(command, cancel);
   if (help.outcome == Outcome::kCancelled) return help;
-  if (help.ok() && !options_in_help(text).contains("database_path")) {
-    help.outcome = Outcome::kNotStarted;
-    help.error = fmt::format("{}: does not know COLMAP's command mapper: {}", name_, complaint(help.last_output));
-  }
+  if (help.ok()) refuse_useless(text, &help);
   judge(help, text);
   return help;
+}
+
+// It ended well, but nothing can be begun with what it knows.
+void ColmapProgram::refuse_useless(const std::string& text, ChildResult* help) const {
+  const OptionNames known = options_in_help(text);
+  const std::vector<std::string> missing = missing_options(known);
+  if (missing.empty()) return;
+  help->outcome = Outcome::kNotStarted;
+  if (!known.contains("database_path"))
+    help->error = fmt::format("{}: does not know COLMAP's command mapper: {}", name_, complaint(help->last_output));
+  else
+    help->error =
+        fmt::format("{}: the mapper of this COLMAP ({}) has no option {}; COLMAP 3.8 to 4.2 has what is needed", name_,
+                    version_or_unknown(version_in_help(text)), fmt::join(missing, ", nor "));
 }
 
 void ColmapProgram::judge(const ChildResult& help, const std::string& text) {
@@ -103,6 +149,9 @@ void ColmapProgram::judge(const ChildResult& help, const std::string& text) {
   options_ = options_in_help(text);
   version_ = version_in_help(text);
   problem_.clear();
+  if (const std::vector<std::string> left_out = options_left_out(options_); !left_out.empty())
+    log_debug("{}: the mapper of this COLMAP ({}) has no option {}: left out", name_, version_or_unknown(version_),
+              fmt::join(left_out, ", nor "));
 }
 
 // At once, as whoever asked may be at work for long before anybody looks at problem().
@@ -126,7 +175,7 @@ bool ColmapProgram::is_given_up() const {
   return given_up_;
 }
 
-std::set<std::string> ColmapProgram::options() const {
+OptionNames ColmapProgram::options() const {
   const std::scoped_lock lock(mutex_);
   return options_;
 }

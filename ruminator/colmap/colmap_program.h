@@ -5,13 +5,13 @@
 
 #include <atomic>
 #include <mutex>
-#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include "base/run_child.h"
+#include "ruminator/colmap/colmap_dialect.h"
 
 namespace rumi::ruminator {
 
@@ -35,20 +35,21 @@ class ColmapProgram {
   void give_up(const std::string& why);
   bool is_given_up() const;
 
-  std::set<std::string> options() const;  // of `mapper`, without dashes; empty: not known
-  std::string version() const;            // "3.8"; empty: not known
+  OptionNames options() const;  // of `mapper`, without dashes; empty: not known
+  std::string version() const;  // "3.8"; empty: not known
   // What is wrong with it, and what follows, as the log has told; empty while nothing is known to be.
   std::string problem() const;
 
  private:
   ChildResult question(int nice, const std::atomic<bool>& cancel);
   void tell(const std::string& why);
+  void refuse_useless(const std::string& text, ChildResult* help) const;
   void judge(const ChildResult& help, const std::string& text);
 
   const std::string name_;
   const double idle_limit_s_;
   mutable std::mutex mutex_;  // of what follows
-  std::set<std::string> options_;
+  OptionNames options_;
   std::string version_, problem_;
   bool given_up_ = false;
   std::mutex asking_;

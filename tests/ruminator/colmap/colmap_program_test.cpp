@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/ruminator/colmap/fake_colmap.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rumi::ruminator {
@@ -14,11 +15,12 @@ using ::testing::HasSubstr;
 using testing::TemporaryFolder;
 
 const std::atomic<bool> kNever = false;
-constexpr const char* kHelp = "echo 'COLMAP 3.8 (Commit)'; echo '  --database_path arg'";
+constexpr const char* kHelp = "cat \"$(dirname \"$0\")/help\"";
 
 class ColmapProgramTest : public ::testing::Test {
  protected:
   std::string script(const std::string& body) const {
+    folder_.write("help", testing::help_text(testing::kDebian12));
     const std::string file =
         folder_.write("colmap", "#!/bin/sh\necho asked >> '" + folder_ / "asked" + "'\n" + body + "\n");
     std::filesystem::permissions(file, std::filesystem::perms::owner_all);
@@ -42,6 +44,16 @@ TEST_F(ColmapProgramTest, AHelpTextOfAnyLengthIsUnderstood) {
   ColmapProgram program(script(help + "; yes '  --Mapper.one_more_option arg (=0)' | head -n 20000"));
   EXPECT_TRUE(program.ask(0, kNever).ok());
   EXPECT_TRUE(program.options().contains("database_path"));
+}
+
+TEST_F(ColmapProgramTest, WhatItLeavesWhenAskedIsRemoved) {
+  ColmapProgram program(script(
+      "echo log > \"$TMPDIR/colmap.INFO\" && echo \"$TMPDIR\" > \"$(dirname \"$0\")/where\"\n" + std::string(kHelp)));
+  EXPECT_TRUE(program.ask(0, kNever).ok());
+  std::string where = testing::read_file(folder_ / "where");
+  where.pop_back();  // the end of the line
+  EXPECT_THAT(where, HasSubstr("/rumi-colmap-"));
+  EXPECT_FALSE(std::filesystem::exists(where));
 }
 
 TEST_F(ColmapProgramTest, OneThatIsNotThereIsTold) {
