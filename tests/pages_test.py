@@ -7,7 +7,7 @@ import unittest
 
 SOURCE = pathlib.Path(sys.argv[1])
 WIDTH = 120
-LINES = {"README.md": 200}  # others: 120
+LINES = {"README.md": 200, "CHANGELOG.md": 180}  # others: 120
 RECORDS = "docs/experiments"  # the options and files of their day
 
 TOP = [SOURCE / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")]
