@@ -21,7 +21,11 @@ class Sim3Manifold final : public ceres::Manifold {
   int AmbientSize() const override { return 8; }
   int TangentSize() const override { return 7; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
-    write(read(x).plus(Eigen::Map<const Vector7d>(delta)), x_plus_delta);
+    Vector7d step = Eigen::Map<const Vector7d>(delta);
+    // Ceres asks where all of the gradient would lead, too. Of what is no number there it says that it converged, or
+    // not, as the processor compares it.
+    step[6] = std::clamp(step[6], -kLargestStep, kLargestStep);
+    write(read(x).plus(step), x_plus_delta);
     return true;
   }
   bool PlusJacobian(const double*, double* jacobian) const override {
@@ -40,6 +44,8 @@ class Sim3Manifold final : public ceres::Manifold {
     j.leftCols<7>().setIdentity();
     return true;
   }
+  static constexpr double kLargestStep = 100;  // of the log scale
+
   static Sim3 read(const double* x) {
     return {std::exp(x[7]), Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d(x[4], x[5], x[6])};
   }
