@@ -67,8 +67,8 @@ class HttpServer {
   void put(Connection& connection, const HttpAnswer& answer) const;
 
   Answer answer_;
-  FileDescriptor socket_;
   int port_ = 0;
+  FileDescriptor socket_;  // tells the port
   std::list<Connection> connections_;
   std::map<std::string, Event> events_;
   int64_t last_event_ = 0;
