@@ -46,6 +46,7 @@ const on = {
     view?.setPose(pose);
     const state = (pose.state ?? 'waiting').toLowerCase().replaceAll('_', ' ');
     $('state').textContent = state;
+    $('apart').hidden = pose.state !== 'TRACKING' || Boolean(pose.at) || !latest.map.submaps.length;
     $('state').className = `pill ${state.replaceAll(' ', '-')}`;
   },
   image(utime) {
@@ -124,5 +125,6 @@ if (view) {
   for (const part of ['landmarks', 'keyframes', 'links'])
     $(`show-${part}`).addEventListener('change', event => view.show(part, event.target.checked));
 }
+$('show-more').addEventListener('change', event => $('processes').classList.toggle('all', event.target.checked));
 document.addEventListener('visibilitychange', begin);
 begin();

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The map in 3D: submaps, where they were joined, and the camera.
 import {Drawing, rgba} from './drawing.js';
-import {Orbit, add, dot, turned} from './orbit.js';
+import {Orbit, add, dot, length, turned} from './orbit.js';
 import {readSubmap} from './submap_blob.js';
 
 const CAMERA = '#19191e', JOIN = '#323238', GRID = '#e2e4e8', LOST = '#781e28';
+const MANY = 20000;        // landmarks, which are drawn smaller
 const MOST_SAMPLES = 4000; // of points that the view is fitted to
+const FINEST = 500;        // parts of a path's extent that are told apart
 const OUTLIERS = 0.05;     // of landmarks at either end that it is not fitted to
 
 export class MapView {
@@ -118,14 +120,21 @@ export class MapView {
   free(submap, parts) {
     for (const part of parts) this.drawing.free(submap[part]?.buffer);
   }
-  // Where images between two points of the path have no pose, there is a gap.
+  // Where images between two points of the path have no pose, there is a gap. Points that nobody could tell apart are
+  // left out.
   split({times, path}) {
-    const found = {path: [], gaps: []};
-    let next = 0;
+    const found = {path: [], gaps: []}, finest = extentOf(path) / FINEST;
+    const at = i => path.subarray(3 * i, 3 * i + 3);
+    let next = 0, last = 0;
     for (let i = 1; i < times.length; ++i) {
       while (next < this.lost.length && this.lost[next][1] < times[i - 1]) ++next;
       const lost = next < this.lost.length && this.lost[next][0] < times[i];
-      for (let k = -3; k < 3; ++k) (lost ? found.gaps : found.path).push(path[3 * i + k]);
+      const ends = i + 1 === times.length || lost;
+      if (lost && last < i - 1) found.path.push(...at(last), ...at(i - 1));
+      if (lost) found.gaps.push(...at(i - 1), ...at(i));
+      else if (ends || length(add(at(i), at(last), -1)) >= finest) found.path.push(...at(last), ...at(i));
+      else continue;
+      last = i;
     }
     return found;
   }
@@ -192,14 +201,16 @@ export class MapView {
     drawing.begin(this.orbit.clipFromMap((canvas.clientWidth || 1) / (canvas.clientHeight || 1)));
     const submaps = this.placed();
     this.drawGrid();
+    const landmarks = submaps.reduce((sum, s) => sum + s.landmarks.n, 0);
+    const style = landmarks < MANY ? {opacity: 0.75, size: 2.6} : {opacity: 0.6, size: 2};
     if (this.shown.landmarks)
-      for (const s of submaps) this.drawPoints(s.landmarks, {color: rgba(s.told.color, 0.55), size: 2});
+      for (const s of submaps) this.drawPoints(s.landmarks, {color: rgba(s.told.color, style.opacity), size: style.size});
     for (const s of submaps) this.drawSubmap(s);
     drawing.onTop(() => {
       if (this.shown.links && this.joins) this.drawJoins();
       this.drawCamera();
     });
-    canvas.dataset.landmarks = submaps.reduce((sum, s) => sum + s.landmarks.n, 0);
+    canvas.dataset.landmarks = landmarks;
     canvas.dataset.submaps = submaps.length;
     canvas.dataset.camera = this.pose?.at ? 'placed' : 'none';
   }
@@ -247,6 +258,16 @@ export class MapView {
     this.drawing.drawLines(buffer, list.length / 6, style);
     this.drawing.free(buffer);
   }
+}
+
+// Of the box around all points.
+function extentOf(points) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < points.length; ++i) {
+    low[i % 3] = Math.min(low[i % 3], points[i]);
+    high[i % 3] = Math.max(high[i % 3], points[i]);
+  }
+  return points.length ? length(add(high, low, -1)) : 0;
 }
 
 // At most MOST_SAMPLES of the points in all of the arrays.

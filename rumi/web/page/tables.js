@@ -19,9 +19,15 @@ function row(cells) {
 
 const cell = (text, classes) => element('td', text, classes);
 
+function wholeRow(text, columns, classes = 'text muted') {
+  const whole = cell(text, classes);
+  whole.colSpan = columns;
+  return row([whole]);
+}
+
 function fill(table, titles, rows, none) {
   const head = row(titles.map(([title, classes]) => element('th', title, classes)));
-  if (!rows.length) rows = [row([cell(none, 'text muted')])];
+  if (!rows.length) rows = [wholeRow(none, titles.length)];
   table.replaceChildren(head, ...rows);
 }
 
@@ -47,9 +53,9 @@ function saysRow(p, columns) {
   const cost = stages.slice(0, 5).map(([stage, ms]) => `${stage.replace(/^.*\./, '')} ${number(ms, 1)}`).join(', ');
   const text = [p.detail, cost && `ms/frame: ${cost}`].filter(Boolean).join(' · ');
   if (!text) return null;
-  const says = cell(text, 'text says');
-  says.colSpan = columns;
-  return row([says]);
+  const says = wholeRow(text, columns, 'text says');
+  says.className = `more ${p.state}`;
+  return says;
 }
 
 export function showLoad(place, processes) {
@@ -62,16 +68,9 @@ export function showWindows(table, windows) {
   const rows = [...windows].reverse().map(w => {
     const state = w.state + (w.progress > 0 && w.progress < 1 ? ` ${number(100 * w.progress)} %` : '');
     const made = row([cell(w.id), cell(state, `text ${w.state}`), cell(number(w.images))]);
-    if (w.reason) made.title = w.reason;
-    return w.reason ? [made, reasonRow(w.reason)] : [made];
+    return w.reason ? [made, wholeRow(w.reason, 3, 'text says')] : [made];
   }).flat();
   fill(table, [['window', LEFT], ['state', LEFT], ['images']], rows, 'Tracking was not lost yet');
-}
-
-function reasonRow(reason) {
-  const says = cell(reason, 'text says');
-  says.colSpan = 3;
-  return row([says]);
 }
 
 export function showSubmaps(table, submaps) {

@@ -7,7 +7,7 @@ const NOT_TRACKED = {
   2: {words: 'recently lost', color: '#be7882', height: 0.55},
   3: {words: 'lost', color: '#781e28', height: 0.55},
 };
-const LABELS = 64, AXIS = 16, BAR = 18, GAP = 5; // pixels
+const LABELS = 74, AXIS = 16, BAR = 18, GAP = 5; // pixels
 const FRAME = '#d6d6d2', MUTED = '#63666e', EMPTY = '#efefec';
 
 export class Timeline {

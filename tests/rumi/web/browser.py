@@ -74,9 +74,10 @@ class Browser:
         self.call("POST", "/url", {"url": url})
 
     def resize(self, width, height):
-        self.call("POST", "/window/rect", {"width": width, "height": height})
-        inner = self.run("return [innerWidth, innerHeight]")
-        self.call("POST", "/window/rect", {"width": 2 * width - inner[0], "height": 2 * height - inner[1]})
+        """What the page has of the window."""
+        frame = self.run("return [outerWidth - innerWidth, outerHeight - innerHeight]")
+        self.call("POST", "/window/rect", {"width": width + frame[0], "height": height + frame[1]})
+        eventually(lambda: self.run("return innerWidth") == width, f"the window is {width} pixels wide")
 
     def run(self, script, *arguments):
         return self.call("POST", "/execute/sync", {"script": script, "args": list(arguments)})

@@ -54,7 +54,9 @@ def test_a_run(browser, web):
     web.say("live")
     until_text(browser, "#processes", "front_tracker")
     eventually(lambda: browser.run("return document.getElementById('notice').hidden"), "the notice goes")
-    check("<b>" in browser.text("#processes"), "what a process says is text, not HTML")
+    browser.click("#show-more")
+    check("<b>front_tracker</b>" in browser.text("#processes"), "what a process says is text, not HTML")
+    browser.click("#show-more")
     until_text(browser, "#windows", "Tracking was not lost yet")
     until_text(browser, "#empty", "No map yet")
     web.say("track map window")
@@ -69,15 +71,15 @@ def test_a_run(browser, web):
 def test_the_drawing(browser):
     before = pixels(browser.screenshot("#view"))
     for name, colour in (("front 1", FRONT), ("front 2", SECOND_FRONT), ("back", BACK)):
-        check(count(before, colour) > 300, f"{name} is drawn in its colour: {count(before, colour)} pixels")
+        check(count(before, colour) > 100, f"{name} is drawn in its colour: {count(before, colour)} pixels")
     bars = pixels(browser.screenshot("#bars"))
     check(min(count(bars, FRONT), count(bars, SECOND_FRONT)) > 2000 and count(bars, BACK) > 1000, "the bars have these colours")
     browser.press("#view", "left")
     eventually(lambda: pixels(browser.screenshot("#view")) != before, "an arrow turns the map")
     browser.press("#view", "h")
     browser.click("#show-landmarks")
-    few = pixels(browser.screenshot("#view"))
-    check(count(few, (255, 255, 255)) > count(before, (255, 255, 255)), "landmarks can be left out")
+    white = count(before, (255, 255, 255))
+    eventually(lambda: count(pixels(browser.screenshot("#view")), (255, 255, 255)) > white, "landmarks can be left out")
     browser.click("#show-landmarks")
 
 
