@@ -9,14 +9,17 @@ void main() {
   gl_Position = clip_from_map * vec4(at, 1);
   gl_PointSize = size;
 }`, `#version 300 es
-precision mediump float;
+precision highp float;
 uniform vec4 color;
+uniform float size;
 uniform bool ring;
 out vec4 result;
 void main() {
-  float r = 2.0 * length(gl_PointCoord - 0.5);
-  if (r > 1.0 || (ring && r < 0.6)) discard;
-  result = color;
+  float r = 2.0 * length(gl_PointCoord - 0.5), soft = 1.4 / size;
+  float opacity = 1.0 - smoothstep(1.0 - soft, 1.0 + 0.5 * soft, r);
+  if (ring) opacity *= smoothstep(0.55 - soft, 0.55, r);
+  if (opacity <= 0.02) discard;
+  result = vec4(color.rgb, color.a * opacity);
 }`];
 
 const LINES = [`#version 300 es
@@ -38,7 +41,7 @@ void main() {
   vec2 along = length(way) > 1e-4 ? normalize(way) : vec2(1, 0);
   vec2 side = vec2(-along.y, along.x);
   vec4 end = corner.x < 0.5 ? p : q;
-  vec2 shift = 0.5 * width * (corner.y * side + 0.6 * (2.0 * corner.x - 1.0) * along);
+  vec2 shift = 0.5 * width * corner.y * side;
   gl_Position = vec4(end.xy + shift / half_size * end.w, end.zw);
   along_px = corner.x * length(way);
 }`, `#version 300 es
@@ -144,8 +147,8 @@ export class Drawing {
     gl.drawArrays(gl.POINTS, 0, n);
   }
 
-  // x, y, z of one end, x, y, z of the other.
-  drawLines(buffer, n, {color, width, dash = 0}) {
+  // x, y, z of one end, x, y, z of the other. round: so that many short ones are one smooth line.
+  drawLines(buffer, n, {color, width, dash = 0, round = false}) {
     if (!n) return;
     const gl = this.gl;
     this.use(this.lines, color);
@@ -156,6 +159,7 @@ export class Drawing {
     this.attribute(1, buffer, 3, 24, 12, 1);
     this.attribute(2, this.corners, 2, 0, 0, 0);
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, n);
+    if (round) this.drawPoints(buffer, 2 * n, {color, size: width});
   }
 
   // What is to be seen in front of what was drawn.

@@ -224,8 +224,8 @@ export class MapView {
       this.drawPoints(s.centers, {color: rgba(s.told.color), size: 6});
     }
     this.drawLines(s.gaps, {color: rgba(LOST), width: 1.6, dash: 4});
-    this.drawLines(s.path, {color: rgba(s.told.color), width: isBack ? 5 : 3});
-    if (isBack) this.drawLines(s.path, {color: rgba('#ffffff'), width: 1.6});
+    this.drawLines(s.path, {color: rgba(s.told.color), width: isBack ? 5.5 : 3.2, round: true});
+    if (isBack) this.drawLines(s.path, {color: rgba('#ffffff'), width: 2, round: true});
   }
   drawJoins() {
     this.drawLines(this.joins.lines, {color: rgba(JOIN), width: 1.5});
@@ -235,7 +235,7 @@ export class MapView {
     const bounds = this.measure();
     if (!this.pose?.at || !bounds) return;
     const {aspect, half_width} = this.map?.camera ?? {aspect: 4 / 3, half_width: 0.6};
-    const depth = 0.09 * bounds.radius, x = depth * half_width, y = x / aspect;
+    const depth = 0.08 * bounds.radius, x = depth * half_width, y = x / aspect;
     const corner = (sx, sy) => add(this.pose.at, turned(this.pose.turn, [sx * x, sy * y, depth]));
     const corners = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
     const above = add(this.pose.at, turned(this.pose.turn, [0, -1.6 * y, depth])); // tells up from down
