@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kWidth = 480;  // pixels at most
 constexpr int kQuality = 75;
-constexpr int64_t kPeriodUs = 200'000;
 
 // Not much larger than it is shown; empty if it cannot be decoded: others tell of that.
 cv::Mat decode_small(const image_t& image) {

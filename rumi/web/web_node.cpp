@@ -8,7 +8,7 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int64_t kPoseUs = 100'000, kStatusUs = 1'000'000;
+constexpr int64_t kPoseUs = 100'000, kImageUs = LiveImage::kPeriodUs, kStatusUs = 1'000'000;
 constexpr const char* kSubmapPath = "/submap/";
 
 }  // namespace
@@ -51,8 +51,12 @@ void WebNode::tick(int64_t now_us, bool watched) {
   if (is_due(now_us, told_.pose_us, kPoseUs)) {
     told_.pose_us = now_us;
     tell_if_new("pose", json_text(map_.pose()), &told_.pose);
-    if (const auto image_us = image_.utime_us(); image_us && std::exchange(told_.image_us, image_us) != image_us)
-      tell_("image", json_text(nlohmann::json(*image_us)));
+  }
+  if (const auto image_us = image_.utime_us();
+      image_us != told_.image_us && is_due(now_us, told_.image_told_us, kImageUs)) {
+    told_.image_told_us = now_us;
+    told_.image_us = image_us;
+    tell_("image", json_text(nlohmann::json(*image_us)));
   }
   if (is_due(now_us, told_.status_us, kStatusUs)) {  // also the sign that somebody is there
     told_.status_us = now_us;

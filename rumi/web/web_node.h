@@ -30,7 +30,7 @@ class WebNode {
   struct Told {
     std::string map, timeline, pose;
     std::optional<int64_t> image_us;
-    int64_t pose_us = kNever_us, status_us = kNever_us;
+    int64_t pose_us = kNever_us, image_told_us = kNever_us, status_us = kNever_us;
   };
   void tell_if_new(const char* event, const std::string& data, std::string* told);
 

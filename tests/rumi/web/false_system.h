@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Plays a running system on a memory bus: two front submaps, and the back submap that joins them.
+// Plays a running system: unless others are given, two front submaps, and the back submap that joins them.
 #pragma once
 
 #include <map>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bus/transfer/chunked_transfer.h"
-#include "bus/transport/memory_bus.h"
+#include "bus/transport/bus.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
@@ -25,14 +25,17 @@ class FalseSystem {
  public:
   static constexpr int64_t kSession = 1;
 
-  explicit FalseSystem(MemoryBus& bus) : bus_(bus), sender_(bus, channels::kMapChunk, channels::kMapAck, "server") {
-    bus.set_now_us(20'000'000);
+  explicit FalseSystem(Bus& bus, std::map<int, Submap> submaps = three_submaps())
+      : bus_(bus), sender_(bus, channels::kMapChunk, channels::kMapAck, "server"), submaps_(std::move(submaps)) {
+    bus.subscribe<map_request_t>(channels::kMapRequest, {}, [this](const map_request_t& r) { on_request(r); });
+  }
+
+  static std::map<int, Submap> three_submaps() {
     using viewer_offscreen::make_test_submap;
     using viewer_offscreen::test_circle;
-    submaps_[1] = make_test_submap(1, 0, 5, test_circle, 3000);
-    submaps_[-1] = make_test_submap(-1, 4, 8, test_circle, 1500);
-    submaps_[2] = make_test_submap(2, 7, 12, test_circle, 2000);
-    bus.subscribe<map_request_t>(channels::kMapRequest, {}, [this](const map_request_t& r) { on_request(r); });
+    return {{1, make_test_submap(1, 0, 5, test_circle, 3000)},
+            {-1, make_test_submap(-1, 4, 8, test_circle, 1500)},
+            {2, make_test_submap(2, 7, 12, test_circle, 2000)}};
   }
 
   Submap& submap(int id) { return submaps_.at(id); }
@@ -53,19 +56,17 @@ class FalseSystem {
       summary.revision = submap.revision;
       summary.map_from_submap = to_wire(Sim3());
       status.submaps.push_back(summary);
+      ++(id < 0 ? status.back_submaps : status.front_submaps);
       status.keyframes += static_cast<int64_t>(submap.keyframes.size());
       status.landmarks += static_cast<int64_t>(submap.landmarks.size());
     }
-    status.nsubmaps = 3;
-    status.front_submaps = 2;
-    status.back_submaps = 1;
-    status.submaps_in_map = 3;
+    status.nsubmaps = status.submaps_in_map = static_cast<int32_t>(submaps_.size());
     status.frames = status.frames_in_map = 360;
-    for (const int id : {1, 2}) {
+    for (const auto& [a, b] : {std::pair(1, -1), std::pair(2, -1)}) {
       link_t link{};
       link.session_a = link.session_b = kSession;
-      link.submap_a = id;
-      link.submap_b = -1;
+      link.submap_a = a;
+      link.submap_b = b;
       link.kind = link_t::SAME_IMAGES;
       link.accepted = true;
       status.links.push_back(link);
@@ -77,11 +78,25 @@ class FalseSystem {
   void publish_tracks() {
     for (int i = 0; i < 360; ++i) publish_track(i, i < 150 ? 1 : i < 210 ? kNoSubmap : 2);
   }
+  // At 30 Hz; in kNoSubmap: lost.
+  void publish_track(int sequence, int submap) {
+    track_t track{};
+    track.utime = 1'000'000 + int64_t{sequence} * 33'333;
+    track.session = kSession;
+    track.sequence = sequence;
+    track.submap_id = submap;
+    track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
+    if (submap != kNoSubmap) {
+      const Submap& in = submaps_.at(submap);
+      track.cam_from_submap = to_wire(in.cam_from_submap(in.frames.at(track.utime)));
+    }
+    bus_.publish(channels::kTrack, track);
+  }
   // The frame after the last one.
   void publish_loss() { publish_track(lost_frames_++, kNoSubmap); }
-  void publish_image() {
-    cv::Mat image(720, 1280, CV_8UC3, cv::Scalar(60, 120, 40));
-    image.colRange(0, 640) = cv::Scalar(200, 180, 160);
+  void publish_image(cv::Size size = {1280, 720}) {
+    cv::Mat image(size, CV_8UC3, cv::Scalar(60, 120, 40));
+    image.colRange(0, size.width / 2) = cv::Scalar(200, 180, 160);
     bus_.publish(channels::kCamera, make_jpeg_image(bus_.now_us(), image));
   }
   void publish_statuses() {
@@ -120,19 +135,6 @@ class FalseSystem {
   void tick() { sender_.tick(bus_.now_us()); }
 
  private:
-  void publish_track(int sequence, int submap) {
-    track_t track{};
-    track.utime = 1'000'000 + int64_t{sequence} * 33'333;
-    track.session = kSession;
-    track.sequence = sequence;
-    track.submap_id = submap;
-    track.state = submap == kNoSubmap ? track_t::LOST : track_t::TRACKING;
-    if (submap != kNoSubmap) {
-      const Submap& in = submaps_.at(submap);
-      track.cam_from_submap = to_wire(in.cam_from_submap(in.frames.at(track.utime)));
-    }
-    bus_.publish(channels::kTrack, track);
-  }
   void on_request(const map_request_t& request) {
     requests_.push_back(request);
     const auto asked = submaps_.find(request.submap_id);
@@ -142,7 +144,7 @@ class FalseSystem {
                  [](const TransferResult&) {});
   }
 
-  MemoryBus& bus_;
+  Bus& bus_;
   ChunkSender sender_;
   std::map<int, Submap> submaps_;
   std::vector<map_request_t> requests_;

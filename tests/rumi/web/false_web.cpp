@@ -9,6 +9,7 @@
 #include <map>
 #include <sstream>
 
+#include "bus/transport/memory_bus.h"
 #include "rumi/web/http_server.h"
 #include "rumi/web/web_node.h"
 #include "tests/rumi/web/false_system.h"
@@ -21,6 +22,7 @@ constexpr int kStepMs = 10;
 class FalseWeb {
  public:
   FalseWeb() {
+    bus_.set_now_us(20'000'000);
     std::printf("%d\n", server_.port());
     std::fflush(stdout);
   }
