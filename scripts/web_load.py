@@ -38,6 +38,12 @@ class Page(threading.Thread):
         self.counts[kind] += 1
 
     def run(self):
+        try:
+            self.listen()
+        except (OSError, http.client.HTTPException):
+            pass  # `rumi web` was ended
+
+    def listen(self):
         events = http.client.HTTPConnection("127.0.0.1", self.port)
         events.request("GET", "/events")
         name = ""
@@ -47,7 +53,7 @@ class Page(threading.Thread):
             elif line.startswith(b"data: "):
                 self.note("events", len(line))
                 if name == "image":
-                    self.get("images", "/image.jpg")
+                    self.get("images", "/camera.jpg")
                 elif name == "map":
                     self.fetch(json.loads(line[6:]).get("submaps", []))
 

@@ -25,7 +25,7 @@ WebNode::WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell)
 HttpAnswer WebNode::answer(const HttpRequest& request) {
   if (const auto file = files_.find(request.path)) return *file;
   if (request.path == "/events") return {.type = "text/event-stream", .events = true};
-  if (request.path == "/image.jpg") {
+  if (request.path == "/camera.jpg") {
     if (const auto jpeg = image_.jpeg(bus_.now_us())) return {.type = "image/jpeg", .body = jpeg};
     return text_answer(404, "no image of the camera was heard");
   }

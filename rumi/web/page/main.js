@@ -72,7 +72,7 @@ const image = {next: null, loading: null};
 function loadImage() {
   if (image.loading !== null || image.next === null) return;
   [image.loading, image.next] = [image.next, null];
-  $('camera').src = `image.jpg?utime=${image.loading}`;
+  $('camera').src = `camera.jpg?utime=${image.loading}`;
 }
 for (const [event, shown] of [['load', true], ['error', false]])
   $('camera').addEventListener(event, () => {

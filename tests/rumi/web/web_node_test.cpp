@@ -178,14 +178,14 @@ TEST_F(WebNodeTest, WhoBeginsToLookIsToldEverything) {
 TEST_F(WebNodeTest, ImagesAreSmallAndFew) {
   system_.publish_image();
   run(1, /*watched=*/false);
-  EXPECT_EQ(get("/image.jpg").status, 404) << "decoded, although nobody looks";
+  EXPECT_EQ(get("/camera.jpg").status, 404) << "decoded, although nobody looks";
   run(0.1);
   int different = 0;
   std::shared_ptr<const std::string> last;
   for (int i = 0; i < 60; ++i) {
     system_.publish_image();
     run(1.0 / 30);
-    const HttpAnswer answer = get("/image.jpg");
+    const HttpAnswer answer = get("/camera.jpg");
     ASSERT_EQ(answer.status, 200);
     different += answer.body != std::exchange(last, answer.body);
   }
@@ -206,7 +206,7 @@ TEST_F(WebNodeTest, ABrokenImageIsNone) {
   image.size = static_cast<int32_t>(image.data.size());
   bus_.publish(channels::kCamera, image);
   run(1);
-  EXPECT_EQ(get("/image.jpg").status, 404);
+  EXPECT_EQ(get("/camera.jpg").status, 404);
 }
 
 TEST_F(WebNodeTest, OnlyWhatThereIs) {
@@ -214,7 +214,7 @@ TEST_F(WebNodeTest, OnlyWhatThereIs) {
   EXPECT_THAT(*get("/").body, HasSubstr("<!DOCTYPE html>"));
   EXPECT_TRUE(get("/events").events);
   for (const char* path : {"/index.html", "/../web_node.cpp", "/style.css/..", "//etc/passwd", "/%2e%2e/", "/submap/",
-                           "/submap/1_1", "/submap/1_1/", "/submap/../main.js", "/image.jpg/"})
+                           "/submap/1_1", "/submap/1_1/", "/submap/../main.js", "/camera.jpg/"})
     EXPECT_EQ(get(path).status, 404) << path;
 }
 

@@ -95,7 +95,7 @@ def test_changes(browser, web):
     web.say("silence")
     until_text(browser, "#notice", "No process is on the bus any more")
     complaints = browser.complaints()
-    check(not [c for c in complaints if "image.jpg" not in c], f"Chromium has nothing to complain of {complaints}")
+    check(not [c for c in complaints if "camera.jpg" not in c], f"Chromium has nothing to complain of {complaints}")
     web.end()
     until_text(browser, "#notice", "The connection to `rumi web` is lost")
 
