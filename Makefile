@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The short way. Everything real is in CMakeLists.txt; this sets up a Debian machine and calls it.
 #   make demo      set up, build, then render a walk on which the camera is lost, and show what Rumi makes of it
-#   make test      set up, build, run every test that needs neither a virtual machine nor a sanitizer
-#   make test-all  after it, the rest: the tests in virtual machines, those of what reads messages, files and images again
+#   make test      set up, build, run every test that needs no virtual machine, browser or sanitizer
+#   make test-all  after it, the rest: the tests in virtual machines and in a browser, those of what reads messages, files and images again
 #                  under sanitizers, and the linter
 #   make quick     set up, build, run the quick tests: what to do after each change
 #   make build     set up and build everything
@@ -26,7 +26,7 @@ DEMO ?= out/demo
 
 SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
 
-.PHONY: all demo test test-all quick build apps bench install deb dist packages-test format lint clean dependencies machine-test sanitized-test tsan
+.PHONY: all demo test test-all quick build apps bench install deb dist packages-test format lint clean dependencies machine-test browser-test sanitized-test tsan
 all: build
 
 # While it builds: per cent, files done of all, seconds so far.
@@ -48,12 +48,12 @@ demo: apps
 	$(BUILD)/bin/rumi demo -o $(DEMO)
 
 test: build
-	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE "machine|packages"
+	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -LE "machine|browser|packages"
 
 quick: build
 	ctest --test-dir $(BUILD) -j $(JOBS) --output-on-failure -L quick
 
-test-all: machine-test sanitized-test lint
+test-all: machine-test browser-test sanitized-test lint
 
 # camera_driver and systemd are tested in virtual machines, bags with ROS's own program; where their packages cannot be had
 # the tests are skipped.
@@ -61,6 +61,11 @@ machine-test: build
 	-@scripts/install_dependencies.sh qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils systemd udev sqlite3
 	-@scripts/install_dependencies.sh python3-rosbag
 	ctest --test-dir $(BUILD) --output-on-failure -L machine
+
+# The page of `rumi web` in Chromium, without a display; where that cannot be had the test is skipped.
+browser-test: build
+	-@scripts/install_dependencies.sh chromium chromium-driver
+	ctest --test-dir $(BUILD) --output-on-failure -L browser
 
 sanitized-test: dependencies
 	cmake -S . -B $(ASAN_BUILD) -G Ninja -DRUMI_SANITIZE=address,undefined -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG="-O1 -g1"

@@ -5,6 +5,7 @@ set(example_dir ${CMAKE_INSTALL_DOCDIR}/examples)
 
 install(FILES config/rumi.yaml config/expert.yaml DESTINATION ${config_dir} COMPONENT programs)
 install(DIRECTORY config/cameras DESTINATION ${config_dir} COMPONENT programs)
+install(DIRECTORY rumi/web/page/ DESTINATION ${RUMI_INSTALL_PAGE_DIR} COMPONENT programs)
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT programs)
 foreach(component programs lcmtypes python)

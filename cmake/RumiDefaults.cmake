@@ -95,6 +95,9 @@ endfunction()
 # Off the PATH: others have programs of these names, too. `rumi up` knows where they are (rumi/run/program_folder.h).
 set(RUMI_INSTALL_PROGRAM_DIR ${CMAKE_INSTALL_LIBEXECDIR}/rumi)
 file(RELATIVE_PATH RUMI_PROGRAMS_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBEXECDIR}/rumi)
+# What a browser shows of it (rumi/web/page_files.h).
+set(RUMI_INSTALL_PAGE_DIR ${CMAKE_INSTALL_DATADIR}/rumi/web)
+file(RELATIVE_PATH RUMI_PAGE_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/rumi/web)
 
 # rumi_component(NAME [EXCEPT sources...] LINK libs...): a folder that is a process: main.cpp, and a library of all else.
 function(rumi_component name)

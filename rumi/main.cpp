@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   rumi::tool::add_up_command(app, &chosen);
   rumi::tool::add_snapshot_command(app, &chosen);
   rumi::tool::add_status_command(app, &chosen);
+  rumi::tool::add_web_command(app, &chosen);
   rumi::tool::add_ruminate_command(app, &chosen);
   rumi::tool::add_evaluate_command(app, &chosen);
   rumi::tool::add_report_command(app, &chosen);

@@ -75,7 +75,11 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
       {"outputs", {"links", "atlas", "alignment", "model"}},
       {"merging", {"links", "atlas", "alignment", "places", "model"}}}},
     {"viewer_offscreen",
-     {{"gl", {}}, {"scene", {}}, {"canvas", {"gl", "scene"}}, {"picture", {"gl", "scene", "canvas"}}}},
+     {{"gl", {}},
+      {"scene", {}},
+      {"live", {"scene"}},
+      {"canvas", {"gl", "scene"}},
+      {"picture", {"gl", "scene", "canvas"}}}},
     {"rumi",
      {{"about", {}},
       {"run", {}},
@@ -87,7 +91,8 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
       {"synth", {}},
       {"windows", {"evaluation"}},
       {"report", {"run", "evaluation", "outputs", "calibration", "windows"}},
-      {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "synth", "windows", "report"}},
+      {"web", {"run"}},
+      {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "synth", "windows", "report", "web"}},
       {"", {"about", "commands"}}}},
 };
 

@@ -21,8 +21,7 @@
 namespace rumi::viewer_offscreen {
 namespace {
 
-constexpr int64_t kAskAgainUs = 2'000'000;  // a request without an answer is repeated
-constexpr int64_t kFetchUs = 1'000'000;     // a picture that is due waits so long for what is new
+constexpr int64_t kFetchUs = 1'000'000;  // a picture that is due waits so long for what is new
 constexpr int64_t kFinishTimeoutUs = 3'000'000;
 constexpr int kImagesWhileDrawing = 16;  // at 30 Hz half a second: a keyframe may be among them
 constexpr double kVideoFps = 10;
@@ -33,9 +32,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
     : bus_(bus),
       options_(options),
       name_(unique_process_name("viewer_offscreen")),
-      receiver_(bus, channels::kMapChunk, channels::kMapAck, name_, false,
-                [this](const ChunkReceiver::Payload& payload) { return on_payload(payload); },
-                {.max_held_bytes = kMaxMessageBytes}) {
+      copies_(bus, name_, [this] { changed_ = true; }) {
   if (options.series && options.output.empty())
     throw std::runtime_error("viewer_offscreen.series needs a folder to write into: viewer_offscreen.output is empty");
   if (options.series) series_.emplace(options.output, kVideoFps, options.series_goes_on);
@@ -50,7 +47,7 @@ ViewerNode::ViewerNode(Bus& bus, const ViewerOptions& options)
 
 void ViewerNode::on_track(const track_t& track) {
   if (!sessions_.take(track.session, bus_.now_us())) return;
-  note_frame(track);
+  frames_.take(track);
   images_.add(track);
   last_utime_us_ = std::max(last_utime_us_, track.utime);
   changed_ = true;
@@ -60,99 +57,22 @@ void ViewerNode::on_track(const track_t& track) {
     live_.reset();
 }
 
-void ViewerNode::note_frame(const track_t& track) {
-  const FrameNote note{track.utime, track.state, {track.session, track.submap_id}};
-  if (frames_.empty() || frames_.back().utime_us < track.utime) return frames_.push_back(note);
-  const auto at = std::lower_bound(frames_.begin(), frames_.end(), track.utime,
-                                   [](const FrameNote& f, int64_t utime_us) { return f.utime_us < utime_us; });
-  if (at->utime_us != track.utime)
-    frames_.insert(at, note);
-  else if (track.submap_id == kNoSubmap)
-    *at = note;  // its pose was withdrawn; of one that got it afterwards the first time counts
-}
-
 void ViewerNode::on_map_status(const map_status_t& status) {
-  if (!map_states_.take(status.utime, bus_.now_us())) return;
-  map_.take(status);
-  if (phase_ == Phase::kFinishing) since_finish_.take(status);
-  std::map<SubmapKey, Copy> listed;
-  for (const auto& [key, summary] : map_.submaps()) {
-    if (const auto known = copies_.find(key); known != copies_.end()) listed[key] = std::move(known->second);
-    listed[key].summary = summary;
-  }
-  copies_ = std::move(listed);  // what is not there any more is gone
-  links_.clear();
-  for (const auto& [number, link] : map_.links())
-    links_.push_back({{link.session_a, link.submap_a},
-                      {link.session_b, link.submap_b},
-                      link.kind == link_t::SAME_IMAGES,
-                      link.accepted != 0});
-  changed_ = true;
+  if (copies_.take(status) && phase_ == Phase::kFinishing) since_finish_.take(status);
 }
 
-ChunkReceiver::Verdict ViewerNode::on_payload(const ChunkReceiver::Payload& payload) {
-  const StageClock clock("viewer_offscreen.receive");
-  Copy* copy = nullptr;
-  for (auto& [key, candidate] : copies_)
-    if (candidate.request_id == payload.request_id && payload.request_id != 0) copy = &candidate;
-  if (!copy) return {.ok = false, .reason = "not asked for"};
-  copy->request_id = 0;
-  submap_update_t update;
-  if (payload.kind != chunk_t::SUBMAP_UPDATE) return {};  // refused: asked again in time
-  std::string reason = "not a submap update";
-  if (Bus::decode(payload.bytes, &update)) {
-    if (update.base_revision == 0) copy->submap = Submap();
-    reason = apply_submap_update(update, &copy->submap);
-    copy->placement_revision = copy->asked_placement_revision;
-  }
-  if (!reason.empty()) {
-    ++rejected_;
-    copy->submap = Submap();  // whatever is wrong with it, start afresh
-    log_warning("submap {} from {} is rejected: {}", copy->summary.submap_id, payload.sender, reason);
-  }
-  changed_ = true;
-  return {.ok = reason.empty(), .reason = reason, .revision = copy->submap.revision};
-}
-
-bool ViewerNode::is_time_to_ask(const Copy& copy, int64_t now_us) const {
-  if (copy.asked_us == 0) return true;
-  if (copy.request_id != 0)
-    return !receiver_.progress(copy.request_id).has_value() && is_due(now_us, copy.asked_us, kAskAgainUs);
-  // A placed submap travels whole: no oftener than it is drawn.
-  const bool travels_whole = copy.wanted_placement_revision() != 0 && phase_ == Phase::kRunning;
-  const int64_t pause_us = travels_whole ? static_cast<int64_t>(options_.interval_s * 1e6) : 0;
-  return is_due(now_us, copy.asked_us, std::max(pause_us, kAskAgainUs / 4));
-}
-
+// A placed submap travels whole: no oftener than it is drawn.
 void ViewerNode::request_missing(int64_t now_us) {
-  for (auto& [key, copy] : copies_) {
-    if (copy.up_to_date() || !is_time_to_ask(copy, now_us)) continue;
-    copy.asked_placement_revision = copy.wanted_placement_revision();
-    const bool is_placed = copy.asked_placement_revision != 0;
-    map_request_t request{};
-    request.utime = now_us;
-    request.requester = name_;
-    request.request_id = ++last_request_;
-    request.what = is_placed ? map_request_t::PLACED_SUBMAP : map_request_t::SUBMAP;
-    request.session = key.session;
-    request.submap_id = key.id;
-    request.base_revision = is_placed || copy.placement_revision != 0 ? 0 : copy.submap.revision;
-    copy.request_id = request.request_id;
-    copy.asked_us = now_us;
-    bus_.publish(channels::kMapRequest, request);
-  }
-}
-
-bool ViewerNode::complete() const {
-  return std::all_of(copies_.begin(), copies_.end(), [](const auto& entry) { return entry.second.up_to_date(); });
+  const bool is_running = phase_ == Phase::kRunning;
+  copies_.request_missing(now_us, is_running ? static_cast<int64_t>(options_.interval_s * 1e6) : 0);
 }
 
 void ViewerNode::tick(int64_t now_us) {
-  receiver_.tick(now_us);
+  copies_.tick(now_us);
   if (phase_ == Phase::kFinished) return;
   if (phase_ == Phase::kFinishing) {
     request_missing(now_us);
-    if ((since_finish_.complete() && complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
+    if ((since_finish_.complete() && copies_.complete()) || now_us - finish_us_ >= kFinishTimeoutUs) {
       draw();
       if (series_) series_->finish();
       phase_ = Phase::kFinished;
@@ -164,7 +84,7 @@ void ViewerNode::tick(int64_t now_us) {
   if (!changed_ || !is_due(now_us, last_draw_us_, interval_us)) return;
   // What is new travels once for each picture, however often it changes in between.
   request_missing(now_us);
-  if (!complete() && !is_due(now_us, last_draw_us_, interval_us + kFetchUs)) return;
+  if (!copies_.complete() && !is_due(now_us, last_draw_us_, interval_us + kFetchUs)) return;
   draw();
   last_draw_us_ = now_us;
 }
@@ -176,24 +96,18 @@ void ViewerNode::finish() {
   map_request_t request{};
   request.utime = finish_us_;
   request.requester = name_;
-  request.request_id = ++last_request_;
   request.what = map_request_t::STATUS;
   bus_.publish(channels::kMapRequest, request);
 }
 
 MapPicture ViewerNode::picture() const {
-  MapPicture picture;
-  for (const auto& [key, copy] : copies_) {
-    const std::optional<Sim3> place = copy.summary.in_map ? from_wire(copy.summary.map_from_submap) : std::nullopt;
-    picture.submaps.push_back({&copy.submap, copy.can_be_shown_in_map()});
-    if (live_ && key == SubmapKey{live_->session, live_->submap_id} && place)
-      picture.camera = place->transform_camera(*from_wire(live_->cam_from_submap)).inverse();
-  }
-  picture.frames = frames_;
-  picture.links = links_;
-  picture.camera_view = images_.view(frames_.empty() ? last_utime_us_ : frames_.front().utime_us, [&](SubmapKey key) {
-    const auto copy = copies_.find(key);
-    return copy == copies_.end() ? nullptr : &copy->second.submap;
+  MapPicture picture = copies_.picture();
+  if (live_) picture.camera = copies_.map_from_cam(*live_);
+  picture.frames = frames_.by_time();
+  const int64_t first_us = picture.frames.empty() ? last_utime_us_ : picture.frames.front().utime_us;
+  picture.camera_view = images_.view(first_us, [&](SubmapKey key) {
+    const auto copy = copies_.by_key().find(key);
+    return copy == copies_.by_key().end() ? nullptr : &copy->second.submap;
   });
   return picture;
 }
@@ -235,10 +149,10 @@ void ViewerNode::report(const std::string& trouble) {
 NodeStatus ViewerNode::status() {
   NodeStatus status;
   int current = 0;
-  for (const auto& [key, copy] : copies_) current += copy.up_to_date();
-  status.detail = trouble_.empty()
-                      ? fmt::format("{} pictures, {} of {} submaps up to date", pictures_, current, copies_.size())
-                      : trouble_;
+  for (const auto& [key, copy] : copies_.by_key()) current += copy.up_to_date();
+  status.detail = trouble_.empty() ? fmt::format("{} pictures, {} of {} submaps up to date", pictures_, current,
+                                                 copies_.by_key().size())
+                                   : trouble_;
   status.degraded = !trouble_.empty();
   status.last_utime_us = last_utime_us_;
   status.processing_ms = draw_ms_;

@@ -19,6 +19,7 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen);
 void add_report_command(CommandLine& app, std::function<int()>* chosen);
 void add_snapshot_command(CommandLine& app, std::function<int()>* chosen);
 void add_status_command(CommandLine& app, std::function<int()>* chosen);
+void add_web_command(CommandLine& app, std::function<int()>* chosen);
 void add_view_command(CommandLine& app, std::function<int()>* chosen);
 void add_cut_window_command(CommandLine& app, std::function<int()>* chosen);
 void add_draw_window_command(CommandLine& app, std::function<int()>* chosen);

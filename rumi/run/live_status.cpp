@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/json_text.h"
+#include "bus/process/only_one.h"
 #include "slam/map/tracking_state.h"
 
 namespace rumi::tool {
@@ -79,7 +80,7 @@ LiveStatus::LiveStatus(Bus& bus) : bus_(bus) {
 }
 
 void LiveStatus::on_status(const process_status_t& status) {
-  if (!is_possible(status)) return;
+  if (!is_possible(status) || status.process == kAsksEverybody) return;
   Process& process = processes_[status.process];
   if (!process.states.take(status.utime, bus_.now_us())) return;
   const bool same_run = process.latest.pid == status.pid && process.latest.host == status.host;

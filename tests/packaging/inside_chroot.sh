@@ -38,6 +38,7 @@ for process in camera_driver front_tracker ruminator map_server viewer_offscreen
   rumi $process --config /etc/rumi/rumi.yaml --version >/dev/null || fail "rumi $process"
   dpkg -L rumi | grep -q "/man1/rumi-$process.1.gz" || fail "rumi-$process has no man page"
 done
+dpkg -L rumi | grep -q "^/usr/share/rumi/web/index.html$" || fail "no page for rumi web"
 dpkg -L rumi | grep -q "/completions/rumi$" || fail "no completion for bash"
 [ -e /usr/lib/systemd/system/rumi.target ] || [ -e /lib/systemd/system/rumi.target ] || fail "no rumi.target"
 

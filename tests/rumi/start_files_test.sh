@@ -23,6 +23,7 @@ fail() {
 cmake --install "$build" --prefix "$prefix" --component programs >/dev/null
 rumi=$prefix/bin/rumi
 for file in bin/rumi libexec/rumi/map_server share/rumi/config/rumi.yaml share/rumi/config/expert.yaml share/rumi/config/cameras/tum_fr1.yaml \
+  share/rumi/web/index.html share/rumi/web/main.js \
   share/doc/rumi/README.md share/doc/rumi/LICENSE share/doc/rumi/docs/wire.md; do
   [ -s "$prefix/$file" ] || fail "not installed: $file"
 done

@@ -33,26 +33,6 @@ void add_keyframes(const Submap& submap, SubmapView* view) {
     if (index_of.contains(a) && index_of.contains(b)) view->covisible.emplace_back(index_of[a], index_of[b]);
 }
 
-SubmapView view_submap(const Submap& submap, bool placed) {
-  SubmapView view;
-  view.key = submap.key;
-  view.kind = submap.kind;
-  view.placed = placed;
-  view.frames = static_cast<int64_t>(submap.frames.size());
-  view.keyframes = static_cast<int64_t>(submap.keyframes.size());
-  view.landmark_count = static_cast<int64_t>(submap.landmarks.size());
-  for (const auto& [utime_us, frame] : submap.frames) {
-    if (!submap.keyframe(frame.reference_keyframe)) continue;
-    const Vector3d p = submap.cam_from_submap(frame).center();
-    if (usable(p)) view.trajectory.push_back({utime_us, p, false});
-  }
-  add_keyframes(submap, &view);
-  view.landmarks.reserve(submap.landmarks.size());
-  for (const auto& [id, landmark] : submap.landmarks)
-    if (usable(landmark.position)) view.landmarks.push_back(landmark.position.cast<float>());
-  return view;
-}
-
 // A submap keeps its colour as others come: by its place among those of its kind, in the order in which they are made.
 void set_colors(std::vector<SubmapView>* submaps) {
   for (SubmapView& view : *submaps)
@@ -197,7 +177,32 @@ void set_camera_shape(const Camera& camera, Scene* scene) {
 
 }  // namespace
 
+SubmapView view_submap(const Submap& submap) {
+  SubmapView view;
+  view.key = submap.key;
+  view.kind = submap.kind;
+  view.frames = static_cast<int64_t>(submap.frames.size());
+  view.keyframes = static_cast<int64_t>(submap.keyframes.size());
+  view.landmark_count = static_cast<int64_t>(submap.landmarks.size());
+  for (const auto& [utime_us, frame] : submap.frames) {
+    if (!submap.keyframe(frame.reference_keyframe)) continue;
+    const Vector3d p = submap.cam_from_submap(frame).center();
+    if (usable(p)) view.trajectory.push_back({utime_us, p, false});
+  }
+  add_keyframes(submap, &view);
+  view.landmarks.reserve(submap.landmarks.size());
+  for (const auto& [id, landmark] : submap.landmarks)
+    if (usable(landmark.position)) view.landmarks.push_back(landmark.position.cast<float>());
+  return view;
+}
+
 Scene make_scene(const MapPicture& picture) {
+  std::vector<SubmapView> submaps;
+  for (const MapPicture::Item& item : picture.submaps) submaps.push_back(view_submap(*item.submap));
+  return make_scene(picture, std::move(submaps));
+}
+
+Scene make_scene(const MapPicture& picture, std::vector<SubmapView> submaps) {
   Scene scene;
   scene.title = picture.title;
   const bool any_placed =
@@ -206,8 +211,10 @@ Scene make_scene(const MapPicture& picture) {
   for (const MapPicture::Item& item : picture.submaps)
     if (!any_placed && (!stand_in || item.submap->frames.size() > stand_in->frames.size())) stand_in = item.submap;
 
-  for (const MapPicture::Item& item : picture.submaps) {
-    scene.submaps.push_back(view_submap(*item.submap, item.in_map || item.submap == stand_in));
+  scene.submaps = std::move(submaps);
+  for (size_t i = 0; i < scene.submaps.size(); ++i) {
+    const MapPicture::Item& item = picture.submaps[i];
+    scene.submaps[i].placed = item.in_map || item.submap == stand_in;
     set_camera_shape(item.submap->camera, &scene);
   }
   set_colors(&scene.submaps);

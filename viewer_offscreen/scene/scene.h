@@ -96,4 +96,8 @@ struct MapPicture {
 // Numbers that are not finite are left out. If no submap is placed, the one with most frames stands for the map.
 Scene make_scene(const MapPicture& picture);
 
+// The same in two steps, for who keeps what has not changed: each of the picture's submaps, and all together.
+SubmapView view_submap(const Submap& submap);
+Scene make_scene(const MapPicture& picture, std::vector<SubmapView> submaps);
+
 }  // namespace rumi::viewer_offscreen

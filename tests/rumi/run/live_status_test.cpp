@@ -58,6 +58,15 @@ TEST_F(LiveStatusTest, SaysNothingOfWhatWasNotHeard) {
   EXPECT_THAT(status_.to_text(), HasSubstr("process"));
 }
 
+// `rumi up` asks who is there before it starts anything.
+TEST_F(LiveStatusTest, WhoOnlyAsksIsNoProcess) {
+  process_status_t status = process(10'000'000, 0, 0);
+  status.process = "rumi";
+  status.state = process_status_t::STARTING;
+  send(10'000'000, channels::kStatus, status);
+  EXPECT_TRUE(status_.to_json()["processes"].empty());
+}
+
 TEST_F(LiveStatusTest, RatesAreDifferencesOfOneRun) {
   send(10'000'000, channels::kStatus, process(10'000'000, 300, 5.0));
   auto json = status_.to_json()["processes"]["front_tracker"];

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "rumi/web/http_server.h"
+
+namespace rumi::tool {
+
+// Of the `rumi` in the folder `bin`, installed or in a build tree.
+std::filesystem::path page_folder_of(const std::filesystem::path& bin);
+
+// What the page is made of, read once: no path that a browser asks for ever reaches the file system.
+class PageFiles {
+ public:
+  // Throws std::runtime_error naming the file that is missing.
+  explicit PageFiles(const std::filesystem::path& folder);
+  std::optional<HttpAnswer> find(const std::string& path) const;
+
+ private:
+  std::map<std::string, HttpAnswer> answers_;  // by the path of the request
+};
+
+}  // namespace rumi::tool

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the page of `rumi web` shows: messages in, answers and events out. It publishes nothing but requests to
+// map_server for submaps, and these only while somebody looks.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "base/due.h"
+#include "bus/transport/bus.h"
+#include "rumi/run/live_status.h"
+#include "rumi/web/live_image.h"
+#include "rumi/web/live_map.h"
+#include "rumi/web/page_files.h"
+
+namespace rumi::tool {
+
+class WebNode {
+ public:
+  using Tell = std::function<void(const std::string& event, const std::string& data)>;
+
+  // bus_name: where it listens, for a person who sees nothing. tell: to everybody who looks.
+  WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell);
+
+  HttpAnswer answer(const HttpRequest& request);
+  void tick(int64_t now_us, bool watched);
+
+ private:
+  struct Told {
+    std::string map, timeline, pose;
+    std::optional<int64_t> image_us;
+    int64_t pose_us = kNever_us, image_told_us = kNever_us, status_us = kNever_us;
+  };
+  void tell_if_new(const char* event, const std::string& data, std::string* told);
+
+  Bus& bus_;
+  PageFiles files_;
+  std::string bus_name_;
+  Tell tell_;
+  LiveStatus status_;
+  LiveMap map_;
+  LiveImage image_;
+  bool watched_ = false;
+  Told told_;
+};
+
+}  // namespace rumi::tool
