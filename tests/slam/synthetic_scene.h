@@ -48,7 +48,8 @@ class SyntheticScene {
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < count; ++i) {
       const double z = uniform(2, 8);
-      points.emplace_back(z * uniform(-0.45, 0.45), z * uniform(-0.35, 0.35), z);
+      const double y = z * uniform(-0.35, 0.35);  // in steps: compilers differ in which argument they make first
+      points.emplace_back(z * uniform(-0.45, 0.45), y, z);
     }
     return points;
   }
