@@ -26,9 +26,10 @@ rumi --version | grep -qx "rumi $version" || fail "not version $version"
 rumi --version | grep -q "^commit [0-9a-f]\{7,\}$" || fail "no commit"
 rumi --version | grep -q "^libraries: .*OpenCV [0-9]" || fail "no libraries"
 cd /tmp
-rumi demo -o demo >demo.log 2>&1 || { cat demo.log && fail "rumi demo: exit code $?"; }
+rumi demo -o demo >demo.log 2>&1 || { code=$? && cat demo.log && fail "rumi demo: exit code $code"; }
 sed -n '/front alone/,/one map/p' demo.log
 grep -q "became one map" demo.log || fail "rumi demo made no map of one piece"
+rm -r demo
 say "rumi demo"
 
 for file in /etc/rumi/rumi.yaml /etc/rumi/rumi.env; do
