@@ -9,7 +9,8 @@
 #   make tsan      the tests with threads under ThreadSanitizer, and the live system (a walk is rendered for it)
 #   make bench     benchmarks
 #   make install   into PREFIX (default /usr/local), building only that: programs, their configuration, units for systemd, wire types for
-#                  C++, C and Python, examples, pages; after it `cmake --install build --component programs` (or lcmtypes, python) for a part
+#                  C++, C and Python, examples, pages, completion for bash and zsh, man pages where help2man is; after it
+#                  `cmake --install build --component programs` (or lcmtypes, python) for a part
 #   make deb       packages for Debian, of what is committed, into $(DEB_BUILD);    make dist: the sources as a tarball, into $(DIST)
 #   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
 #   make clean     remove what the above made
@@ -83,12 +84,14 @@ bench: dependencies
 	@set -e; for b in $(BENCH_BUILD)/bench/*; do if [ -f $$b ] && [ -x $$b ]; then echo "== $$b"; $$b; fi; done
 
 install: apps
+	cmake --build $(BUILD) --target manual
 	cmake --install $(BUILD) --prefix $(PREFIX)
 
-# Builds the packages, and installs and removes them in a clean chroot.
+# Builds the packages, and installs and removes them in a clean chroot, and in a virtual machine with systemd;
+# `RUMI_SUITE=trixie make packages-test` does it on that Debian.
 packages-test: build
-	@scripts/install_dependencies.sh --packaging
-	ctest --test-dir $(BUILD) --output-on-failure -L packages
+	@scripts/install_dependencies.sh --packaging qemu-system-x86 busybox-static cpio kmod v4l-utils xz-utils
+	ctest --test-dir $(BUILD) --output-on-failure -R '^packaging_'
 
 deb: dependencies
 	@scripts/install_dependencies.sh --packaging

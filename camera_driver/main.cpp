@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/about.h"
 #include "base/command_line.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/flags.h"
@@ -31,6 +32,7 @@ int main(int argc, char** argv) {
   rumi::camera_driver::CameraOptions options;
   rumi::ProcessDescription process;
   process.name = "camera_driver";
+  process.about = rumi::about(process.name);
   process.only_one_on_channel = true;
   process.summary =
       "Publishes the images of a camera (V4L2), or of a recording at the pace at which they were recorded, on CAMERA. "

@@ -17,6 +17,6 @@ install(FILES examples/listener.py examples/read_log.py DESTINATION ${example_di
 # What starts the programs names their folder, which is known when they are installed (`cmake --install --prefix`).
 install(CODE "
 set(source \"${PROJECT_SOURCE_DIR}/config\")
-set(programs \"${RUMI_INSTALL_PROGRAM_DIR}\")
+set(program_dir \"${RUMI_INSTALL_PROGRAM_DIR}\")
 set(procman_dir \"${config_dir}/procman\")
 include(\"${CMAKE_CURRENT_LIST_DIR}/InstallStartFiles.cmake\")" COMPONENT programs)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Runs while the programs are installed: units for systemd and the file for procman, with the folder of the programs.
-# Given: source, a folder; programs and procman_dir, as they are below the prefix.
+# Given: source, a folder; program_dir and procman_dir, as they are below the prefix.
 cmake_path(ABSOLUTE_PATH CMAKE_INSTALL_PREFIX NORMALIZE OUTPUT_VARIABLE prefix)
-cmake_path(ABSOLUTE_PATH programs BASE_DIRECTORY ${prefix} NORMALIZE OUTPUT_VARIABLE RUMI_PROGRAMS)
+cmake_path(ABSOLUTE_PATH program_dir BASE_DIRECTORY ${prefix} NORMALIZE OUTPUT_VARIABLE RUMI_PROGRAMS)
 
 function(install_configured template folder)
   cmake_path(GET template FILENAME name)

@@ -105,7 +105,7 @@ function(rumi_component name)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp ${arg_EXCEPT})
   rumi_library(${name} SOURCES ${sources} LINK ${arg_LINK})
-  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
+  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} rumi_about INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
 endfunction()
 
 # What tests is not what is tested: compiled quickly.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/about.h"
 #include "base/command_line.h"
 #include "bus/process/process.h"
 #include "front_tracker/front_tracker_node.h"
@@ -7,6 +8,7 @@ int main(int argc, char** argv) {
   rumi::front_tracker::FrontTrackerOptions options;
   rumi::ProcessDescription process;
   process.name = "front_tracker";
+  process.about = rumi::about(process.name);
   process.only_one = true;
   process.summary =
       "Tracks the camera in real time: images come in on CAMERA, a state and a pose for each go out on RUMI_TRACK, the "

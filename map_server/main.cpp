@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/about.h"
 #include "bus/process/process.h"
 #include "map_server/map_server_node.h"
 
@@ -6,6 +7,7 @@ int main(int argc, char** argv) {
   rumi::map_server::MapServerOptions options;
   rumi::ProcessDescription process;
   process.name = "map_server";
+  process.about = rumi::about(process.name);
   process.only_one = true;
   process.summary =
       "Keeps all submaps in one database (map.db), serves the map and its state to whoever asks. Submaps come in on "

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/about.h"
 #include "bus/process/process.h"
 #include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
@@ -7,6 +8,7 @@ int main(int argc, char** argv) {
   rumi::ruminator::RuminatorOptions options;
   rumi::ProcessDescription process;
   process.name = "ruminator";
+  process.about = rumi::about(process.name);
   process.only_one = true;
   process.summary =
       "Rebuilds with COLMAP what was not tracked: keeps the images around every loss (CAMERA, RUMI_TRACK), makes a "

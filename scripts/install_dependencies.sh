@@ -11,7 +11,7 @@ packages="build-essential cmake ninja-build pkg-config ccache
   libcairo2-dev libavformat-dev libswscale-dev libmicrohttpd-dev libgl-dev libegl-dev libegl1
   libgl1-mesa-dri colmap
   libgtest-dev libgmock-dev libbenchmark-dev iproute2 util-linux"
-packaging="debhelper debootstrap dh-python dpkg-dev git help2man lintian python3"
+packaging="debhelper debootstrap dh-python dpkg-dev git help2man lintian python3 zsh"
 
 # Drawing without a display: by OSMesa; where Mesa no longer has it (apt knows Mesa, but not it) by EGL.
 if apt-cache show libosmesa6 >/dev/null 2>&1 || ! apt-cache show libegl1 >/dev/null 2>&1; then

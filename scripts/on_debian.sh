@@ -35,6 +35,7 @@ done
   cmp -s "$copy/$file" "$root/rumi/$file" || { mkdir -p "$root/rumi/$(dirname "$file")" && cp -p "$copy/$file" "$root/rumi/$file"; }
 done
 
+# debhelper gives compilers an empty home: ccache is told where it keeps what they made.
 # A root of its own, not chroot(2): inside that, programs may not make the network namespaces that tests run in.
 export root data
 unshare --mount --pid --fork --kill-child sh -c '
@@ -50,4 +51,5 @@ unshare --mount --pid --fork --kill-child sh -c '
   pivot_root . .before
   umount -l /.before
   cd /rumi
-  exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 RUMI_DATA_DIR=/data "$@"' sh "$@"
+  exec env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 RUMI_DATA_DIR=/data \
+    CCACHE_DIR=/root/.cache/ccache "$@"' sh "$@"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/about.h"
 #include "bus/process/process.h"
 #include "viewer_offscreen/viewer_node.h"
 
@@ -7,6 +8,7 @@ int main(int argc, char** argv) {
   options.output = ".";
   rumi::ProcessDescription process;
   process.name = "viewer_offscreen";
+  process.about = rumi::about(process.name);
   process.summary =
       "Draws the map as it grows, without a display: trajectory.png in a folder, and VIEWER_IMAGE. Follows RUMI_TRACK "
       "and "

@@ -95,7 +95,6 @@ void add_common_flags(CommandLine& app, CommonFlags* flags) {
       ->one_each();
   app.add_flag("-v,--verbose", flags->verbose, "log more");
   app.add_flag("-q,--quiet", flags->quiet, "log warnings and errors only");
-  app.set_version(version());
 }
 
 // Returns what is wrong, or an empty string.
@@ -184,6 +183,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
   CommonFlags flags;
   OptionTable table;
   add_common_flags(app, &flags);
+  app.set_version(description.about);
   if (description.add_flags) description.add_flags(app, &flags.settings);
   if (description.add_options) description.add_options(table);
   if (const std::string options = table.help(OptionTable::Which::kUsers); !options.empty())

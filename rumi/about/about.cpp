@@ -11,8 +11,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/utility.hpp>
 
-#include "base/process_name.h"
-#include "rumi/about/commit.h"
+#include "base/about.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -39,6 +38,6 @@ std::string libraries() {
 
 }  // namespace
 
-std::string about() { return fmt::format("rumi {}\ncommit {}\nlibraries: {}", version(), kCommit, libraries()); }
+std::string about() { return fmt::format("{}\nlibraries: {}", rumi::about("rumi"), libraries()); }
 
 }  // namespace rumi::tool

@@ -33,23 +33,30 @@ using WideDescriptor = std::array<int16_t, 128>;
 // In blocks of so many, which the compiler makes vector code of, for each kind of processor.
 constexpr int kBlock = 16;
 constexpr int kLeast = std::numeric_limits<int>::min();  // less than any product
-using Block = int __attribute__((vector_size(kBlock * sizeof(int))));
+constexpr size_t kBlockBytes = kBlock * sizeof(int);
+using Block = int __attribute__((vector_size(kBlockBytes)));
+
+// Memory for blocks is aligned to their size: the clones for newer processors count on more than the 16 bytes that are
+// the alignment of a Block in the rest of this file.
+struct alignas(kBlockBytes) Products {
+  Block product;
+};
 
 // For a block of descriptors the nearest one of the other image so far: product and index.
-struct Nearest {
+struct alignas(kBlockBytes) Nearest {
   Block product = Block{} + kLeast, index = Block{} - 1;
 };
 
 // Of one descriptor, by the place in a block of the other image.
-struct TwoBest {
+struct alignas(kBlockBytes) TwoBest {
   Block best = Block{} + kLeast, second = Block{} + kLeast;
 };
 
 // Nearly all the time of matching goes here. Products of `a`, number `index` of its image, with all of `b`, in whole
 // blocks.
 RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int index,
-                                                  const std::vector<WideDescriptor>& b, Block* products, TwoBest* of_a,
-                                                  Nearest* of_b) {
+                                                  const std::vector<WideDescriptor>& b, Products* products,
+                                                  TwoBest* of_a, Nearest* of_b) {
   const WideDescriptor* other = b.data();
   Block best = of_a->best, second = of_a->second;
   for (size_t block = 0; block < b.size() / kBlock; ++block, ++products, ++of_b) {
@@ -60,7 +67,7 @@ RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int i
       for (int i = 0; i < 128; ++i) sum += a[i] * (*other)[i];
       product[k] = sum;
     }
-    *products = product;
+    products->product = product;
     const Block behind = product < best ? product : best;
     second = behind > second ? behind : second;
     best = product > best ? product : best;
@@ -109,7 +116,7 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, int
   const size_t count_a = count(first), count_b = count(second);
   const std::vector<WideDescriptor> a = widen(first, count_a), b = widen(second, count_b);
   std::vector<Nearest> of_b(b.size() / kBlock);
-  std::vector<Block> products(b.size() / kBlock);
+  std::vector<Products> products(b.size() / kBlock);
   std::vector<std::pair<int, int>> candidates;
   for (size_t i = 0; i < count_a; ++i) {
     TwoBest two;
@@ -117,7 +124,7 @@ IndexPairs match_sift(const SiftFeatures& first, const SiftFeatures& second, int
     const std::optional<int> best = distinct_best(two);
     if (!best) continue;
     int j = 0;
-    while (products[j / kBlock][j % kBlock] != *best) ++j;
+    while (products[j / kBlock].product[j % kBlock] != *best) ++j;
     candidates.emplace_back(i, j);
   }
   IndexPairs matches;

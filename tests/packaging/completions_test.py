@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """completions_test.py RUMI SOURCE_DIR: the shells complete every command and every flag that --help names, and no others."""
 import functools
+import os
 import pathlib
+import pty
 import re
 import shutil
 import subprocess
@@ -31,6 +33,44 @@ CURRENT=$#words
 functions[_rumi_file]=$(<$file)
 _rumi_file
 """
+
+# A zsh of its own at a terminal: Ctrl-O hands over the line, as it is, and empties it.
+ZSHRC = """
+fpath=({folder} $fpath)
+autoload -Uz compinit && compinit -u -D
+hand_over() {{ print -r -- "$BUFFER|" >handed_over; BUFFER= }}
+zle -N hand_over
+bindkey '^O' hand_over
+PS1='ready> '
+"""
+
+
+class Zsh:
+    """What a user sees of zsh, in FOLDER."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        (folder / ".zshrc").write_text(ZSHRC.format(folder=folder))
+        os.mkfifo(folder / "handed_over")
+        self.terminal, inside = pty.openpty()
+        settings = {**os.environ, "ZDOTDIR": str(folder), "TERM": "dumb"}
+        self.process = subprocess.Popen(
+            ["zsh", "-d", "-i"], cwd=folder, env=settings, stdin=inside, stdout=inside, stderr=inside, start_new_session=True
+        )
+        os.close(inside)
+        shown = b""
+        while b"ready> " not in shown:
+            shown += os.read(self.terminal, 1024)
+
+    def typed(self, keys):
+        """The line after KEYS."""
+        os.write(self.terminal, keys.encode() + b"\x0f")
+        return (self.folder / "handed_over").read_text().removesuffix("|\n")
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self.terminal)
 
 
 def run(*command):
@@ -96,6 +136,21 @@ class CompletionsTest(unittest.TestCase):
     def test_zsh_completes_files_where_one_is_wanted(self):
         self.assertIn("(--config)--config[YAML file with options, see config/rumi.yaml]:FILE:_files", self.zsh("demo", "-"))
         self.assertIn(":(a4 a3 letter)", self.zsh("draw-board", "-"))
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is missing")
+    def test_zsh_itself_completes_what_a_user_types(self):
+        (pathlib.Path(self.folder.name) / "walk.yaml").touch()
+        zsh = Zsh(pathlib.Path(self.folder.name))
+        self.addCleanup(zsh.end)
+        for keys, line in {
+            "rumi draw-b\t": "rumi draw-board ",
+            "rumi map_s\t": "rumi map_server ",
+            "rumi draw-board --pap\t": "rumi draw-board --paper ",
+            "rumi draw-board --paper let\t": "rumi draw-board --paper letter ",
+            "rumi demo --config wa\t": "rumi demo --config walk.yaml ",
+            "rumi replay wa\t": "rumi replay walk.yaml ",
+        }.items():
+            self.assertEqual(zsh.typed(keys), line, keys)
 
 
 unittest.main(argv=[sys.argv[0]])

@@ -26,20 +26,22 @@ rumi --version | grep -qx "rumi $version" || fail "not version $version"
 rumi --version | grep -q "^commit [0-9a-f]\{7,\}$" || fail "no commit"
 rumi --version | grep -q "^libraries: .*OpenCV [0-9]" || fail "no libraries"
 cd /tmp
-rumi demo -o demo >demo.log 2>&1 || { cat demo.log && fail "rumi demo: exit code $?"; }
+rumi demo -o demo >demo.log 2>&1 || { code=$? && cat demo.log && fail "rumi demo: exit code $code"; }
 sed -n '/front alone/,/one map/p' demo.log
 grep -q "became one map" demo.log || fail "rumi demo made no map of one piece"
+rm -r demo
 say "rumi demo"
 
 for file in /etc/rumi/rumi.yaml /etc/rumi/rumi.env; do
   dpkg-query -W -f '${Conffiles}\n' rumi | grep -q "$file" || fail "$file is no conffile"
 done
 for process in camera_driver front_tracker ruminator map_server viewer_offscreen; do
-  rumi $process --config /etc/rumi/rumi.yaml --version >/dev/null || fail "rumi $process"
+  rumi $process --config /etc/rumi/rumi.yaml --version | grep -qx "$process $version" || fail "rumi $process is not version $version"
   dpkg -L rumi | grep -q "/man1/rumi-$process.1.gz" || fail "rumi-$process has no man page"
 done
 dpkg -L rumi | grep -q "^/usr/share/rumi/web/index.html$" || fail "no page for rumi web"
 dpkg -L rumi | grep -q "/completions/rumi$" || fail "no completion for bash"
+dpkg -L rumi | grep -q "/vendor-completions/_rumi$" || fail "no completion for zsh"
 [ -e /usr/lib/systemd/system/rumi.target ] || [ -e /lib/systemd/system/rumi.target ] || fail "no rumi.target"
 
 # Removed: what was configured and mapped stays; purged: nothing does. Without systemd at work, as in an image that is built.
@@ -72,3 +74,10 @@ quietly cmake -S /tmp/examples -B /tmp/listener
 quietly cmake --build /tmp/listener
 quietly dpkg --purge librumi-lcmtypes-dev
 say "an example was built with librumi-lcmtypes-dev"
+
+# For inside_machine.sh, where systemd is at work.
+quietly apt-get install -y -q --no-install-recommends systemd udev sqlite3
+sort /etc/passwd /etc/group >/srv/accounts
+quietly apt-get install -y -q --no-install-recommends /debs/rumi_*.deb
+rumi synth -q -o /srv/recording --seconds 3 --size 320x180
+say "rumi is installed beside systemd"

@@ -30,13 +30,17 @@ done
 [ "$(ls "$prefix/bin")" = rumi ] || fail "only rumi is to be on the PATH, not: $(ls "$prefix/bin")"
 "$rumi" map_server --help | grep -q "map_server.database" || fail "rumi map_server does not run the installed program"
 if command -v systemd-analyze >/dev/null; then
-  said=$(systemd-analyze verify "$units"/* 2>&1) || true # what it does not understand is no error to it
+  said=$(systemd-analyze verify --man=no "$units"/* 2>&1) || true # what it does not understand is no error to it
   [ -z "$said" ] || fail "systemd-analyze verify: $said"
 else
   echo "SKIPPED: systemd-analyze is missing, so config/systemd was NOT checked by systemd" >&2
 fi
 for name in $(sed -n 's/^\(Wants\|After\|Requires\)=//p' "$units"/*); do
   case $name in rumi*) [ -f "$units/$name" ] || fail "there is no $name" ;; esac
+done
+# There is a man page for `rumi` and for each process.
+for page in $(sed -n 's/^Documentation=man:\(.*\)(1)$/\1/p' "$units"/*); do
+  [ "$page" = rumi ] || [ -x "$prefix/libexec/rumi/${page#rumi-}" ] || fail "there is no man page $page"
 done
 
 # procman's grammar, a statement in a line; every command has a program and a deputy, and scripts name commands.

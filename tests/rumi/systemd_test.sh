@@ -17,32 +17,9 @@ if [ "$1" != --inside ]; then
     "$1/tests/rumi/systemd_test.sh" --inside "$2"
 fi
 build=$2
-services="rumi-camera-driver rumi-front-tracker rumi-ruminator rumi-viewer rumi-map-server"
-map=/var/lib/rumi/map.db
-limit_s=300  # it only ends what hangs: the machine is emulated, and may be busy
+prefix=/usr/local
+. "$(dirname "$0")/../virtual_machine/systemd_helpers.sh"
 
-uptime_s() { cut -d . -f 1 /proc/uptime; }
-say() { echo "$(uptime_s) s: $*"; }
-fail() {
-  echo "FAILED: $*"
-  journalctl --no-pager -o short-monotonic -u 'rumi*'
-  systemctl status --no-pager -n 0 $services || true
-  tail -n 1 /run/status
-  exit 1
-}
-wait_for() { # WHAT COMMAND...: until the command succeeds
-  what=$1
-  shift
-  end=$(($(uptime_s) + limit_s))
-  until "$@"; do
-    [ "$(uptime_s)" -lt "$end" ] || fail "not within $limit_s s: $what"
-    sleep 1
-  done
-  say "$what"
-}
-
-of_all() { echo $(systemctl show -P "$1" $services); }
-all_are() { [ "$(systemctl is-active $services | sort -u)" = "$1" ]; }
 # /run/status has a line of JSON for each second.
 status() { # PATH, as in tracking.frames
   tail -n 1 /run/status >/run/last_status
@@ -53,23 +30,10 @@ listen() {
   rumi status --json --follow >/run/status 2>&1 &
   listener=$!
 }
-query() { sqlite3 -readonly "$map" "$1"; }
 published() { status processes.camera_driver.detail | sed 's/ images.*//'; }
-# Frames by their number: the recording begins at 1000 s and has 30 Hz.
-number="(utime - 1000000000 + 16666) * 30 / 1000000"
-is_tracked_up_to() { [ -f "$map" ] && [ "$(query "SELECT ifnull(max($number), -1) FROM frames WHERE submap >= 0")" -ge "$1" ]; }
-configure() { # for any input: so little that the machine can do it
-  cp /usr/local/share/rumi/config/rumi.yaml /etc/rumi/
-  option camera_file /srv/recording/calibration.yaml
-  option keypoints 300
-  option init_keypoints 600
-  option interval_s 60
-  echo "RUMI_INPUT=$1" >/etc/rumi/rumi.env
-}
-option() { sed -i "s|^  $1: *[^ ]*|  $1: $2|" /etc/rumi/rumi.yaml; }
 
 say "the machine is up"
-cmake --install "$build" --prefix /usr/local >/run/install.log || { cat /run/install.log && fail "cmake --install"; }
+cmake --install "$build" --prefix $prefix >/run/install.log || { cat /run/install.log && fail "cmake --install"; }
 mkdir -p /etc/rumi
 cp -r "$build/tests/virtual_machine/recording" /srv/recording
 configure /srv/recording

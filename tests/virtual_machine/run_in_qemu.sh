@@ -6,7 +6,8 @@
 # and there is no camera to be fed. WORK is a folder for the kernel and the initramfs.
 # Needs no root and no KVM. Exit code: the command's, 77 (CTest: skipped) where something needed is missing.
 # RUMI_QEMU_ACCEL=kvm is faster where KVM works; RUMI_QEMU_TIMEOUT_S is the limit for all of it,
-# RUMI_QEMU_MEMORY_MB its memory, RUMI_QEMU_FLAGS what else QEMU is to know.
+# RUMI_QEMU_MEMORY_MB its memory, RUMI_QEMU_FLAGS what else QEMU is to know. RUMI_QEMU_ROOT is a folder with the files of
+# another Debian, instead of this machine's.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 systemd=false
@@ -18,6 +19,7 @@ work=$1
 shift
 accel=${RUMI_QEMU_ACCEL:-tcg}
 limit_s=${RUMI_QEMU_TIMEOUT_S:-400}
+root=${RUMI_QEMU_ROOT:-/}
 
 command="$*"
 skip() {
@@ -30,7 +32,7 @@ for tool in qemu-system-x86_64 busybox cpio modprobe depmod v4l2-ctl; do
 done
 if $systemd; then
   for program in systemd systemd-udevd; do
-    [ -x "/lib/systemd/$program" ] || skip "/lib/systemd/$program is missing (scripts/install_dependencies.sh systemd udev)"
+    [ -x "$root/lib/systemd/$program" ] || skip "$root/lib/systemd/$program is missing (scripts/install_dependencies.sh systemd udev)"
   done
 fi
 
@@ -113,7 +115,7 @@ code=0
 timeout "$limit_s" qemu-system-x86_64 -accel "$accel" -cpu max -nodefaults -display none -monitor none -no-reboot \
   -m "$memory_mb" -smp 1 ${RUMI_QEMU_FLAGS:-} -kernel "$kernel/boot/vmlinuz-$version" -initrd "$work/initramfs.gz" \
   -append "console=ttyS0 quiet panic=-1 loglevel=3 $options" -serial stdio \
-  -virtfs local,path=/,mount_tag=hostroot,security_model=none,readonly=on,multidevs=remap </dev/null >"$work/console" || code=$?
+  -virtfs "local,path=$root,mount_tag=hostroot,security_model=none,readonly=on,multidevs=remap" </dev/null >"$work/console" || code=$?
 tr -d '\r' <"$work/console"
 echo "the virtual machine ($accel, $version) ran for $(($(date +%s) - begin)) s"
 [ "$code" -ne 124 ] || { echo "error: it did not end within $limit_s s" >&2; exit 1; }

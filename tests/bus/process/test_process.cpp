@@ -78,5 +78,5 @@ int main(int argc, char** argv) {
                             },
                             [&](rumi::Bus& bus) { return std::make_unique<EchoNode>(bus, options); },
                             [&](rumi::Node& node) { static_cast<EchoNode&>(node).set(options); },
-                            [&] { return options.step == 13 ? "step is 13: unlucky" : ""; }});
+                            [&] { return options.step == 13 ? "step is 13: unlucky" : ""; }, "test_process 1"});
 }

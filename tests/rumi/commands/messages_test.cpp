@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cstring>
+
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
@@ -210,6 +212,14 @@ TEST_F(Messages, OfTruthsAndRuns) {
       {"rumi cut-window nowhere --gap 1..3 -o a.window", 1, {"nowhere: no such file"}},
       {"rumi cut-window nowhere --gap 3..1 -o a.window", 2, {"3..1"}},
   });
+}
+
+TEST_F(Messages, OfVersions) {
+  const std::string ours = shell("$RUMI/rumi --version").output;
+  EXPECT_THAT(ours, ::testing::MatchesRegex("rumi [0-9.]+\ncommit [0-9a-z+]+\nlibraries: .*OpenCV [0-9].*\n"));
+  const std::string version_and_commit = ours.substr(strlen("rumi"), ours.find("\nlibraries") - strlen("rumi"));
+  for (const std::string process : {"camera_driver", "front_tracker", "ruminator", "map_server", "viewer_offscreen"})
+    EXPECT_EQ(shell("$RUMI/" + process + " --version").output, process + version_and_commit + "\n");
 }
 
 TEST_F(Messages, OfOptions) {
