@@ -5,6 +5,7 @@
 #include <ceres/version.h>
 #include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <microhttpd.h>
 #include <sqlite3.h>
 
 #include <Eigen/Core>
@@ -29,10 +30,11 @@ std::string of_libav(unsigned version) {
 // Those that cannot be asked are named as they were when this was built.
 std::string libraries() {
   return fmt::format(
-      "Cairo {}, Ceres {}, Eigen {}.{}.{}, LCM {}.{}.{}, libavcodec {}, libavformat {}, OpenCV {}, SQLite {}",
+      "Cairo {}, Ceres {}, Eigen {}.{}.{}, LCM {}.{}.{}, libavcodec {}, libavformat {}, libmicrohttpd {}, OpenCV {}, "
+      "SQLite {}",
       cairo_version_string(), CERES_VERSION_STRING, EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
       LCM_MAJOR_VERSION, LCM_MINOR_VERSION, LCM_MICRO_VERSION, of_libav(avcodec_version()),
-      of_libav(avformat_version()), cv::getVersionString(), sqlite3_libversion());
+      of_libav(avformat_version()), MHD_get_version(), cv::getVersionString(), sqlite3_libversion());
 }
 
 }  // namespace

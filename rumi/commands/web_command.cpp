@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <memory>
@@ -20,8 +19,7 @@ namespace rumi::tool {
 namespace {
 
 constexpr int kMaxPort = 65535;
-constexpr int kWaitMs = 20;     // for messages
-constexpr int kSendingMs = 10;  // for clients that read
+constexpr int kWaitMs = 20;  // for messages
 
 struct Arguments : BusFlags {
   int port = 8642;
@@ -35,11 +33,6 @@ void listen_to_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
-int64_t steady_us() {
-  const auto since_start = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(since_start).count();
-}
-
 void serve(const Arguments& arguments) {
   if (arguments.port < 0 || arguments.port > kMaxPort)
     refuse_if(fmt::format("--port is {}: must be 1 to {}, or 0 for any that is free", arguments.port, kMaxPort));
@@ -47,7 +40,7 @@ void serve(const Arguments& arguments) {
   start_logging("rumi web", false, /*quiet=*/true);
   const std::unique_ptr<LcmBus> bus = open_bus(arguments);
   std::unique_ptr<WebNode> node;
-  HttpServer server(arguments.port, [&](const HttpRequest& request) { return node->answer(request); });
+  HttpServer server(arguments.port, [&](const std::string& path) { return node->answer(path); });
   const std::string bus_name =
       arguments.lcm_url + (arguments.names.prefix.empty() ? "" : ", prefix " + arguments.names.prefix);
   node =
@@ -57,9 +50,9 @@ void serve(const Arguments& arguments) {
   std::fflush(stdout);
   Failures failures("a step");
   while (!g_stop) {
-    bus->dispatch(server.is_sending() ? 0 : kWaitMs);
+    bus->dispatch(kWaitMs);
     failures.note(thrown_by([&] { node->tick(bus->now_us(), server.listeners() > 0); }), bus->now_us());
-    failures.note(thrown_by([&] { server.serve(steady_us(), server.is_sending() ? kSendingMs : 0); }), bus->now_us());
+    failures.note(thrown_by([&] { server.serve(0); }), bus->now_us());
   }
 }
 

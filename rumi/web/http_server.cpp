@@ -3,94 +3,61 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <microhttpd.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/socket.h>
+#include <strings.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
-
-#include "base/due.h"
 
 namespace rumi::tool {
 namespace {
 
-constexpr int64_t kPatienceUs = 30'000'000;  // with a client that neither asks nor reads
-constexpr int kBacklog = 16;
-constexpr size_t kReadBytes = 4096;
-
-const char* reason_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 400:
-      return "Bad Request";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    case 413:
-      return "Content Too Large";
-    case 431:
-      return "Request Header Fields Too Large";
-    case 503:
-      return "Service Unavailable";
-    case 505:
-      return "HTTP Version Not Supported";
-    default:
-      return "Error";
-  }
-}
+constexpr unsigned kMoreConnections = 16;  // which are told that they are too many; others wait to be accepted
+constexpr size_t kEventBlockBytes = 65536;
 
 // The page needs nothing from elsewhere, and nobody else is to show it or to read from it.
-constexpr const char* kSecurity =
-    "Content-Security-Policy: default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'none'\r\n"
-    "X-Content-Type-Options: nosniff\r\n"
-    "X-Frame-Options: DENY\r\n"
-    "Referrer-Policy: no-referrer\r\n"
-    "Cross-Origin-Resource-Policy: same-origin\r\n"
-    "Cross-Origin-Opener-Policy: same-origin\r\n"
-    "Cache-Control: no-store\r\n";
+constexpr std::pair<const char*, const char*> kHeaders[] = {
+    {"Content-Security-Policy",
+     "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
+    {"X-Content-Type-Options", "nosniff"},
+    {"X-Frame-Options", "DENY"},
+    {"Referrer-Policy", "no-referrer"},
+    {"Cross-Origin-Resource-Policy", "same-origin"},
+    {"Cross-Origin-Opener-Policy", "same-origin"},
+    {"Cache-Control", "no-store"},
+};
 
-std::string explanation(int status) {
-  switch (status) {
-    case 403:
-      return "this page is only for http://localhost and http://127.0.0.1 (the request names another host)";
-    case 405:
-      return "nothing can be changed here: only GET is answered";
-    default:
-      return reason_of(status);
-  }
+// Of "localhost:8642" or "[::1]:8642". Any port: it may be forwarded, as by `ssh -L`.
+bool is_this_computer(std::string_view host) {
+  const size_t colon = host.rfind(':');
+  const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
+  const std::string name(has_port ? host.substr(0, colon) : host);
+  return strcasecmp(name.c_str(), "localhost") == 0 || name == "127.0.0.1" || name == "[::1]";
 }
 
-bool would_block() { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
+// A page of somebody else may reach this port by a name that its DNS points here: the header Host says which was used.
+bool is_for_this_computer(MHD_Connection* connection) {
+  std::vector<std::string> hosts;
+  const auto note = [](void* found, MHD_ValueKind, const char* name, const char* value) {
+    if (strcasecmp(name, "Host") == 0) static_cast<std::vector<std::string>*>(found)->emplace_back(value ? value : "");
+    return MHD_YES;
+  };
+  MHD_get_connection_values(connection, MHD_HEADER_KIND, note, &hosts);
+  return hosts.size() == 1 && is_this_computer(hosts.front());
+}
 
-FileDescriptor listen_on(int port, int* bound_port) {
-  FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  const int on = 1;  // else the port stays taken for a minute after the last run
-  if (socket) setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(static_cast<uint16_t>(port));
-  socklen_t size = sizeof(address);
-  auto* const any_address = reinterpret_cast<sockaddr*>(&address);
-  if (!socket || bind(socket.get(), any_address, size) != 0 || listen(socket.get(), kBacklog) != 0 ||
-      getsockname(socket.get(), any_address, &size) != 0)
-    throw std::runtime_error(
-        errno == EADDRINUSE
-            ? fmt::format("port {} is in use: another `rumi web` perhaps; choose another one with --port", port)
-            : fmt::format("port {} on 127.0.0.1 cannot be opened: {}", port, std::strerror(errno)));
-  *bound_port = ntohs(address.sin_port);
-  return socket;
+// The body is shared with the answer, not copied. The library does not write to it.
+MHD_Response* response_of(const std::shared_ptr<const std::string>& body) {
+  auto* const kept = new std::shared_ptr<const std::string>(body ? body : std::make_shared<const std::string>());
+  return MHD_create_response_from_buffer_with_free_callback_cls(
+      (*kept)->size(), const_cast<char*>((*kept)->data()),
+      [](void* p) { delete static_cast<std::shared_ptr<const std::string>*>(p); }, kept);
 }
 
 }  // namespace
@@ -99,121 +66,139 @@ HttpAnswer text_answer(int status, const std::string& text) {
   return {.status = status, .body = std::make_shared<const std::string>(text + "\n")};
 }
 
-HttpServer::HttpServer(int port, Answer answer) : answer_(std::move(answer)), socket_(listen_on(port, &port_)) {}
+struct HttpServer::Listener {
+  HttpServer* server;
+  MHD_Connection* connection;
+  std::map<std::string, int64_t> told = {};  // the number of the event of each name
+  std::string out = {};
+  size_t sent = 0;  // of out
+  bool waits = false, gone = false;
 
-size_t HttpServer::listeners() const {
-  return static_cast<size_t>(
-      std::count_if(connections_.begin(), connections_.end(), [](const Connection& c) { return c.listens; }));
+  void go_on() {
+    if (std::exchange(waits, false)) MHD_resume_connection(connection);
+  }
+  ssize_t put(char* to, size_t size) {
+    if (gone) return MHD_CONTENT_READER_END_OF_STREAM;
+    if (sent == out.size()) take_events();
+    const size_t n = out.copy(to, size, sent);
+    sent += n;
+    if (n == 0) {
+      waits = true;
+      MHD_suspend_connection(connection);
+    }
+    return static_cast<ssize_t>(n);
+  }
+  void take_events() {
+    out.clear();
+    sent = 0;
+    for (const auto& [name, event] : server->events_)
+      if (std::exchange(told[name], event.number) != event.number) out += event.text;
+  }
+};
+
+struct HttpServer::Calls {
+  // Of a request first when its head is there, then for each part of its body, then when it is whole.
+  static MHD_Result on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
+                               const char*, const char*, size_t* body_bytes, void** state) {
+    if (*body_bytes > 0) return MHD_NO;  // nothing is to be sent here: closed
+    const bool has_begun = std::exchange(*state, self) == nullptr;
+    const bool reads = std::strcmp(method, "GET") == 0 || std::strcmp(method, "HEAD") == 0;
+    if (has_begun && reads) return MHD_YES;
+    auto* const server = static_cast<HttpServer*>(self);
+    try {
+      return answer(*server, connection, server->checked_answer(connection, path, reads));
+    } catch (const std::exception& e) {  // must not pass through the library
+      return answer(*server, connection, text_answer(MHD_HTTP_INTERNAL_SERVER_ERROR, e.what()));
+    }
+  }
+
+  static MHD_Result answer(HttpServer& server, MHD_Connection* connection, const HttpAnswer& answer) {
+    MHD_Response* const response = answer.events ? events_response(server, connection) : response_of(answer.body);
+    if (!response) return MHD_NO;
+    for (const auto& [name, value] : kHeaders) MHD_add_response_header(response, name, value);
+    MHD_add_response_header(response, MHD_HTTP_HEADER_CONTENT_TYPE, answer.type.c_str());
+    if (answer.status == MHD_HTTP_METHOD_NOT_ALLOWED)
+      MHD_add_response_header(response, MHD_HTTP_HEADER_ALLOW, "GET, HEAD");
+    if (answer.status != MHD_HTTP_OK && answer.status != MHD_HTTP_NOT_FOUND)
+      MHD_add_response_header(response, MHD_HTTP_HEADER_CONNECTION, "close");
+    const MHD_Result result = MHD_queue_response(connection, static_cast<unsigned>(answer.status), response);
+    MHD_destroy_response(response);  // the connection has its own reference
+    return result;
+  }
+
+  static MHD_Response* events_response(HttpServer& server, MHD_Connection* connection) {
+    Listener& listener = server.listeners_.emplace_back(Listener{.server = &server, .connection = connection});
+    MHD_Response* const response = MHD_create_response_from_callback(
+        MHD_SIZE_UNKNOWN, kEventBlockBytes,
+        [](void* one, uint64_t, char* to, size_t size) { return static_cast<Listener*>(one)->put(to, size); },
+        &listener,
+        [](void* one) {
+          std::list<Listener>& all = static_cast<Listener*>(one)->server->listeners_;
+          all.remove_if([&](const Listener& each) { return &each == one; });
+        });
+    if (response) MHD_set_response_options(response, MHD_RF_HTTP_1_0_COMPATIBLE_STRICT, MHD_RO_END);  // not in chunks
+    return response;
+  }
+};
+
+HttpServer::HttpServer(int port, Answer answer, unsigned patience_seconds) : answer_(std::move(answer)) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_port = htons(static_cast<uint16_t>(port));
+  errno = 0;
+  daemon_ = MHD_start_daemon(MHD_USE_EPOLL | MHD_ALLOW_SUSPEND_RESUME, static_cast<uint16_t>(port), nullptr, nullptr,
+                             Calls::on_request, this, MHD_OPTION_SOCK_ADDR, reinterpret_cast<sockaddr*>(&address),
+                             MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(kMaxConnections) + kMoreConnections,
+                             MHD_OPTION_CONNECTION_TIMEOUT, patience_seconds, MHD_OPTION_END);
+  if (!daemon_)
+    throw std::runtime_error(
+        errno == EADDRINUSE
+            ? fmt::format("port {} is in use: another `rumi web` perhaps; choose another one with --port", port)
+            : fmt::format("port {} on 127.0.0.1 cannot be opened: {}", port, std::strerror(errno)));
 }
 
-bool HttpServer::is_sending() const {
-  return std::any_of(connections_.begin(), connections_.end(), [](const Connection& c) { return c.pending() > 0; });
+HttpServer::~HttpServer() {
+  for (Listener& listener : listeners_) listener.go_on();  // the library aborts if one is suspended
+  MHD_stop_daemon(daemon_);
 }
+
+int HttpServer::port() const { return MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_BIND_PORT)->port; }
 
 void HttpServer::tell(const std::string& event, const std::string& data) {
   events_[event] = {++last_event_, fmt::format("event: {}\ndata: {}\n\n", event, data)};
+  for (Listener& listener : listeners_) listener.go_on();
 }
 
-void HttpServer::serve(int64_t steady_us, int timeout_ms) {
-  std::vector<pollfd> waits{{socket_.get(), POLLIN, 0}};
-  for (Connection& connection : connections_) {
-    if (connection.listens && connection.pending() == 0) put_events(connection);
-    const bool sends = connection.pending() > 0;
-    waits.push_back({connection.socket.get(), static_cast<int16_t>(sends ? POLLOUT : POLLIN), 0});
-  }
-  poll(waits.data(), waits.size(), timeout_ms);
-  auto wait = waits.begin() + 1;
-  for (auto it = connections_.begin(); it != connections_.end(); ++wait)
-    it = step(*it, wait->revents != 0 && wait->events == POLLIN, steady_us) ? std::next(it) : connections_.erase(it);
-  if (waits.front().revents != 0) accept_all(steady_us);
-  if (listeners() == 0) events_.clear();  // who comes later is to hear nothing that is old
+void HttpServer::serve(int timeout_ms) {
+  leave_who_is_gone();
+  MHD_run_wait(daemon_, timeout_ms);
+  if (listeners_.empty()) events_.clear();  // who comes later is to hear nothing that is old
 }
 
-void HttpServer::accept_all(int64_t steady_us) {
-  for (;;) {
-    FileDescriptor socket(accept4(socket_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!socket) return;
-    const int on = 1;
-    setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
-    Connection connection;
-    connection.socket = std::move(socket);
-    connection.progress_us = steady_us;
-    if (connections_.size() >= kMaxConnections) {
-      connection.close_after = true;
-      put(connection, text_answer(503, "too many connections: close some pages"));
-    }
-    // One too many is gone after its answer, or with the next one.
-    if (connections_.size() > kMaxConnections) connections_.pop_back();
-    connections_.push_back(std::move(connection));
+// The library does not look at a connection that is suspended.
+void HttpServer::leave_who_is_gone() {
+  for (Listener& listener : listeners_) {
+    const auto* info = MHD_get_connection_info(listener.connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    pollfd socket{info->connect_fd, POLLRDHUP, 0};
+    if (poll(&socket, 1, 0) <= 0) continue;
+    listener.gone = true;
+    listener.go_on();
   }
 }
 
-bool HttpServer::step(Connection& connection, bool readable, int64_t steady_us) {
-  if (readable && !receive(connection, steady_us)) return false;
-  if (connection.pending() > 0 && !send(connection, steady_us)) return false;
-  const bool may_wait = connection.listens && connection.pending() == 0;
-  return may_wait || !is_due(steady_us, connection.progress_us, kPatienceUs);
-}
-
-// Once, so that nobody is served without an end; poll() tells again of what is left.
-bool HttpServer::receive(Connection& connection, int64_t steady_us) {
-  char bytes[kReadBytes];
-  const ssize_t n = recv(connection.socket.get(), bytes, sizeof(bytes), 0);
-  if (n < 0) return would_block();
-  if (n == 0) return false;
-  if (connection.listens) return true;  // has nothing more to say
-  if (connection.in.empty()) connection.progress_us = steady_us;
-  connection.in.append(bytes, static_cast<size_t>(n));
-  return answer_requests(connection);
-}
-
-bool HttpServer::answer_requests(Connection& connection) {
-  HttpRequest request;
-  const ReadRequest read = read_request(connection.in, &request);
-  if (read.status == 0) return true;
-  connection.in.erase(0, read.bytes);
-  connection.close_after = read.status != 200 || !request.keep_alive;
-  HttpAnswer answer = read.status == 200 ? answer_(request) : text_answer(read.status, explanation(read.status));
-  if (answer.events && listeners() >= kMaxListeners)
-    answer = text_answer(503, fmt::format("{} pages are open already, which is the most", kMaxListeners));
-  put(connection, answer);
-  if (answer.events) put_events(connection);
-  return true;
-}
-
-void HttpServer::put(Connection& connection, const HttpAnswer& answer) const {
-  connection.out = fmt::format("HTTP/1.1 {} {}\r\nContent-Type: {}\r\n{}", answer.status, reason_of(answer.status),
-                               answer.type, kSecurity);
-  if (answer.status == 405) connection.out += "Allow: GET\r\n";
-  if (!answer.events) connection.out += fmt::format("Content-Length: {}\r\n", answer.body ? answer.body->size() : 0);
-  connection.out += connection.close_after || answer.events ? "Connection: close\r\n\r\n" : "\r\n";
-  connection.body = answer.body;
-  connection.sent = 0;
-  connection.listens = answer.events;
-  connection.close_after = connection.close_after && !answer.events;
-}
-
-void HttpServer::put_events(Connection& connection) const {
-  for (const auto& [name, event] : events_)
-    if (std::exchange(connection.told[name], event.number) != event.number) connection.out += event.text;
-}
-
-bool HttpServer::send(Connection& connection, int64_t steady_us) {
-  while (connection.pending() > 0) {
-    const bool in_head = connection.sent < connection.out.size();
-    const std::string& part = in_head ? connection.out : *connection.body;
-    const size_t from = in_head ? connection.sent : connection.sent - connection.out.size();
-    const ssize_t n = ::send(connection.socket.get(), part.data() + from, part.size() - from, MSG_NOSIGNAL);
-    if (n < 0) return would_block();
-    connection.sent += static_cast<size_t>(n);
-    connection.progress_us = steady_us;
-  }
-  connection.out.clear();
-  connection.body.reset();
-  connection.sent = 0;
-  if (connection.close_after) return false;
-  // What was asked for meanwhile.
-  return connection.listens || connection.in.empty() || answer_requests(connection);
+HttpAnswer HttpServer::checked_answer(MHD_Connection* connection, const std::string& path, bool reads) {
+  if (!reads) return text_answer(MHD_HTTP_METHOD_NOT_ALLOWED, "nothing can be changed here: only GET is answered");
+  if (!is_for_this_computer(connection))
+    return text_answer(MHD_HTTP_FORBIDDEN,
+                       "this page is only for http://localhost and http://127.0.0.1 (the request names another host)");
+  if (MHD_get_daemon_info(daemon_, MHD_DAEMON_INFO_CURRENT_CONNECTIONS)->num_connections > kMaxConnections)
+    return text_answer(MHD_HTTP_SERVICE_UNAVAILABLE, "too many connections: close some pages");
+  HttpAnswer answer = answer_(path);
+  if (answer.events && listeners_.size() >= kMaxListeners)
+    answer = text_answer(MHD_HTTP_SERVICE_UNAVAILABLE,
+                         fmt::format("{} pages are open already, which is the most", kMaxListeners));
+  return answer;
 }
 
 }  // namespace rumi::tool

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Serves a page to browsers on this computer, in the thread of whoever calls serve(): nothing waits for a client. What
-// is kept for a client is one answer, or for one that listens to events (server-sent events) the newest event of each
-// name, however slowly it reads.
+// Serves a page to browsers on this computer by GNU libmicrohttpd, in the thread of whoever calls serve(): nothing
+// waits for a client. What is kept for a client is one answer, or for one that listens to events (server-sent events)
+// the newest event of each name, however slowly it reads.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "base/file_descriptor.h"
-#include "rumi/web/http_request.h"
+struct MHD_Connection;
+struct MHD_Daemon;
 
 namespace rumi::tool {
 
@@ -27,51 +27,39 @@ HttpAnswer text_answer(int status, const std::string& text);
 class HttpServer {
  public:
   static constexpr size_t kMaxConnections = 64, kMaxListeners = 8;
-  using Answer = std::function<HttpAnswer(const HttpRequest&)>;
+  static constexpr unsigned kPatienceSeconds = 30;  // with a client that neither asks nor reads
+  // To a GET of this path, which is without what follows a '?'.
+  using Answer = std::function<HttpAnswer(const std::string& path)>;
 
   // On 127.0.0.1; port 0: any that is free. Throws std::runtime_error with a message for the user.
-  HttpServer(int port, Answer answer);
+  HttpServer(int port, Answer answer, unsigned patience_seconds = kPatienceSeconds);
+  ~HttpServer();
+  HttpServer(const HttpServer&) = delete;
+  HttpServer& operator=(const HttpServer&) = delete;
 
-  int port() const { return port_; }
-  // Waits up to timeout_ms for something to do and does all that can be done at once. steady_us: of a clock that nobody
-  // sets.
-  void serve(int64_t steady_us, int timeout_ms);
+  int port() const;
+  // Waits up to timeout_ms for something to do and does what can be done at once.
+  void serve(int timeout_ms);
   // To all listeners, now and later; takes the place of the event of that name that was told before.
   void tell(const std::string& event, const std::string& data);
-  size_t listeners() const;
-  // A client has not been handed all of its answer yet.
-  bool is_sending() const;
+  size_t listeners() const { return listeners_.size(); }
 
  private:
-  struct Connection {
-    FileDescriptor socket;
-    std::string in, out;
-    std::shared_ptr<const std::string> body;  // sent behind `out`
-    size_t sent = 0;                          // of both
-    bool listens = false, close_after = false;
-    int64_t progress_us = 0;
-    std::map<std::string, int64_t> told;  // the number of the event of each name
-    size_t pending() const { return out.size() + (body ? body->size() : 0) - sent; }
-  };
   struct Event {
     int64_t number = 0;
     std::string text;
   };
-  void accept_all(int64_t steady_us);
-  // These return false if the connection is to be closed.
-  bool step(Connection& connection, bool readable, int64_t steady_us);
-  bool receive(Connection& connection, int64_t steady_us);
-  bool answer_requests(Connection& connection);
-  bool send(Connection& connection, int64_t steady_us);
-  void put_events(Connection& connection) const;
-  void put(Connection& connection, const HttpAnswer& answer) const;
+  struct Listener;
+  struct Calls;  // what the library calls
+
+  HttpAnswer checked_answer(MHD_Connection* connection, const std::string& path, bool reads);
+  void leave_who_is_gone();
 
   Answer answer_;
-  int port_ = 0;
-  FileDescriptor socket_;  // tells the port
-  std::list<Connection> connections_;
+  std::list<Listener> listeners_;
   std::map<std::string, Event> events_;
   int64_t last_event_ = 0;
+  MHD_Daemon* daemon_ = nullptr;
 };
 
 }  // namespace rumi::tool

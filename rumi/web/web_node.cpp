@@ -22,15 +22,15 @@ WebNode::WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell)
       map_(bus),
       image_(bus) {}
 
-HttpAnswer WebNode::answer(const HttpRequest& request) {
-  if (const auto file = files_.find(request.path)) return *file;
-  if (request.path == "/events") return {.type = "text/event-stream", .events = true};
-  if (request.path == "/camera.jpg") {
+HttpAnswer WebNode::answer(const std::string& path) {
+  if (const auto file = files_.find(path)) return *file;
+  if (path == "/events") return {.type = "text/event-stream", .events = true};
+  if (path == "/camera.jpg") {
     if (const auto jpeg = image_.jpeg(bus_.now_us())) return {.type = "image/jpeg", .body = jpeg};
     return text_answer(404, "no image of the camera was heard");
   }
-  if (request.path.starts_with(kSubmapPath))
-    if (const auto blob = map_.blob(request.path.substr(std::string(kSubmapPath).size())))
+  if (path.starts_with(kSubmapPath))
+    if (const auto blob = map_.blob(path.substr(std::string(kSubmapPath).size())))
       return {.type = "application/octet-stream", .body = blob};
   return text_answer(404, "there is nothing of this name");
 }

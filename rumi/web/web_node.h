@@ -23,7 +23,7 @@ class WebNode {
   // bus_name: where it listens, for a person who sees nothing. tell: to everybody who looks.
   WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell);
 
-  HttpAnswer answer(const HttpRequest& request);
+  HttpAnswer answer(const std::string& path);
   void tick(int64_t now_us, bool watched);
 
  private:

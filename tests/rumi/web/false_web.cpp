@@ -33,7 +33,7 @@ class FalseWeb {
     bus_.dispatch();
     system_.tick();
     node_.tick(bus_.now_us(), server_.listeners() > 0);
-    server_.serve(bus_.now_us(), kStepMs);
+    server_.serve(kStepMs);
   }
   void obey(const std::string& word) {
     const std::map<std::string, std::function<void()>> known = {
@@ -48,7 +48,7 @@ class FalseWeb {
  private:
   MemoryBus bus_;
   FalseSystem system_{bus_};
-  HttpServer server_{0, [this](const HttpRequest& request) { return node_.answer(request); }};
+  HttpServer server_{0, [this](const std::string& path) { return node_.answer(path); }};
   WebNode node_{bus_, PageFiles(RUMI_SOURCE_DIR "/rumi/web/page"), "a bus in memory",
                 [this](const std::string& event, const std::string& data) { server_.tell(event, data); }};
   bool alive_ = false;

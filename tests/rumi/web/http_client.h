@@ -40,21 +40,22 @@ class HttpClient {
     closed_ |= n == 0 || (n < 0 && errno != EAGAIN);
   }
   // Serves and reads until it has come.
-  bool hears(const std::string& text, int64_t steady_us = 0) {
-    return testing::happens([&] { return heard_.find(text) != std::string::npos; }, [&] { step(steady_us); });
+  bool hears(const std::string& text) {
+    return testing::happens([&] { return heard_.find(text) != std::string::npos; }, [&] { step(); });
   }
-  bool is_closed(int64_t steady_us = 0) {
-    return testing::happens([&] { return closed_; }, [&] { step(steady_us); });
+  bool is_closed() {
+    return testing::happens([&] { return closed_; }, [&] { step(); });
   }
   // All that came since the last call.
   std::string take() { return std::exchange(heard_, {}); }
   const std::string& heard() const { return heard_; }
-
- private:
-  void step(int64_t steady_us) {
-    server_.serve(steady_us, 0);
+  void step() {
+    server_.serve(0);
     read_what_is_there();
   }
+  bool closed() const { return closed_; }
+
+ private:
   HttpServer& server_;
   FileDescriptor socket_;
   std::string heard_;

@@ -41,7 +41,7 @@ class WebNodeTest : public ::testing::Test {
   }
   Json told(const std::string& event) { return told_.contains(event) ? Json::parse(told_.at(event).back()) : Json(); }
   size_t times(const std::string& event) { return told_[event].size(); }
-  HttpAnswer get(const std::string& path) { return node_.answer({.path = path}); }
+  HttpAnswer get(const std::string& path) { return node_.answer(path); }
 
   MemoryBus bus_;
   FalseSystem system_{bus_};
