@@ -52,7 +52,7 @@ bool is_for_this_computer(MHD_Connection* connection) {
   return hosts.size() == 1 && is_this_computer(hosts.front());
 }
 
-// The body is shared with the answer, not copied. The library does not write to it (newer versions take it as const).
+// The body is shared with the answer, not copied. The library does not write to it.
 MHD_Response* response_of(const std::shared_ptr<const std::string>& body) {
   auto* const kept = new std::shared_ptr<const std::string>(body ? body : std::make_shared<const std::string>());
   return MHD_create_response_from_buffer_with_free_callback_cls(
