@@ -11,7 +11,7 @@ say "the machine is up"
 [ "$(systemctl is-enabled rumi.target || true)" = disabled ] || fail "nobody enabled rumi.target, but it is $(systemctl is-enabled rumi.target)"
 all_are inactive || fail "nobody started them, but they are: $(systemctl is-active $services)"
 configure /srv/recording
-option speed 0.03
+option speed 0.01
 systemctl daemon-reload
 systemctl enable --now rumi.target || fail "systemctl enable --now rumi.target"
 [ -L /etc/systemd/system/multi-user.target.wants/rumi.target ] || fail "it would not be started at boot"
@@ -24,6 +24,7 @@ frames_before=$(query 'SELECT count(*) FROM frames')
 
 dpkg --remove rumi >/run/said 2>&1 || { cat /run/said && fail "dpkg --remove rumi"; }
 say "the package is removed"
+rm -r $slow && systemctl daemon-reload
 for service in $services; do
   [ "$(systemctl show -P LoadState $service)" = not-found ] || fail "$service is known, without the package"
   ! systemctl is-active -q $service || fail "$service still runs"

@@ -5,6 +5,8 @@ services="rumi-camera-driver rumi-front-tracker rumi-ruminator rumi-viewer rumi-
 map=/var/lib/rumi/map.db
 limit_s=300  # it only ends what hangs: the machine is emulated, and may be busy
 
+slow=/run/systemd/system/rumi-.service.d
+
 uptime_s() { cut -d . -f 1 /proc/uptime; }
 say() { echo "$(uptime_s) s: $*"; }
 fail() {
@@ -39,4 +41,6 @@ configure() { # INPUT: as it was installed, but so little that the machine can d
   option init_keypoints 600
   option interval_s 60
   echo "RUMI_INPUT=$1" >/etc/rumi/rumi.env
+  mkdir -p $slow
+  printf '[Service]\nTimeoutStopSec=%s\n' $limit_s >$slow/slow.conf # what is open is still done, here in more than 60 s
 }
