@@ -2,10 +2,7 @@
 #include "rumi/outputs/map_file.h"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -14,36 +11,14 @@
 #include "base/failures.h"
 #include "base/file_access.h"
 #include "base/scratch_folder.h"
+#include "base/temporary_folder.h"
 #include "base/whole_file.h"
 #include "bus/transport/log_file.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
-namespace {
 
 namespace fs = std::filesystem;
-
-class TemporaryFolder {
- public:
-  // `also`: where it may be, see scratch_folder().
-  explicit TemporaryFolder(const fs::path& also)
-      : name_((fs::path(scratch_folder(also.string())) / "rumi-map-XXXXXX").string()) {
-    if (!mkdtemp(name_.data()))
-      throw std::runtime_error(fmt::format("{}: cannot be made: {}", name_, std::strerror(errno)));
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(name_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  std::string file(const char* name) const { return (fs::path(name_) / name).string(); }
-
- private:
-  std::string name_;
-};
-
-}  // namespace
 
 std::string map_database_at(const std::string& name) {
   std::error_code error;
@@ -68,8 +43,8 @@ map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wa
 
 map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to,
                                  std::string* copy_problem) {
-  const TemporaryFolder folder(fs::path(copy_to).parent_path());
-  const std::string received = folder.file("map.db");
+  const TemporaryFolder folder(scratch_folder(fs::path(copy_to).parent_path().string()), "rumi-map-");
+  const std::string received = folder.path() + "/map.db";
   WholeFile file(received);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);

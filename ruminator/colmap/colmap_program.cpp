@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstdlib>
 #include <filesystem>
-#include <system_error>
+#include <optional>
 
+#include "base/failures.h"
 #include "base/log.h"
+#include "base/temporary_folder.h"
 #include "ruminator/colmap/colmap_dialect.h"
 #include "ruminator/colmap/colmap_environment.h"
 
@@ -53,30 +54,6 @@ std::string version_or_unknown(const std::string& version) {
   return version.empty() ? std::string("of unknown version") : version;
 }
 
-// COLMAP 4.x leaves a log in TMPDIR each time it is asked for help, whatever it is told of logs. It gets a TMPDIR that
-// is removed with it.
-class TemporaryTmpdir {
- public:
-  TemporaryTmpdir() {
-    std::error_code error;
-    std::string name = (std::filesystem::temp_directory_path(error) / "rumi-colmap-XXXXXX").string();
-    if (!error && mkdtemp(name.data())) name_ = std::move(name);
-  }
-  ~TemporaryTmpdir() {
-    std::error_code ignored;
-    if (!name_.empty()) std::filesystem::remove_all(name_, ignored);
-  }
-  TemporaryTmpdir(const TemporaryTmpdir&) = delete;
-  TemporaryTmpdir& operator=(const TemporaryTmpdir&) = delete;
-  // None where there is no room for it: then the log is left, too.
-  void add_to(std::vector<std::string>* environment) const {
-    if (!name_.empty()) environment->push_back("TMPDIR=" + name_);
-  }
-
- private:
-  std::string name_;
-};
-
 std::string why_it_failed(const std::string& name, const ChildResult& help) {
   const std::string said = complaint(help.last_output);
   if (help.outcome == Outcome::kNotStarted) return help.error;
@@ -112,8 +89,11 @@ ChildResult ColmapProgram::question(int nice, const std::atomic<bool>& cancel) {
   ChildCommand command;
   command.arguments = {name_, "mapper", "-h"};
   command.environment = colmap_environment();
-  const TemporaryTmpdir tmpdir;
-  tmpdir.add_to(&command.environment);
+  // COLMAP 4.x leaves a log in TMPDIR each time it is asked for help, whatever it is told of logs. It gets a TMPDIR
+  // that is removed with it; where none can be made the log is left, too.
+  std::optional<TemporaryFolder> tmpdir;
+  if (thrown_by([&] { tmpdir.emplace(std::filesystem::temp_directory_path(), "rumi-colmap-"); }).empty())
+    command.environment.push_back("TMPDIR=" + tmpdir->path());
   command.time_limit_s = kHelpTimeLimitS;
   command.idle_limit_s = idle_limit_s_;
   command.nice = nice;
