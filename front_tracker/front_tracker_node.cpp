@@ -48,7 +48,7 @@ bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > i
 }  // namespace
 
 FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
-    : bus_(bus), options_(options), publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s) {
+    : bus_(bus), options_(options), publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s), mask_publisher_(bus) {
   if (const int most = options.tracking.back_keyframes; most > 0) {
     const auto take = [this](Submap submap) { return tracker_ ? tracker_->add_back_submap(std::move(submap)) : ""; };
     const auto forget = [this](int id) {
@@ -136,6 +136,7 @@ void FrontTrackerNode::begin_session(const Camera& camera, const image_t& image)
   session_ = std::max(bus_.now_us(), session_ + 1);
   session_stream_ = stream_of(image) != kNoStream ? stream_of(image) : session_;
   sequence_ = 0;
+  repeated_.begin_session();
   without_pose_.clear();
   with_pose_.clear();
   if (back_submaps_) back_submaps_->begin_session(session_);
@@ -184,14 +185,23 @@ cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
   return grey;
 }
 
+const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size& size) {
+  std::string error;
+  const ImageMask& mask = masks_.read(image, size, &error);
+  if (!error.empty() && told_.insert("mask").second)
+    log_warning("{}: the image is used as if it had none (further images like it are not said)", error);
+  return mask;
+}
+
 void FrontTrackerNode::on_image(const image_t& image) {
   if (finishing_) return;
   const cv::Mat grey = usable_image(image);
   if (grey.empty()) return;
   problem_.clear();
   last_utime_us_ = image.utime;
+  if (repeated_.take(image.utime, grey)) return;
   const double before_s = thread_cpu_s();
-  const auto result = tracker_->process(image.utime, grey);
+  const auto result = tracker_->process(image.utime, grey, mask_of(image, grey.size()));
   if (!result) return;
   const double cpu_ms = 1e3 * (thread_cpu_s() - before_s);
   cpu_ms_ += cpu_ms;
@@ -200,6 +210,7 @@ void FrontTrackerNode::on_image(const image_t& image) {
   publish_posed_afterwards();
   publish_withdrawn();
   publish(image, *result, cpu_ms);
+  mask_publisher_.publish(*tracker_, image.utime, bus_.now_us());
   publisher_.publish(*tracker_, bus_.now_us(), false);
 }
 
@@ -345,11 +356,13 @@ void FrontTrackerNode::tell_of_dropped() const {
 
 int FrontTrackerNode::exit_code() const {
   const ChannelCounts counts = images();
-  return dropped_many(counts) || (counts.received > 0 && !has_posed_) ? kNotAll : 0;
+  const bool repeats = repeated_.count() * 100 > counts.received;
+  return dropped_many(counts) || repeats || (counts.received > 0 && !has_posed_) ? kNotAll : 0;
 }
 
 void FrontTrackerNode::finish() {
   if (!finishing_) tell_of_dropped();
+  if (const std::string text = repeated_.text(); !finishing_ && !text.empty()) log_warning("{}", text);
   finishing_ = true;
   retire_session();
 }
@@ -377,6 +390,7 @@ NodeStatus FrontTrackerNode::status() {
   if (back_submaps_ && back_submaps_->refused() > 0)
     s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
   for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
+  if (repeated_.count() > 0) s.detail += ", " + repeated_.text();
   if (broken_mapping_.count() > 0) {
     s.detail += ", " + broken_mapping_.text();
     s.degraded = broken_mapping_.take_news();

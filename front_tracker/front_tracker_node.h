@@ -11,8 +11,11 @@
 #include "base/failures.h"
 #include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
+#include "bus/wire/image_masks.h"
 #include "front_tracker/back_submap_fetcher.h"
+#include "front_tracker/mask_publisher.h"
 #include "front_tracker/options.h"
+#include "front_tracker/repeated_images.h"
 #include "front_tracker/submap_publisher.h"
 #include "front_tracker/tracking/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
@@ -31,6 +34,8 @@ class FrontTrackerNode : public Node {
   NodeStatus status() override;
   // Images that could not be decoded.
   int64_t undecodable() const;
+  // Images that were the same as the one before.
+  const RepeatedImages& repeated() const { return repeated_; }
   void finish() override;
   std::string waits_for() const override;
   int exit_code() const override;  // kNotAll: many images were dropped, or none got a pose
@@ -47,6 +52,8 @@ class FrontTrackerNode : public Node {
   void on_map_status(const map_status_t& status);
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
   cv::Mat usable_image(const image_t& image);
+  // What the image says of itself; everything, and a problem noted, if that cannot be used.
+  const ImageMask& mask_of(const image_t& image, const cv::Size& size);
   void retire_session();
   void tell_of_silence(int64_t now_us);
   void tell_of_dropped() const;
@@ -81,7 +88,10 @@ class FrontTrackerNode : public Node {
   int64_t session_stream_ = 0;       // of its images
   std::unique_ptr<Tracker> tracker_;
   std::vector<std::unique_ptr<Tracker>> retired_;  // of earlier sessions, until map_server has all of them
+  MaskReader masks_;
+  RepeatedImages repeated_;
   SubmapPublisher publisher_;
+  MaskPublisher mask_publisher_;
   std::optional<BackSubmapFetcher> back_submaps_;  // unless none are to be kept
   MapOverview map_;
   struct PlaceInMap {

@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   rumi::tool::add_calibrate_command(app, &chosen);
   rumi::tool::add_synth_command(app, &chosen);
   rumi::tool::add_export_command(app, &chosen);
+  rumi::tool::add_mask_command(app, &chosen);
   rumi::tool::add_import_command(app, &chosen);
   rumi::tool::add_config_command(app, &chosen);
   for (const char* program : rumi::tool::kPrograms) app.add_other_command(program);

@@ -8,7 +8,8 @@
 # SEEDS (1): runs of each; they differ in the number of keypoints, which changes every random choice after it.
 # What is measured in OUT is kept, so that an interrupted run can be continued.
 # RUMI_TABLE_RECORDINGS="NAME ...": only these; backwards_NAME is NAME played backwards, every3_NAME every third image of
-# it (derived_recording.py): recordings that nothing was set on. RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
+# it (derived_recording.py): recordings that nothing was set on; KIND_NAME is NAME with something in its images that is not
+# the world (disturbed_recordings.py, which needs python3-opencv). RUMI_TABLE_SET="KEY=VALUE ...": other options. RUMI_TABLE_JOBS: runs at a
 # time (1: CPU times are then good). RUMI_TABLE_ONLY=1: the table of what exists. Needs python3.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -19,6 +20,9 @@ out=$3
 seeds=${4:-1}
 . "$here/rendered_paths.sh"
 mkdir -p "$out"
+disturbances="bonnet10 bonnet20 bonnet30 caption rim dust arm follow20 follow40 follow60 overtake20 overtake40 overtake60
+cross20 cross40 cross60 people frozen doubled"
+disturbances=$(echo $disturbances)
 
 names() {
   for list in "$data"/*/rgb.txt "$data"/real/*/rgb.txt; do
@@ -35,17 +39,32 @@ stored() { # name
   if [ -e "$data/$1" ]; then echo "$data/$1"; else echo "$data/real/$1"; fi
 }
 
+is_disturbed() { # name
+  case " $disturbances " in *" ${1%%_*} "*) return 0 ;; esac
+  return 1
+}
+
 # Renders or derives a recording where it is not there yet. Leaves its folder in $folder.
 find_recording() { # name
   case $1 in
-    rendered_* | passages_* | backwards_* | every[0-9]*_*) folder=$out/sequences/$1 ;;
+    rendered_* | passages_* | backwards_* | every[0-9]*_*) ;;
     *)
-      folder=$(stored "$1")
-      return 0
+      if ! is_disturbed "$1"; then
+        folder=$(stored "$1")
+        return 0
+      fi
       ;;
   esac
+  folder=$out/sequences/$1
   if [ -e "$folder/done" ]; then return 0; fi
   kind=${1%%_*} path=${1#*_}
+  if is_disturbed "$1"; then
+    find_recording "$path"
+    plain=$folder folder=$out/sequences/$1
+    /usr/bin/python3 -B "$here/disturbed_recordings.py" "$plain" "$folder" "${1%%_*}"
+    touch "$folder/done"
+    return 0
+  fi
   case $kind in
     backwards) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --backwards ;;
     every*) python3 -B "$here/derived_recording.py" "$(stored "$path")" "$folder" --every "${kind#every}" ;;
@@ -68,11 +87,15 @@ measure() { # name seed
   rm -rf "$run"
   mkdir -p "$run"
   # shellcheck disable=SC2086
-  "$rumi" replay -q "$folder" -o "$run/run" $options >"$run/log" 2>&1 || [ $? -eq 3 ] || echo "$1, seed $2: see $run/log" >&2
-  for truth in groundtruth.txt colmap.txt; do
-    if [ ! -e "$folder/$truth" ]; then continue; fi
+  code=0
+  "$rumi" replay -q "$folder" -o "$run/run" $options >"$run/log" 2>&1 || code=$?
+  echo "$code" >"$run/exit_code"
+  case $code in 0 | 3) ;; *) echo "$1, seed $2: see $run/log" >&2 ;; esac
+  # Without a truth what is disturbed is held against the path of the recording as it is.
+  for truth in "$folder/groundtruth.txt" "$folder/colmap.txt" "$out/${1#*_}/0/run/trajectory.txt"; do
+    if [ ! -e "$truth" ]; then continue; fi
     basename "$truth" .txt >"$run/truth"
-    if "$rumi" evaluate "$run/run" --groundtruth "$folder/$truth" --json >"$run/part" 2>>"$run/log" ||
+    if "$rumi" evaluate "$run/run" --groundtruth "$truth" --json >"$run/part" 2>>"$run/log" ||
       [ -s "$run/part" ]; then
       mv "$run/part" "$run/evaluation.json"
       return 0

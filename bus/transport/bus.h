@@ -114,6 +114,7 @@ inline constexpr const char* kMapPose = "RUMI_MAP_POSE";
 inline constexpr const char* kSubmap = "RUMI_SUBMAP";         // chunk_t towards map_server
 inline constexpr const char* kSubmapAck = "RUMI_SUBMAP_ACK";  // chunk_ack_t from map_server
 inline constexpr const char* kWindow = "RUMI_WINDOW";
+inline constexpr const char* kMask = "RUMI_MASK";
 inline constexpr const char* kMapStatus = "RUMI_MAP_STATUS";
 inline constexpr const char* kMapRequest = "RUMI_MAP_REQUEST";
 inline constexpr const char* kMapChunk = "RUMI_MAP_CHUNK";  // chunk_t from map_server

@@ -84,6 +84,20 @@ void FrontSubmap::cut_end(int64_t utime_us) {
   map.removed_landmarks.forget(map.revision);
 }
 
+size_t FrontSubmap::forget_left_out(const ImageMask& mask) {
+  std::vector<int> left_out;
+  for (const auto& [id, landmark] : map.landmarks) {
+    const auto is_out = [&](const Observation& o) {
+      return !mask.allows(map.keyframe(o.keyframe_id)->features->keypoints[o.keypoint_index].pixel);
+    };
+    const std::vector<Observation>& seen = landmark.observations;
+    if (2 * std::count_if(seen.begin(), seen.end(), is_out) > static_cast<std::ptrdiff_t>(seen.size()))
+      left_out.push_back(id);
+  }
+  for (const int id : left_out) map.remove_landmark(id);
+  return left_out.size();
+}
+
 void FrontSubmap::keypoints_moved(int keyframe_id) {
   grids[keyframe_id] = KeypointGrid(map.keyframe(keyframe_id)->features->undistorted, map.camera);
   moved_.insert(keyframe_id);

@@ -41,6 +41,8 @@ struct FrontSubmap {
   void remove_keyframe(int id, int heir);
   // Takes out the frames from `utime_us` on, with what only their keyframes saw. At least one keyframe must be older.
   void cut_end(int64_t utime_us);
+  // Removes the landmarks that most of their keyframes saw where the mask leaves something out. Returns their number.
+  size_t forget_left_out(const ImageMask& mask);
   // Some of the keyframe's keypoints are elsewhere than they were.
   void keypoints_moved(int keyframe_id);
   // Keeps the newest `n` images; what became of the keypoints of the others is final.

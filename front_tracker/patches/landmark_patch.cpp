@@ -12,6 +12,7 @@ namespace rumi::front_tracker {
 namespace {
 
 constexpr int kReferences = 2;  // keyframes that are tried
+constexpr float kPatchMargin = 3;  // pixels of the level beside the point that must show the world
 constexpr double kStep_px = 4;  // between the points whose projections tell how a patch is distorted
 
 // How steps from the point, parallel to the reference's image plane in x and y (columns), appear in the image.
@@ -68,7 +69,8 @@ bool is_inside(const ImagePyramid& images, const Keypoint& keypoint) {
   const Eigen::Vector2f at = images.to_level(keypoint.pixel, keypoint.octave);
   const cv::Mat& level = images.level(keypoint.octave);
   return at.minCoeff() >= kOrbBorder_px && at.x() < static_cast<float>(level.cols) - kOrbBorder_px &&
-         at.y() < static_cast<float>(level.rows) - kOrbBorder_px;
+         at.y() < static_cast<float>(level.rows) - kOrbBorder_px &&
+         images.shows_world(keypoint.pixel, keypoint.octave, kPatchMargin);
 }
 
 void add_keypoint(const Submap& map, const Landmark& landmark, const ImagePyramid& images, const Keypoint& keypoint,

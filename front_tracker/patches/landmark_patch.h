@@ -25,7 +25,7 @@ std::optional<Keypoint> find_patch(const FrontSubmap& submap, const Eigen::Vecto
                                    const std::vector<Observation>& references, const ImagedView& view,
                                    const Keypoint& at, PatchTemplates* templates);
 
-// Far enough from the border of its level for a keypoint (kOrbBorder_px).
+// Far enough from the border of its level for a keypoint (kOrbBorder_px), and from what the image's mask leaves out.
 bool is_inside(const ImagePyramid& images, const Keypoint& keypoint);
 
 // A keypoint of the landmark that no corner was found for, with the descriptor of its latest observation.

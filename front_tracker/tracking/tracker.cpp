@@ -38,15 +38,14 @@ Tracker::Tracker(const Camera& camera, const TrackerOptions& options, int64_t se
       mapper_(camera, options.mapping),
       mapping_(options.mapping_thread) {}
 
-std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey) {
+std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& grey, const ImageMask& mask) {
   if (utime_us <= last_utime_us_) return std::nullopt;
   const StageClock clock("front_tracker.track");
   if (last_utime_us_ == INT64_MIN) first_utime_us_ = utime_us;
   last_utime_us_ = utime_us;
   posed_afterwards_.clear();
   withdrawn_.clear();
-  const bool keep = options_.mapping.keyframe_images > 0;
-  const auto images = std::make_shared<const ImagePyramid>(extractor_.pyramid(keep ? grey.clone() : grey));
+  const Images images = prepare(utime_us, grey, mask);
   TrackResult result;
   result.utime_us = utime_us;
   if (!pose_without_corners(utime_us, images, &result)) pose_with_corners(utime_us, images, &result);
@@ -55,6 +54,21 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
     mapping_.post([this, &submap = active(), keyframe] { mapper_.process(submap, keyframe, map_mutex_); });
   to_map_.clear();
   return result;
+}
+
+Tracker::Images Tracker::prepare(int64_t utime_us, const cv::Mat& grey, const ImageMask& mask) {
+  if (still_parts_.add(utime_us, grey, mask)) forget_still_landmarks();
+  const bool keep = options_.mapping.keyframe_images > 0;
+  return std::make_shared<const ImagePyramid>(
+      extractor_.pyramid(keep ? grey.clone() : grey, mask_.join(mask, still_parts_.mask())));
+}
+
+void Tracker::forget_still_landmarks() {
+  const std::scoped_lock lock(map_mutex_);
+  size_t forgotten = 0;
+  for (const auto& submap : submaps_) forgotten += submap->forget_left_out(still_parts_.mask());
+  log_debug("{:.1f} % of the image never moves: {} landmarks in it are forgotten",
+            100 * still_parts_.mask().left_out(), forgotten);
 }
 
 bool Tracker::pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result) {

@@ -21,6 +21,8 @@
 #include "front_tracker/frame/front_submap.h"
 #include "front_tracker/initialization/initializer.h"
 #include "front_tracker/mapping/mapper.h"
+#include "front_tracker/masking/joint_mask.h"
+#include "front_tracker/masking/still_parts.h"
 #include "front_tracker/patches/patch_templates.h"
 #include "front_tracker/relocalization/back_submaps.h"
 #include "front_tracker/relocalization/relocalizer.h"
@@ -43,9 +45,9 @@ class Tracker {
   // images.
   Tracker(const Camera& camera, const TrackerOptions& options, int64_t session, int64_t stream = 0);
 
-  // Takes images of 8-bit grey and of the camera's size in order of time. Returns nothing for an image that is not
-  // newer than the last one.
-  std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey);
+  // Takes images of 8-bit grey and of the camera's size in order of time, and what is known of what they show. Returns
+  // nothing for an image that is not newer than the last one.
+  std::optional<TrackResult> process(int64_t utime_us, const cv::Mat& grey, const ImageMask& mask = {});
 
   // Earlier frames that got poses when the last image began a submap or was relocalized, in order of time.
   const std::vector<TrackResult>& posed_afterwards() const { return posed_afterwards_; }
@@ -61,6 +63,9 @@ class Tracker {
   void remove_back_submap(int id) { back_submaps_.remove(id); }
   const BackSubmaps& back_submaps() const { return back_submaps_; }
 
+  // What has turned out never to move in the images, besides what the given masks leave out.
+  const ImageMask& still_mask() const { return still_parts_.mask(); }
+
   // All submaps, oldest first; the pointers stay valid. Hold the mutex while looking at them.
   const std::vector<std::unique_ptr<FrontSubmap>>& submaps() const { return submaps_; }
   std::mutex& mutex() { return map_mutex_; }
@@ -70,9 +75,14 @@ class Tracker {
   // Call it when no more images come: it logs a loss that is still open.
   void end();
   const Camera& camera() const { return camera_; }
+  int64_t session() const { return session_; }
+  int64_t stream() const { return stream_; }
 
  private:
   using Images = std::shared_ptr<const ImagePyramid>;
+
+  Images prepare(int64_t utime_us, const cv::Mat& grey, const ImageMask& mask);
+  void forget_still_landmarks();
 
   // Looks for the pose of an image. accept() makes it the start for the next image.
   bool pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result);
@@ -105,7 +115,9 @@ class Tracker {
   TrackerOptions options_;
   int64_t session_, stream_;
 
-  // How a pose is found.
+  // What is looked at, and how a pose is found.
+  StillParts still_parts_;
+  JointMask mask_;
   OrbExtractor extractor_;
   PoseByPatches by_patches_;
   PoseByCorners by_corners_;

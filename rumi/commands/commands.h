@@ -28,6 +28,7 @@ void add_draw_board_command(CommandLine& app, std::function<int()>* chosen);
 void add_calibrate_command(CommandLine& app, std::function<int()>* chosen);
 void add_synth_command(CommandLine& app, std::function<int()>* chosen);
 void add_export_command(CommandLine& app, std::function<int()>* chosen);
+void add_mask_command(CommandLine& app, std::function<int()>* chosen);
 void add_import_command(CommandLine& app, std::function<int()>* chosen);
 void add_config_command(CommandLine& app, std::function<int()>* chosen);
 

@@ -5,7 +5,8 @@
 
 namespace rumi {
 
-ImagePyramid::ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales) : images_{grey} {
+ImagePyramid::ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales, const ImageMask& mask)
+    : images_{grey}, mask_(mask) {
   for (size_t i = 1; i < scales.size(); ++i) {
     const cv::Size size(cvRound(grey.cols / scales[i]), cvRound(grey.rows / scales[i]));
     if (size.empty()) break;

@@ -5,17 +5,25 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "slam/features/image_mask.h"
+
 namespace rumi {
 
-// An 8-bit grey image in several sizes.
+// An 8-bit grey image in several sizes, and what of it shows the world.
 class ImagePyramid {
  public:
   // `scales`: of the levels' pixels, growing, the first 1; levels without pixels are left out.
-  ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales);
+  ImagePyramid(const cv::Mat& grey, const std::vector<double>& scales, const ImageMask& mask = {});
 
   // The full image without the others, which can be made from it again; shares its pixels.
-  ImagePyramid full_image_alone() const { return ImagePyramid(images_[0], {1.0}); }
+  ImagePyramid full_image_alone() const { return ImagePyramid(images_[0], {1.0}, mask_); }
 
+  const ImageMask& mask() const { return mask_; }  // of the full image
+  // Whether a corner of the level at this pixel of the full image is one of the world: nothing within `radius` pixels of
+  // the level around it is left out.
+  bool shows_world(const Eigen::Vector2f& full, int i, float radius) const {
+    return mask_.allows(full, radius * pixel_size(i).x());
+  }
   int levels() const { return static_cast<int>(images_.size()); }
   const cv::Mat& level(int i) const { return images_[i]; }
   // Size of a pixel of the level in pixels of the full image, in x and y (nearly the same: sizes are whole pixels).
@@ -33,6 +41,7 @@ class ImagePyramid {
 
  private:
   std::vector<cv::Mat> images_;
+  ImageMask mask_;
 };
 
 }  // namespace rumi

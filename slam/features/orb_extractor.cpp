@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kPatchRadius = 15;     // of the intensity centroid and of BRIEF's pattern
 constexpr int kClearThreshold = 14;  // grey levels; OrbOptions::fast_threshold is for images with little to see
+constexpr float kFastRadius = 3;     // pixels of the level that decide whether there is a corner
 constexpr double kPlenty = 2.5;      // corners for each that is wanted
 
 // What a pixel of the patch weighs in its moments: its coordinates, or nothing outside the circle. The last column is
@@ -127,10 +128,16 @@ std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int o
   return corners;
 }
 
-std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int octave, int wanted) {
+std::vector<cv::KeyPoint> OrbExtractor::detect(const ImagePyramid& pyramid, int octave, int wanted) {
+  const cv::Mat& level = pyramid.level(octave);
   const int inset = kOrbBorder_px - 3;  // FAST itself leaves 3 pixels
   const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
   std::vector<cv::KeyPoint> corners = find_corners(level(inner), octave, wanted);
+  if (!pyramid.mask().is_everything())
+    std::erase_if(corners, [&](const cv::KeyPoint& k) {
+      const Eigen::Vector2f at_level(k.pt.x + static_cast<float>(inset), k.pt.y + static_cast<float>(inset));
+      return !pyramid.shows_world(pyramid.to_full(at_level, octave), octave, kFastRadius);
+    });
   corners = spread(corners, wanted, options_.cell_px, inner.size());
   for (cv::KeyPoint& k : corners) {
     k.pt += cv::Point2f(static_cast<float>(inset), static_cast<float>(inset));
@@ -141,7 +148,9 @@ std::vector<cv::KeyPoint> OrbExtractor::detect(const cv::Mat& level, int octave,
   return corners;
 }
 
-ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey) const { return {grey, options_.pyramid.scales()}; }
+ImagePyramid OrbExtractor::pyramid(const cv::Mat& grey, const ImageMask& mask) const {
+  return {grey, options_.pyramid.scales(), mask};
+}
 
 Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
   Features features;
@@ -149,7 +158,7 @@ Features OrbExtractor::extract(const ImagePyramid& pyramid, int keypoints) {
   for (int octave = 0; octave < pyramid.levels(); ++octave) {
     const cv::Mat& level = pyramid.level(octave);
     if (std::min(level.cols, level.rows) < 2 * kOrbBorder_px + 8) break;
-    std::vector<cv::KeyPoint> corners = detect(level, octave, wanted[octave]);
+    std::vector<cv::KeyPoint> corners = detect(pyramid, octave, wanted[octave]);
     if (corners.empty()) continue;
     cv::Mat descriptors;
     describer_->compute(level, corners, descriptors);

@@ -27,14 +27,15 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options);
   // The pyramid that extract() looks at, of an 8-bit grey image no smaller than 64 x 64 pixels; shares its pixels.
-  ImagePyramid pyramid(const cv::Mat& grey) const;
-  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. Deterministic.
+  ImagePyramid pyramid(const cv::Mat& grey, const ImageMask& mask = {}) const;
+  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. There are
+  // none where the pyramid's mask leaves something out. Deterministic.
   Features extract(const ImagePyramid& pyramid, int keypoints = 0);
   Features extract(const cv::Mat& grey, int keypoints = 0) { return extract(pyramid(grey), keypoints); }
 
  private:
   std::vector<cv::KeyPoint> find_corners(const cv::Mat& image, int octave, int wanted);
-  std::vector<cv::KeyPoint> detect(const cv::Mat& level, int octave, int wanted);
+  std::vector<cv::KeyPoint> detect(const ImagePyramid& pyramid, int octave, int wanted);
   OrbOptions options_;
   // Per level, of the last image: whether it had few clear corners. So will the next one, most likely; nothing but time
   // depends on it.

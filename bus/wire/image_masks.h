@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What of an image shows the world, as it travels with the image: a PNG of its size in the metadata, black where
+// something else is seen (COLMAP's convention).
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+
+#include "lcmtypes/rumi/image_t.hpp"
+#include "slam/features/image_mask.h"
+
+namespace rumi {
+
+inline constexpr const char* kMaskKey = "mask";
+
+// Black and white, losslessly: 0 stays 0, all else becomes white. The bytes of a PNG.
+std::string encode_mask(const cv::Mat& pixels);
+// Any image file's bytes; of several channels a pixel is left out if it is black. Empty, and in *error what is wrong, if
+// they are none.
+cv::Mat decode_mask(const std::string& bytes, std::string* error);
+
+// Takes the masks out of images. Images in a row mostly have the same one: it is decoded once.
+class MaskReader {
+ public:
+  // As large as `size`. Everything where the image has none. In *error what is wrong with it (it is then everything).
+  const ImageMask& read(const image_t& image, const cv::Size& size, std::string* error);
+
+ private:
+  std::string bytes_, error_;
+  cv::Size size_;
+  ImageMask mask_;
+};
+
+}  // namespace rumi

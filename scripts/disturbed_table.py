@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Table of what scripts/disturbed_table.sh measured: python3 disturbed_table.py OUT
+
+A run is good if its error is at most 1.3 times that of the recording as it is (or below .2 % of the path) and it has .97
+of its frames, honest if it ends with exit code 3 otherwise, and else wrong."""
+import csv
+import pathlib
+import statistics
+import sys
+
+from disturbed_recordings import KINDS
+from recordings_table import read_runs
+from rendered_runs import write_table
+
+MOST_ERROR, LEAST_FRAMES, SMALL_PERCENT = 1.3, .97, .2
+
+
+def verdict(run, clean):
+    lost = run["in_map"] < LEAST_FRAMES * clean["in_map"]
+    error, plain = run["ate_percent"], clean["ate_percent"]
+    wrong = error is not None and plain is not None and error > max(MOST_ERROR * plain, SMALL_PERCENT)
+    if not lost and not wrong:
+        return "good"
+    return "honest" if run["exit_code"] != 0 else "wrong"
+
+
+def main():
+    out = pathlib.Path(sys.argv[1])
+    runs = read_runs(out)
+    for run in runs:
+        run["exit_code"] = int((out / run["recording"] / str(run["seed"]) / "exit_code").read_text())
+    plain = {(r["recording"], r["seed"]): r for r in runs}
+    rows, counts, records = [], {}, []
+    for kind in KINDS:
+        for name in dict.fromkeys(r["recording"] for r in runs):
+            if not name.startswith(kind + "_"):
+                continue
+            pairs = [(r, plain[(name[len(kind) + 1:], r["seed"])]) for r in runs if r["recording"] == name]
+            verdicts = [verdict(r, clean) for r, clean in pairs]
+            for v in verdicts:
+                counts[v] = counts.get(v, 0) + 1
+
+            def both(key, worst, digits):
+                values = [r[key] for r, _ in pairs if r[key] is not None]
+                return f"{statistics.median(values):.{digits}f} / {worst(values):.{digits}f}" if values else "-"
+
+            rows.append([kind, name[len(kind) + 1:], both("in_map", min, 3), both("ate_percent", max, 2),
+                         " ".join(str(r["exit_code"]) for r, _ in pairs), " ".join(verdicts)])
+    for name in dict.fromkeys(r["recording"] for r in runs if r["recording"].split("_")[0] not in KINDS):
+        of = [r for r in runs if r["recording"] == name]
+        errors = [r["ate_percent"] for r in of if r["ate_percent"] is not None]
+        rows.append(["as it is", name, f"{statistics.median(r['in_map'] for r in of):.3f}",
+                     f"{statistics.median(errors):.2f}" if errors else "-", " ".join(str(r["exit_code"]) for r in of), ""])
+    write_table(out / "disturbed.csv", ["disturbance", "recording", "in the map", "ATE % of the path", "exit codes", "runs"], rows)
+    print("\n" + ", ".join(f"{n} {v}" for v, n in sorted(counts.items())))
+
+
+if __name__ == "__main__":
+    main()
