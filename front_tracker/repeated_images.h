@@ -11,20 +11,21 @@ namespace rumi::front_tracker {
 
 class RepeatedImages {
  public:
+  struct Row {
+    int64_t images = 0;
+    double begin_s = 0;  // since the first image
+  };
   // Images in order of time. True if the image is the one before. The first ones and long rows are said in the log.
   bool take(int64_t utime_us, const cv::Mat& grey);
   // Times begin anew.
   void begin_session();
 
   int64_t count() const { return count_; }
+  const Row& longest() const { return longest_; }
   // "31 images are the same as the one before; the longest row, 30 images from 1.33 s on": empty where there are none.
   std::string text() const;
 
  private:
-  struct Row {
-    int64_t images = 0;
-    double begin_s = 0;  // since the first image
-  };
   void tell() const;
 
   cv::Mat last_;

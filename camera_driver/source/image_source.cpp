@@ -19,6 +19,7 @@ std::string SkippedFrames::to_string() const {
   add(wrong_size, "images of another size");
   add(other_camera, "images of other cameras");
   add(lost, "lost by the camera or its driver");
+  add(repeated, "the same as the one before");
   return out;
 }
 
@@ -48,6 +49,11 @@ std::vector<std::string> SkippedFrames::complaints(int64_t handed_out) const {
       "play them by themselves (a folder of their own, or camera_driver.files), with a calibration of their size");
   add(other_camera, "because they are of another camera or stream on the same channel",
       "record each camera on a channel of its own");
+  if (repeated > 0 && static_cast<double>(repeated) / all > kTolerable)
+    sentences.push_back(fmt::format(
+        "{} of {:.0f} images are the same as the one before them (the longest row: {} {} from {:.2f} s on): "
+        "the camera or the recorder stood still; they have no pose",
+        repeated, all, longest_row, longest_row == 1 ? "image" : "images", longest_row_s));
   return sentences;
 }
 

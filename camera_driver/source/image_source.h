@@ -15,7 +15,7 @@
 
 namespace rumi::camera_driver {
 
-// Frames that are not handed out, by reason.
+// Frames that are not handed out, by reason; and those that front_tracker leaves out.
 struct SkippedFrames {
   int64_t malformed = 0;     // lines or messages that are no frame
   int64_t duplicate = 0;     // time equal to that of another frame
@@ -24,7 +24,12 @@ struct SkippedFrames {
   int64_t wrong_size = 0;    // not that of the calibration
   int64_t other_camera = 0;  // of another camera or stream on the same channel, in turn
   int64_t lost = 0;          // camera: gaps in the driver's numbering
-  int64_t total() const { return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost; }
+  int64_t repeated = 0;      // the same image as the one before, with another time
+  int64_t longest_row = 0;   // of these
+  double longest_row_s = 0;  // where it begins, since the first image
+  int64_t total() const {
+    return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost + repeated;
+  }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
   // Of a recording of which `handed_out` images were not skipped: a sentence for each reason for which more than 1 % of
   // all were, with what to do.

@@ -103,7 +103,8 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
   const camera_driver::SkippedFrames skipped = replay.skipped();
   run["skipped_images"] = {{"malformed", skipped.malformed},       {"duplicate", skipped.duplicate},
                            {"out_of_order", skipped.out_of_order}, {"unreadable", skipped.unreadable},
-                           {"wrong_size", skipped.wrong_size},     {"other_camera", skipped.other_camera}};
+                           {"wrong_size", skipped.wrong_size},     {"other_camera", skipped.other_camera},
+                           {"repeated", skipped.repeated}};
   run["counts"] = counts_to_json(count(replay.atlas(), replay.earlier_sessions()));
   if (const auto after_s = replay.localized_after_s()) run["localized_after_s"] = *after_s;
   run["windows"] = windows.counts();

@@ -154,13 +154,17 @@ std::vector<std::string> Replay::broken() const {
   return lines;
 }
 
-int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable(); }
+int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable() - front_tracker_->repeated().count(); }
 
 camera_driver::ImageSource& Replay::recording() { return camera_->source(); }
 
 camera_driver::SkippedFrames Replay::skipped() const {
   camera_driver::SkippedFrames skipped = camera_->source().skipped();
   skipped.unreadable += front_tracker_->undecodable();
+  const front_tracker::RepeatedImages& repeated = front_tracker_->repeated();
+  skipped.repeated = repeated.count();
+  skipped.longest_row = repeated.longest().images;
+  skipped.longest_row_s = repeated.longest().begin_s;
   return skipped;
 }
 

@@ -77,7 +77,7 @@ class Replay {
   std::map<std::string, double> cpu_s() const;
   // The same by stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
-  // Of the recording, and what turned out to be undecodable later.
+  // Of the recording, and what front_tracker found undecodable or repeated.
   camera_driver::SkippedFrames skipped() const;
   // Images of which front_tracker had a pose to find.
   int64_t decoded() const;

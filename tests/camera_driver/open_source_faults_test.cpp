@@ -90,6 +90,18 @@ TEST(SkippedFrames, ComplainOfMoreThanOnePerCentWithARemedy) {
   EXPECT_EQ(skipped.complaints(49).size(), 1u);
 }
 
+TEST(SkippedFrames, ComplainOfImagesThatRepeatTheOneBefore) {
+  SkippedFrames skipped;
+  skipped.repeated = 30;
+  skipped.longest_row = 29;
+  skipped.longest_row_s = 4.0 / 3;
+  EXPECT_EQ(skipped.to_string(), "30 the same as the one before");
+  EXPECT_THAT(skipped.complaints(60),
+              ElementsAre("30 of 90 images are the same as the one before them (the longest row: 29 images from 1.33 s "
+                          "on): the camera or the recorder stood still; they have no pose"));
+  EXPECT_TRUE(skipped.complaints(2970).empty());
+}
+
 TEST(ImageSource, CorruptPng) {
   const TemporaryFolder folder;
   write_tum(folder.path(), 3);
