@@ -18,6 +18,10 @@ constexpr std::array kFlags = {
     ShortFlag{"--camera", "camera_driver.camera_file", "FILE", nullptr,
               "the camera's calibration, ours (see config/cameras) or that of another tool (FILE:cam1: one of its "
               "cameras); without it the one beside the data or in the log"},
+    ShortFlag{
+        "--mask", "camera_driver.mask", "PNG", nullptr,
+        "what of the images does not show the world (a bonnet, a caption) is black in this file, or in a folder's "
+        "file for each image; none: not even the mask beside the data (docs/recordings.md)"},
     ShortFlag{"--every", "camera_driver.every", "N", "1", "every Nth image only"},
     ShortFlag{"--start", "camera_driver.start", "S", "0", "leave out S seconds at the beginning"},
     ShortFlag{"--duration", "camera_driver.duration", "S", "0", "end after S seconds; 0: with the recording"},

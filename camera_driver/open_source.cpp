@@ -72,12 +72,24 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
 struct Opened {
   OpenedReader reader;
   CameraFileResult camera;
+  std::vector<fs::path> folders = {};  // of the recording, which may have masks
 };
+
+// Where masks are looked for: in the recording's folders, and beside a calibration that was found.
+MaskPlaces places_of_masks(const Opened& opened, const CameraOptions& options) {
+  MaskPlaces places{options.mask, opened.camera.mask, opened.folders};
+  std::error_code code;
+  if (options.camera_file.empty() && fs::is_regular_file(opened.camera.file, code))
+    places.folders.push_back(fs::path(opened.camera.file).parent_path());
+  return places;
+}
 
 Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options, const std::string& note) {
   if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
   if (!note.empty()) list.notes.push_back(note);
-  return {{make_file_list_reader(std::move(list), parse_grey_range(options.grey_range)), ""}, std::move(camera)};
+  auto reader = make_file_list_reader(std::move(list), parse_grey_range(options.grey_range));
+  const fs::path folder = reader->folder();
+  return {{std::move(reader), ""}, std::move(camera), {folder}};
 }
 
 bool has_images(const fs::path& folder) { return !list_image_folder(folder, {}).entries.empty(); }
@@ -249,8 +261,10 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   if (!opened.camera.ok()) return {nullptr, opened.camera.error};
   choose_size_of_images(*opened.reader.reader, &opened.camera);
   log_notes(opened.camera);
+  const MaskPlaces places = places_of_masks(opened, options);
   auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
+  if (const std::string problem = source->use_masks(places); !problem.empty()) return {nullptr, problem};
   return {std::move(source), ""};
 }
 

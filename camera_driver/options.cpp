@@ -89,6 +89,9 @@ void describe(OptionTable& table, CameraOptions& o) {
       "camera_driver.camera_file", &o.camera_file,
       "calibration file (FILE:cam1: one of its cameras); empty: beside the data, or in the log; a camera without one "
       "cannot be tracked");
+  table.add("camera_driver.mask", &o.mask,
+            "PNG, black where an image does not show the world, or a folder with one an image; empty: beside the data, "
+            "or in the log; none: no mask");
   table.add("camera_driver.every", &o.every, "", "publish every Nth image only", 1, kMaxEvery);
   table.add("camera_driver.start", &o.start_s, "s", "leave out so much at the beginning", 0, kMaxSeconds);
   table.add("camera_driver.duration", &o.duration_s, "s", "end after so much of the recording; 0: all of it", 0,
@@ -124,12 +127,13 @@ void describe(OptionTable& table, CameraOptions& o) {
             "camera: exposure, gain and white balance stay as they are after so long; 0: never", 0, kMaxLockS);
   table.add("camera_driver.stall", &o.stall_s, "s", "camera: opened again after so long without an image", kMinStallS,
             kMaxStallS);
-  table.for_users(
-      {"camera_driver.camera_file", "camera_driver.every",      "camera_driver.start",    "camera_driver.duration",
-       "camera_driver.loop",        "camera_driver.rate",       "camera_driver.speed",    "camera_driver.encoding",
-       "camera_driver.files",       "camera_driver.grey_range", "camera_driver.width",    "camera_driver.height",
-       "camera_driver.format",      "camera_driver.exposure",   "camera_driver.gain",     "camera_driver.white_balance",
-       "camera_driver.focus",       "camera_driver.power_line", "camera_driver.controls", "camera_driver.lock_auto"});
+  table.for_users({"camera_driver.camera_file", "camera_driver.mask",          "camera_driver.every",
+                   "camera_driver.start",       "camera_driver.duration",      "camera_driver.loop",
+                   "camera_driver.rate",        "camera_driver.speed",         "camera_driver.encoding",
+                   "camera_driver.files",       "camera_driver.grey_range",    "camera_driver.width",
+                   "camera_driver.height",      "camera_driver.format",        "camera_driver.exposure",
+                   "camera_driver.gain",        "camera_driver.white_balance", "camera_driver.focus",
+                   "camera_driver.power_line",  "camera_driver.controls",      "camera_driver.lock_auto"});
 }
 
 }  // namespace rumi::camera_driver

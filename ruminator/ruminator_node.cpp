@@ -48,6 +48,8 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
                          [this](const image_t& image) { on_image(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
+  bus.subscribe<mask_t>(channels::kMask, {.capacity = 4, .drop = DropPolicy::kDropOldest},
+                        [this](const mask_t& mask) { on_mask(mask); });
 }
 
 void RuminatorNode::on_image(const image_t& image) {
@@ -69,6 +71,8 @@ void RuminatorNode::on_track(const track_t& track) {
   pending_.push_back({track, bus_.now_us()});
   process_pending(bus_.now_us(), false);
 }
+
+void RuminatorNode::on_mask(const mask_t& mask) { rejected_ += masks_.take(mask) ? 0 : 1; }
 
 // A frame's image and its state may come in either order, and either may be lost. States are followed in their order;
 // one whose image is missing waits a while, unless it was there before: a pose given afterwards.
@@ -139,6 +143,7 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   for (const Sample& sample : job->window.samples())
     if (const image_t* image = ring_.find({sample.utime_us, job->window.stream})) job->images.push_back(*image);
   if (job->images.empty()) return "no image of it was kept";
+  masks_.put_on(&job->images, job->window.stream);
   if (camera_from_file_) {
     job->camera = *camera_from_file_;
   } else {

@@ -19,6 +19,7 @@
 #include "ruminator/queue/rebuild_queue.h"
 #include "ruminator/window/frame_ring.h"
 #include "ruminator/window/image_motion.h"
+#include "ruminator/window/learned_masks.h"
 #include "ruminator/window/window_sampler.h"
 
 namespace rumi::ruminator {
@@ -56,6 +57,7 @@ class RuminatorNode : public Node {
   };
   void on_image(const image_t& image);
   void on_track(const track_t& track);
+  void on_mask(const mask_t& mask);
   void process_pending(int64_t now_us, bool all);
   void process(const track_t& track);
   FrameEvent event(const track_t& track) const;
@@ -75,6 +77,7 @@ class RuminatorNode : public Node {
   WindowSampler sampler_;
   FrameRing ring_;
   ImageMotion motion_;
+  LearnedMasks masks_;
   std::deque<PendingTrack> pending_;  // in order of arrival
   std::set<int64_t> retained_;        // sampler_.retained() after the last frame
   int64_t last_announced_us_ = 0;

@@ -93,6 +93,7 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
   }
   result.camera = chosen->camera, result.error = check(*chosen, file);
   result.name = chosen->name, result.lens = chosen->lens, result.notes = chosen->notes;
+  if (!chosen->mask.empty()) result.mask = (fs::path(file).parent_path() / chosen->mask).string();
   if (!result.ok()) {
     result.camera = Camera();
     if (choice.empty() && lenses.size() > 1)
@@ -145,7 +146,9 @@ CameraFileResult read_chosen(const std::string& file, const std::string& choice)
 }  // namespace
 
 CameraFileResult parse_camera(const std::string& text, const std::string& name) {
-  return choose(read_text(text, name), name, "");
+  CameraFileResult result = choose(read_text(text, name), name, "");
+  result.mask.clear();  // a text from the network names no files here
+  return result;
 }
 
 CameraFileResult read_camera_file(const std::string& file) {

@@ -16,6 +16,7 @@ struct CameraFileResult {
   std::string error;               // empty, or the name, field, value and what to do
   std::vector<std::string> notes;  // what of the file is not used, or was chosen: with its name, to be logged once
   std::string file;                // as it was given
+  std::string mask;                // file that it names, empty if it names none; of a text always
   std::string name, lens;          // of the camera in a file of several: "Color 640x480" and "Color"
 
   struct Other {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -13,14 +14,19 @@ namespace rumi {
 namespace {
 
 constexpr size_t kMostBytes = 16'000'000;
+constexpr int64_t kMostPixels = 100'000'000;  // a PNG of a hundred bytes may ask for gigabytes
+
+// A header that says so is believed before room is made for the pixels.
+std::string why_unfit(const std::string& bytes, const cv::Size& of_image) {
+  const cv::Size size = size_of_mask(bytes);
+  if (size.empty() || size == of_image) return {};
+  return fmt::format("the mask is {} x {} pixels and the image {} x {}", size.width, size.height, of_image.width,
+                     of_image.height);
+}
 
 ImageMask mask_of_size(const std::string& bytes, const cv::Size& of_image, const cv::Size& wanted, std::string* error) {
-  const cv::Mat pixels = decode_mask(bytes, error);
-  if (pixels.empty()) return {};
-  if (pixels.size() == of_image) return ImageMask(pixels).resized(wanted);
-  *error = fmt::format("the mask is {} x {} pixels and the image {} x {}", pixels.cols, pixels.rows, of_image.width,
-                       of_image.height);
-  return {};
+  *error = why_unfit(bytes, of_image);
+  return error->empty() ? ImageMask(decode_mask(bytes, error)).resized(wanted) : ImageMask();
 }
 
 }  // namespace
@@ -31,15 +37,34 @@ std::string encode_mask(const cv::Mat& pixels) {
   return {bytes.begin(), bytes.end()};
 }
 
+cv::Size size_of_mask(std::string_view bytes) {
+  constexpr std::string_view kBeginning{"\x89PNG\r\n\x1A\n\0\0\0\rIHDR", 16};
+  if (bytes.size() < kMaskHeaderBytes || !bytes.starts_with(kBeginning)) return {};
+  const auto side = [bytes](size_t at) {
+    int64_t value = 0;
+    for (size_t i = at; i < at + 4; ++i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
+    return value;
+  };
+  constexpr int64_t kMostSide = 1'000'000;
+  const int64_t width = side(16), height = side(20);
+  if (width < 1 || height < 1 || width > kMostSide || height > kMostSide) return {};
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
 cv::Mat decode_mask(const std::string& bytes, std::string* error) {
+  const cv::Size size = size_of_mask(bytes);
+  if (int64_t{size.width} * size.height > kMostPixels || bytes.size() > kMostBytes) {
+    *error = fmt::format("the mask is too large ({} x {} pixels in {} bytes)", size.width, size.height, bytes.size());
+    return {};
+  }
   cv::Mat pixels;
-  if (!bytes.empty() && bytes.size() <= kMostBytes) try {
+  if (!size.empty()) try {
       const std::vector<uchar> data(bytes.begin(), bytes.end());
       pixels = cv::imdecode(data, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {  // of a size that OpenCV refuses
+    } catch (const cv::Exception&) {  // one that OpenCV refuses
     }
   if (pixels.empty()) {
-    *error = "the mask is no image that can be read";
+    *error = "the mask is no PNG that can be read";
     return {};
   }
   std::vector<cv::Mat> channels;

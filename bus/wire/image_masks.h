@@ -5,6 +5,7 @@
 
 #include <opencv2/core/mat.hpp>
 #include <string>
+#include <string_view>
 
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/features/image_mask.h"
@@ -15,8 +16,11 @@ inline constexpr const char* kMaskKey = "mask";
 
 // Black and white, losslessly: 0 stays 0, all else becomes white. The bytes of a PNG.
 std::string encode_mask(const cv::Mat& pixels);
-// Any image file's bytes; of several channels a pixel is left out if it is black. Empty, and in *error what is wrong, if
-// they are none.
+// What the header of a PNG says; nothing if it is none.
+cv::Size size_of_mask(std::string_view bytes);
+inline constexpr size_t kMaskHeaderBytes = 24;  // so many tell it
+// A PNG's bytes; of several channels a pixel is left out if it is black, and opacity counts for nothing. 255 is the
+// world. Empty, and in *error what is wrong, if they are none.
 cv::Mat decode_mask(const std::string& bytes, std::string* error);
 
 // Takes the masks out of images. Images in a row mostly have the same one: it is decoded once.

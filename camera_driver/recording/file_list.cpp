@@ -14,6 +14,7 @@
 #include "camera_driver/recording/image_choice.h"
 #include "camera_driver/recording/list_lines.h"
 #include "camera_driver/recording/odd_times.h"
+#include "camera_driver/recording/recording_masks.h"
 #include "camera_driver/recording/time_unit.h"
 #include "camera_driver/recording/times_beside.h"
 
@@ -70,6 +71,13 @@ std::vector<ListLine> without_copies(FileList* list, std::vector<ListLine> lines
   if (!left_out.empty())
     list->notes.push_back(
         fmt::format("{} copies of other images are left out (such as '{}')", left_out.size(), printable(left_out[0])));
+  return lines;
+}
+
+std::vector<ListLine> without_masks(std::vector<ListLine> lines) {
+  std::vector<std::string> names = all(lines, &ListLine::name);
+  std::sort(names.begin(), names.end());
+  std::erase_if(lines, [&](const ListLine& line) { return is_mask_name(line.name, names); });
   return lines;
 }
 
@@ -187,7 +195,7 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
     if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
-  lines = without_copies(&list, lines, folder);
+  lines = without_masks(without_copies(&list, lines, folder));
   std::sort(lines.begin(), lines.end(),
             [](const ListLine& a, const ListLine& b) { return natural_less(a.name, b.name); });
   if (options.files.empty() && are_hexadecimal(all(lines, &ListLine::name)))

@@ -22,6 +22,11 @@ class FileListReader : public FrameReader {
     const FileList::Entry& entry = list_.entries[frame];
     return entry.line == 0 ? entry.file.string() : fmt::format("{}:{}", list_.source.string(), entry.line);
   }
+  fs::path file(size_t frame) const override { return list_.entries[frame].file; }
+  fs::path folder() const override {
+    std::error_code code;
+    return fs::is_directory(list_.source, code) ? list_.source : list_.source.parent_path();
+  }
   std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
     const fs::path& file = list_.entries[frame].file;
     std::optional<image_t> image = load_image_file(

@@ -31,6 +31,9 @@ class FrameReader {
   virtual std::string why_no_calibration() const { return {}; }
   // For messages: "…/rgb.txt:12".
   virtual std::string where(size_t frame) const = 0;
+  // The image's own file, and the folder that names of its images are relative to; empty where frames have no files.
+  virtual std::filesystem::path file(size_t /*frame*/) const { return {}; }
+  virtual std::filesystem::path folder() const { return {}; }
   // JPEG as stored, other files decoded: RGB if they have colour and `colour` is wanted, else grey. Quickest in rising
   // order. Nothing, and why in *error, if it cannot be read.
   virtual std::optional<image_t> load(size_t frame, bool colour, std::string* error) = 0;

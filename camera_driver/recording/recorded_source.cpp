@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/image_stream.h"
 #include "camera_driver/recording/missing_images.h"
 #include "camera_driver/source/encode_as.h"
@@ -130,10 +131,24 @@ std::string RecordedSource::start() {
   return ahead_ ? "" : fmt::format("{}: none of its {} images can be used: {}", name_, frames_.size(), first_problem_);
 }
 
+std::string RecordedSource::use_masks(const MaskPlaces& places) {
+  std::string problem = masks_.find(places, *reader_, {camera_.width, camera_.height});
+  if (!masks_.what().empty()) log_info("mask: {}", masks_.what());
+  return problem;
+}
+
 std::optional<image_t> RecordedSource::next() {
-  if (!have_ahead_) return fetch();
+  std::optional<image_t> image = have_ahead_ ? std::move(ahead_) : fetch();
   have_ahead_ = false;
-  return std::move(ahead_);
+  if (image) put_mask(&*image);
+  return image;
+}
+
+// One that came with the image stays.
+void RecordedSource::put_mask(image_t* image) {
+  const bool fits = image->width == camera_.width && image->height == camera_.height;
+  if (!fits || !metadata(*image, kMaskKey).empty()) return;
+  if (const std::string png = masks_.png_of(fetched_); !png.empty()) set_metadata(image, kMaskKey, png);
 }
 
 std::optional<image_t> RecordedSource::fetch() {
@@ -147,12 +162,15 @@ std::optional<image_t> RecordedSource::fetch() {
     if (!image) continue;
     image->utime = utime_us;
     ++handed_out_in_pass_;
-    // The metadata of a logged image, such as the time of publication, no longer hold. Only its stream does.
+    // The metadata of a logged image, such as the time of publication, no longer hold. Its stream and its mask do.
     const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
+    const std::string mask = options_.mask.empty() ? metadata(*image, kMaskKey) : "";
     const CameraFileResult& camera = camera_of(*image);
     image->metadata.clear();
     set_stream(in_log == kNoStream ? streams_[static_cast<size_t>(frame.part)] : in_log, &*image);
     set_metadata(&*image, kCalibrationKey, camera_to_yaml(camera.camera));
+    if (!mask.empty()) set_metadata(&*image, kMaskKey, mask);
+    fetched_ = frame.frame;
     return image;
   }
   report_end();

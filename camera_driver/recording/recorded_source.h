@@ -7,6 +7,7 @@
 #include "bus/wire/camera_file.h"
 #include "camera_driver/recording/frame_order.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/recording_masks.h"
 #include "camera_driver/source/image_source.h"
 
 namespace rumi::camera_driver {
@@ -19,6 +20,8 @@ class RecordedSource : public ImageSource {
   // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with
   // this camera.
   std::string start();
+  // The masks of its images, before the first one is handed out. Returns what is wrong with one, or an empty string.
+  std::string use_masks(const MaskPlaces& places);
 
   std::optional<image_t> next() override;
   const Camera& camera() const override { return camera_; }
@@ -34,6 +37,7 @@ class RecordedSource : public ImageSource {
   void count_left_out(const FrameOrder& order);
   void name_streams();
   std::optional<image_t> fetch();
+  void put_mask(image_t* image);
   bool begin_next_pass();
   int64_t new_time(const OrderedFrame& frame);
   std::optional<image_t> load_checked(size_t frame);
@@ -51,7 +55,9 @@ class RecordedSource : public ImageSource {
   CameraOptions options_;
   std::vector<OrderedFrame> frames_;  // those that are wanted
   size_t next_ = 0;                   // of frames_
-  std::vector<int64_t> streams_;      // of each part
+  size_t fetched_ = 0;                // the frame that was fetched last
+  RecordingMasks masks_;
+  std::vector<int64_t> streams_;  // of each part
   std::optional<image_t> ahead_;
   std::optional<std::set<int64_t>> only_;  // images of these times; all
   bool starting_ = false;                  // the first image decides whether the calibration fits

@@ -19,6 +19,7 @@ struct CameraControls {
 
 struct CameraOptions : CameraControls {
   std::string camera_file;  // calibration; empty: beside the data, or in the log
+  std::string mask;         // file or folder; empty: beside the data; or kNoMask
   int every = 1;            // frames: publish every Nth
   double start_s = 0;       // skipped at the beginning
   double duration_s = 0;    // of the recording from there on, 0: all

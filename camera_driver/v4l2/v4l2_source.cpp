@@ -10,8 +10,11 @@
 #include "base/log.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/image_stream.h"
+#include "bus/wire/mask_file.h"
 #include "camera_driver/source/encode_as.h"
+#include "camera_driver/source/mask_option.h"
 #include "camera_driver/source/stream_name.h"
 #include "camera_driver/v4l2/video_controls.h"
 
@@ -250,12 +253,28 @@ std::optional<image_t> V4l2Source::accept(StreamFrame& frame) {
   stream.add(card_);
   set_stream(stream.number(), &*image);
   if (!calibration_.empty()) set_metadata(&*image, kCalibrationKey, calibration_);
+  if (!mask_.empty()) set_metadata(&*image, kMaskKey, mask_);
   return image;
 }
 
 void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message) {
   if (++(skipped_.*reason) == 1) log_warning("{}; left out, and from now on only counted", message);
 }
+
+namespace {
+
+// The user's, or that of the calibration; what is wrong with it comes back.
+std::string read_mask(const CameraOptions& options, const CameraFileResult& calibration, std::string* png) {
+  const std::string& file = options.mask.empty() ? calibration.mask : options.mask;
+  if (file.empty() || file == kNoMask) return {};
+  const MaskFile mask = read_camera_mask(file, {calibration.camera.width, calibration.camera.height});
+  if (!mask.ok()) return mask.error;
+  log_info("mask: {}: {:.1f} % of each image is left out", file, 100 * mask.left_out());
+  *png = encode_mask(mask.pixels);
+  return {};
+}
+
+}  // namespace
 
 OpenedSource open_camera(VideoSystem& system, const std::string& input, const CameraOptions& options) {
   constexpr int kDefaultWidth = 640, kDefaultHeight = 480;
@@ -279,7 +298,10 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   if (width != camera.width || height != camera.height)
     return refuse(fmt::format("width x height is {} x {} but the calibration {} is for {} x {}; {}", width, height,
                               options.camera_file, camera.width, camera.height, advice_on_size(file, width, height)));
+  std::string mask;
+  if (const std::string problem = read_mask(options, file, &mask); !problem.empty()) return {nullptr, problem};
   auto source = std::make_unique<V4l2Source>(system, input, camera, options);
+  source->use_mask(std::move(mask));
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
   if (options.camera_file.empty())
     log_warning("{}: no calibration (--camera FILE): images can be recorded and looked at, but not tracked", input);

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "camera_driver/source/frame_selector.h"
 #include "camera_driver/source/image_source.h"
@@ -16,6 +18,8 @@ class V4l2Source : public ImageSource {
   // input: see names_camera(). Without a calibration the camera has no focal length (fx 0), and images carry none.
   V4l2Source(VideoSystem& system, std::string input, const Camera& camera, const CameraOptions& options);
 
+  // Of each image: a PNG for its metadata.
+  void use_mask(std::string png) { mask_ = std::move(png); }
   // Opens the camera. Returns why it cannot be used, or an empty string; one that is busy is waited for in next().
   std::string start();
 
@@ -44,6 +48,7 @@ class V4l2Source : public ImageSource {
 
   VideoSystem& system_;
   std::string input_, calibration_;
+  std::string mask_;  // of each image, or empty
   Camera camera_;
   CameraOptions options_;
   FrameSelector selector_;

@@ -68,6 +68,11 @@ void add_cut_window_command(CommandLine& app, std::function<int()>* chosen) {
       ->add_option("--camera", arguments->camera.camera_file,
                    "calibration file (FILE:cam1: one of its cameras), instead of the one beside the data")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--mask", arguments->camera.mask,
+          "mask of the images, or a folder with one an image, instead of the one beside the data; none: no mask")
+      ->type_name("PNG");
   command->add_option("--start", arguments->camera.start_s, "leave out so many seconds; the next frame is frame 0")
       ->show_default();
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");

@@ -61,9 +61,9 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
                    "as of TUM (trajectory.txt)")
       ->type_name("OUT");
   add_settings(*command, &arguments->settings);
-  camera_driver::add_flags(*command,
-                           {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
-                           &arguments->settings);
+  camera_driver::add_flags(
+      *command, {"--camera", "--mask", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
+      &arguments->settings);
   run_if_chosen(command, chosen, arguments, run<ExportOptions, run_export>);
 }
 

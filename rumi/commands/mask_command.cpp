@@ -56,8 +56,9 @@ int run_mask(const Arguments& arguments) {
   file.write(encode_mask(pixels_of(still.mask(), size)));
   fail_if(file.commit());
   if (still.mask().is_everything())
-    fmt::print("nothing of the image is found to stay where it is ({} of {} images moved enough to tell): {} is white\n",
-               still.looks(), images, arguments.output);
+    fmt::print(
+        "nothing of the image is found to stay where it is ({} of {} images moved enough to tell): {} is white\n",
+        still.looks(), images, arguments.output);
   else
     fmt::print("{:.1f} % of the image never moves: black in {}. Look at it and edit it; then use it with --mask\n",
                100 * still.mask().left_out(), arguments.output);
@@ -78,13 +79,12 @@ int run(Arguments& arguments) {
 
 void add_mask_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CommandLine* command =
-      app.add_command("mask", "Find what never moves in a recording's images (a bonnet, a caption), as a mask to be edited");
+  CommandLine* command = app.add_command(
+      "mask", "Find what never moves in a recording's images (a bonnet, a caption), as a mask to be edited");
   command->add_option("RECORDING", arguments->input, "dataset folder, folder of images, video, lcm log or ROS bag")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output,
-                   "PNG of the images' size: black is left out, white is the world")
+      ->add_option("-o,--output", arguments->output, "PNG of the images' size: black is left out, white is the world")
       ->type_name("FILE")
       .required();
   command->add_option("--set", arguments->settings, "set one option of camera_driver, may be repeated")

@@ -90,9 +90,9 @@ void add_replay_command(CommandLine& app, std::function<int()>* chosen) {
   add_option_flags(command, arguments.get());
   command->add_flag("-q,--quiet", arguments->quiet, "warnings and errors only");
   command->add_flag("-v,--verbose", arguments->verbose, "log more: each window, submap and adjustment on its way");
-  camera_driver::add_flags(*command,
-                           {"--camera", "--every", "--start", "--duration", "--rate", "--encoding", "--log-channel"},
-                           &arguments->settings);
+  camera_driver::add_flags(
+      *command, {"--camera", "--mask", "--every", "--start", "--duration", "--rate", "--encoding", "--log-channel"},
+      &arguments->settings);
   run_if_chosen(command, chosen, arguments, replay);
 }
 

@@ -113,8 +113,8 @@ void add_landmarks(const std::vector<SparseModel::Point>& points, Submap* submap
 
 }  // namespace
 
-void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, const std::vector<int64_t>& utimes_us,
-                      const SparseModel& model, Submap* submap) {
+void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images, const SparseModel& model,
+                      Submap* submap) {
   const StageClock clock("ruminator.landmarks");
   const double unit = median_depth(model);
   OrbOptions orb;
@@ -127,9 +127,10 @@ void fill_back_submap(const Camera& camera, const std::vector<cv::Mat>& images, 
   for (const auto& [image, pose] : model.cam_from_world) {
     Keyframe keyframe;
     keyframe.id = keyframe_of[image] = static_cast<int>(keyframe_of.size());
-    keyframe.utime_us = utimes_us[image];
+    const SeenImage& seen = images[image];
+    keyframe.utime_us = seen.utime_us;
     keyframe.cam_from_submap = SE3(pose.rotation, pose.translation / unit);
-    auto features = std::make_shared<Features>(extractor.extract(images[image]));
+    auto features = std::make_shared<Features>(extractor.extract(extractor.pyramid(seen.grey, seen.mask)));
     features->undistort(camera);
     keyframe.landmark_ids.assign(features->size(), kNone);
     keypoints.push_back({"", features->undistorted});

@@ -11,6 +11,7 @@
 
 #include "base/cpu_clock.h"
 #include "base/stage_clock.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/build/back_landmarks.h"
 #include "ruminator/build/window_look.h"
@@ -43,28 +44,32 @@ class Progress {
 };
 
 struct WindowImages {
-  std::vector<cv::Mat> grey;
+  std::vector<SeenImage> seen;
   std::vector<int64_t> utimes_us;
   std::vector<SiftFeatures> features;
   std::vector<WindowImage> colmap;
 };
 
-// `seen`: features that are known already, by image.
+// `known`: features that are known already, by image.
 WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOptions& options,
-                     const std::map<size_t, SiftFeatures>& seen, const Progress& progress,
+                     const std::map<size_t, SiftFeatures>& known, const Progress& progress,
                      const std::atomic<bool>& cancel) {
   const StageClock clock("ruminator.sift");
   WindowImages images;
+  MaskReader masks;
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
     progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));
     std::string ignored;
-    cv::Mat grey = decode_working_image(job.images[i], job.camera, camera, &ignored);
+    const image_t& image = job.images[i];
+    cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
     if (grey.empty()) continue;  // broken, or of another camera
-    const auto known = seen.find(i);
-    images.features.push_back(known != seen.end() ? known->second : extract_sift(grey, camera, options.sift_keypoints));
-    images.colmap.push_back({fmt::format("{}", job.images[i].utime), images.features.back().undistorted});
-    images.utimes_us.push_back(job.images[i].utime);
-    images.grey.push_back(std::move(grey));
+    const ImageMask& mask = masks.read(image, grey.size(), &ignored);
+    const auto before = known.find(i);
+    images.features.push_back(before != known.end() ? before->second
+                                                    : extract_sift(grey, camera, options.sift_keypoints, mask));
+    images.colmap.push_back({fmt::format("{}", image.utime), images.features.back().undistorted});
+    images.utimes_us.push_back(image.utime);
+    images.seen.push_back({image.utime, std::move(grey), mask});
   }
   return images;
 }
@@ -144,7 +149,7 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   submap.pyramid = options.pyramid;
   submap.closed = true;
   submap.revision = 1;
-  fill_back_submap(camera, images.grey, images.utimes_us, model.best.model, &submap);
+  fill_back_submap(camera, images.seen, model.best.model, &submap);
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
   result->agreement = model.best.agreement;

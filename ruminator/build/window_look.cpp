@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/stage_clock.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
 #include "slam/numeric/union_find.h"
@@ -30,7 +31,8 @@ class Looker {
     std::string ignored;
     const cv::Mat grey = decode_working_image(job_.images[image], job_.camera, camera_, &ignored);
     if (grey.empty()) return true;
-    const SiftFeatures features = extract_sift(grey, camera_, o_.sift_keypoints);
+    const ImageMask& mask = masks_.read(job_.images[image], grey.size(), &ignored);
+    const SiftFeatures features = extract_sift(grey, camera_, o_.sift_keypoints, mask);
     for (const auto& [other, seen] : look_.features) {
       if (cancel_) return false;
       const PairMotion motion =
@@ -84,6 +86,7 @@ class Looker {
   const BuildOptions& o_;
   const std::atomic<bool>& cancel_;
   WindowLook& look_;
+  MaskReader masks_;
   UnionFind same_view_;  // images that turns of the camera bring together
   bool turns_ = false;
   struct Farthest {

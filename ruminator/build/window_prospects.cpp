@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/stage_clock.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
 
@@ -83,13 +84,15 @@ std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
   // A short gap costs little, and what is around it may overlap.
   if (gap.size() < 2 * kLooks) return "";
   const Camera camera = working_camera(job.camera, options.max_image_side);
+  MaskReader masks;
   size_t most = 0;
   for (size_t i = 0; i < kLooks; ++i) {
     std::string ignored;
     const image_t& image = *gap[i * (gap.size() - 1) / (kLooks - 1)];
     const cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
     if (grey.empty()) continue;
-    most = std::max(most, extract_sift(grey, camera, options.sift_keypoints).size());
+    const ImageMask& mask = masks.read(image, grey.size(), &ignored);
+    most = std::max(most, extract_sift(grey, camera, options.sift_keypoints, mask).size());
     if (most >= kMinKeypoints) return "";
   }
   return fmt::format("nothing to be seen in the gap: of {} images looked at none has more than {} keypoints", kLooks,

@@ -14,6 +14,30 @@ constexpr double kContrast = 0.01;  // of a keypoint: a quarter of OpenCV's, the
 constexpr double kLowContrast = 0.004;
 constexpr size_t kFewKeypoints = 60;
 
+constexpr float kMaxMargin = 8;  // pixels that a keypoint keeps from what the mask leaves out: its radius, at most
+
+struct Found {
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat histograms;
+};
+
+// OpenCV's own mask would be asked last: the strongest keypoints may all be of a caption.
+Found find_keypoints(const cv::Mat& grey, const ImageMask& mask, double contrast, int most) {
+  Found found;
+  if (mask.is_everything()) {
+    cv::SIFT::create(most, 3, contrast)->detectAndCompute(grey, cv::noArray(), found.keypoints, found.histograms);
+    return found;
+  }
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(0, 3, contrast);
+  sift->detect(grey, found.keypoints);
+  std::erase_if(found.keypoints, [&mask](const cv::KeyPoint& k) {
+    return !mask.allows({k.pt.x, k.pt.y}, std::min(kMaxMargin, k.size / 2));
+  });
+  cv::KeyPointsFilter::retainBest(found.keypoints, most);
+  if (!found.keypoints.empty()) sift->compute(grey, found.keypoints, found.histograms);
+  return found;
+}
+
 // Square roots of the L1-normalized histogram: their Euclidean distance is the Hellinger distance of the histograms.
 SiftDescriptor root_sift(const float* histogram) {
   float sum = 0;
@@ -27,13 +51,10 @@ SiftDescriptor root_sift(const float* histogram) {
 
 }  // namespace
 
-SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints) {
-  std::vector<cv::KeyPoint> keypoints;
-  cv::Mat histograms;
-  for (const double contrast : {kContrast, kLowContrast}) {
-    cv::SIFT::create(max_keypoints, 3, contrast)->detectAndCompute(grey, cv::noArray(), keypoints, histograms);
-    if (keypoints.size() >= kFewKeypoints) break;
-  }
+SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints, const ImageMask& mask) {
+  Found found = find_keypoints(grey, mask, kContrast, max_keypoints);
+  if (found.keypoints.size() < kFewKeypoints) found = find_keypoints(grey, mask, kLowContrast, max_keypoints);
+  const std::vector<cv::KeyPoint>& keypoints = found.keypoints;
   std::vector<int> order(keypoints.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return keypoints[a].size > keypoints[b].size; });
@@ -45,7 +66,7 @@ SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_key
     if (!pixel.allFinite()) continue;
     features.undistorted.push_back(pixel.cast<float>());
     features.scale_px.push_back(keypoints[i].size / 2);
-    features.descriptors.push_back(root_sift(histograms.ptr<float>(i)));
+    features.descriptors.push_back(root_sift(found.histograms.ptr<float>(i)));
   }
   return features;
 }

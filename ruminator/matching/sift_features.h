@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "slam/features/image_mask.h"
 #include "slam/geometry/camera.h"
 
 namespace rumi::ruminator {
@@ -25,6 +26,8 @@ struct SiftFeatures {
 constexpr int kSiftKeypoints = 1000;
 
 // The strongest keypoints of an 8-bit grey image. Those whose pixel the lens model cannot undistort are left out.
-SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints = kSiftKeypoints);
+// There are none where the mask, of the image's size, leaves something out.
+SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints = kSiftKeypoints,
+                          const ImageMask& mask = {});
 
 }  // namespace rumi::ruminator

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
+#include "bus/wire/image_masks.h"
 #include "tests/ruminator/ruminator_node_fixture.h"
 
 namespace rumi::ruminator {
@@ -74,6 +75,52 @@ TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
     expect_images_of(jobs_[i]);
     for (const image_t& image : jobs_[i].images) EXPECT_EQ(stream_of(image), jobs_[i].window.stream);
   }
+}
+
+// Of the images' size, or as it is worked on; its upper half is left out.
+mask_t learned_mask(int64_t stream, int64_t utime_us, int width = 160, int height = 120) {
+  cv::Mat world(height, width, CV_8U, cv::Scalar(255));
+  world.rowRange(0, height / 2) = 0;
+  const std::string png = encode_mask(world);
+  mask_t mask{};
+  mask.utime = utime_us;
+  mask.stream = stream;
+  mask.session = 7 + stream;
+  mask.width = width, mask.height = height;
+  mask.left_out = 0.5;
+  mask.png.assign(png.begin(), png.end());
+  mask.size = static_cast<int32_t>(png.size());
+  return mask;
+}
+
+TEST_F(RuminatorNodeTest, TheImagesOfAWindowCarryWhatWasLearnedToBeNoWorldAlsoLater) {
+  start();
+  stream_ = 5;
+  frames(20, 1);
+  frames(5, kNoSubmap);
+  bus_.publish(channels::kMask, learned_mask(5, now_, 80, 60));
+  bus_.publish(channels::kMask, learned_mask(6, now_));
+  mask_t broken = learned_mask(5, now_ + 1);
+  broken.png.resize(20);
+  broken.size = 20;
+  bus_.publish(channels::kMask, broken);
+  bus_.dispatch();
+  frames(60, 2);
+  ASSERT_EQ(jobs_.size(), 1U);
+  ASSERT_GT(jobs_[0].images.size(), 20U);
+  for (const image_t& image : jobs_[0].images) {
+    std::string error;
+    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey), &error);
+    ASSERT_EQ(pixels.size(), cv::Size(160, 120)) << error;
+    EXPECT_EQ(cv::countNonZero(pixels.rowRange(0, 60)), 0);
+    EXPECT_EQ(cv::countNonZero(pixels.rowRange(61, 120)), 160 * 59);
+  }
+  EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
+  const testing::TemporaryFolder folder;
+  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]), "");
+  const WindowJobFile read = read_window_job(folder / "a.window");
+  ASSERT_TRUE(read.ok()) << read.error;
+  EXPECT_EQ(metadata(read.job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
 }
 
 TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {

@@ -18,6 +18,7 @@ struct FileCamera {
   Camera camera;
   std::string error;  // empty, or why this one cannot be used
   std::vector<std::string> notes;
+  std::string mask = {};  // the file that it names
 };
 
 struct FileCameras {

@@ -14,14 +14,19 @@ FileCamera file_camera(const std::string& name, const Camera& camera, Fields& in
 }
 
 FileCameras read_rumi(Fields in) {
-  static const std::set<std::string> kKeys = {"model", "fx", "fy", "cx", "cy",    "k1",     "k2",
-                                              "p1",    "p2", "k3", "k4", "width", "height", "fps"};
+  static const std::set<std::string> kKeys = {"model", "fx", "fy", "cx",    "cy",     "k1",  "k2",  "p1",
+                                              "p2",    "k3", "k4", "width", "height", "fps", "mask"};
   Camera camera;
-  const auto done = [&] { return FileCameras{"rumi", {file_camera("", camera, in)}, ""}; };
+  std::string mask;
+  const auto done = [&] {
+    FileCameras file{"rumi", {file_camera("", camera, in)}, ""};
+    file.cameras[0].mask = mask;
+    return file;
+  };
   // A misspelt coefficient would silently count as zero.
   for (const std::string& name : in.names()) {
     if (kKeys.contains(name)) continue;
-    in.fail(fmt::format("'{}' is not known: the keys are model fx fy cx cy k1 k2 p1 p2 k3 (k4) width height fps",
+    in.fail(fmt::format("'{}' is not known: the keys are model fx fy cx cy k1 k2 p1 p2 k3 (k4) width height fps mask",
                         name.substr(0, 40)));
     return done();
   }
@@ -41,6 +46,9 @@ FileCameras read_rumi(Fields in) {
                                                     {"p2", &camera.p2},  {"k3", &camera.k3}, {"k4", &camera.k4},
                                                     {"fps", &camera.fps}};
   for (const auto& [key, value] : others) *value = in.optional_number(key);
+  mask = in.text("mask", "");
+  if (in.has("mask") && mask.empty())
+    in.fail(fmt::format("mask is {}: must be the name of a PNG file, relative to this one", in.quoted("mask")));
   if (!fisheye && camera.k4 != 0)
     in.fail(fmt::format("k4 is {:.6g}, and only the model kannala_brandt has one: correct the model, or remove k4",
                         camera.k4));

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "tests/camera_driver/v4l2/v4l2_source_fixture.h"
 
 namespace rumi::camera_driver {
@@ -38,6 +39,33 @@ TEST_F(V4l2SourceTest, CarriesTheCalibrationAndTakesItsSize) {
   EXPECT_THAT(metadata(images[0], kCalibrationKey), HasSubstr("fx: 50"));
   source_.reset();
   options_.width = 32;
+  EXPECT_THAT(open(), AllOf(HasSubstr("32 x 48"), HasSubstr("64 x 48")));
+}
+
+TEST_F(V4l2SourceTest, CarriesTheMaskThatIsGivenOrThatTheCalibrationNames) {
+  const TemporaryFolder folder;
+  const cv::Mat pixels = picture(1, kWidth, kHeight) > 99;
+  write_file(folder / "m.png", encode_mask(pixels));
+  write_file(folder / "c.yaml", std::string(kCalibration) + "mask: m.png\n");
+  const auto mask_of_an_image = [this] {
+    EXPECT_EQ(open(), "");
+    fake_.add_frames(1, 0, grey_frame(1));
+    const std::vector<image_t> images = images_within(50'000);
+    source_.reset();
+    return images.empty() ? "no image" : metadata(images[0], kMaskKey);
+  };
+  EXPECT_EQ(mask_of_an_image(), "");
+  options_.mask = folder / "m.png";
+  EXPECT_EQ(mask_of_an_image(), encode_mask(pixels)) << "without a calibration, too";
+  options_.mask.clear();
+  options_.camera_file = folder / "c.yaml";
+  EXPECT_EQ(mask_of_an_image(), encode_mask(pixels));
+  options_.mask = "none";
+  EXPECT_EQ(mask_of_an_image(), "");
+  options_.mask = folder.path().string();
+  EXPECT_THAT(open(), HasSubstr("is not a file; give a PNG"));
+  write_file(folder / "small.png", encode_mask(picture(1, 32, 48)));
+  options_.mask = folder / "small.png";
   EXPECT_THAT(open(), AllOf(HasSubstr("32 x 48"), HasSubstr("64 x 48")));
 }
 

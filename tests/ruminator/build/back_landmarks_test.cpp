@@ -14,8 +14,7 @@ namespace {
 // Frames 0, 1, 2, 4, 5, 6 with their true poses, and points that tell which see the same.
 struct Fixture {
   Camera camera;
-  std::vector<cv::Mat> images;
-  std::vector<int64_t> utimes_us;
+  std::vector<SeenImage> images;
   SparseModel model;
 };
 
@@ -25,8 +24,7 @@ Fixture make_fixture() {
   f.camera = window.job.camera;
   for (int i = 0; i < 7; ++i) {
     std::string error;
-    f.images.push_back(decode_grey(window.job.images[i], &error));
-    f.utimes_us.push_back(window.job.images[i].utime);
+    f.images.push_back({window.job.images[i].utime, decode_grey(window.job.images[i], &error)});
     if (i != 3) f.model.cam_from_world[i] = window.cam_from_map[i];
   }
   // Some points before the camera, 3 m away.
@@ -46,7 +44,7 @@ Submap fill(const Fixture& f) {
   submap.kind = SubmapKind::kBack;
   submap.camera = f.camera;
   submap.revision = 1;
-  fill_back_submap(f.camera, f.images, f.utimes_us, f.model, &submap);
+  fill_back_submap(f.camera, f.images, f.model, &submap);
   return submap;
 }
 
@@ -87,7 +85,7 @@ TEST(BackLandmarks, KeepThePosesUpToTheUnit) {
   for (const auto& [image, pose] : f.model.cam_from_world) {
     const Keyframe& keyframe = submap.keyframes.at(id);
     EXPECT_EQ(keyframe.id, id++);
-    EXPECT_EQ(keyframe.utime_us, f.utimes_us[image]);
+    EXPECT_EQ(keyframe.utime_us, f.images[image].utime_us);
     EXPECT_LT(keyframe.cam_from_submap.rotation.angularDistance(pose.rotation), 1e-9);
     EXPECT_LT((3.0 * keyframe.cam_from_submap.translation - pose.translation).norm(),
               0.1 * pose.translation.norm());  // the median depth is about 3
@@ -103,6 +101,20 @@ TEST(BackLandmarks, AreTheSameEveryTime) {
   EXPECT_EQ(bytes, others);
 }
 
+TEST(BackLandmarks, AreNoneWhereTheMasksLeaveSomethingOut) {
+  Fixture f = make_fixture();
+  const int half = f.camera.width / 2;
+  for (SeenImage& image : f.images) {
+    cv::Mat pixels(image.grey.size(), CV_8U, cv::Scalar(255));
+    pixels.colRange(0, half) = 0;
+    image.mask = ImageMask(pixels);
+  }
+  const Submap submap = fill(f);
+  EXPECT_GT(submap.landmarks.size(), 50U);
+  for (const auto& [id, keyframe] : submap.keyframes)
+    for (const Keypoint& keypoint : keyframe.features->keypoints) ASSERT_GE(keypoint.pixel.x(), half);
+}
+
 TEST(BackLandmarks, AreNoneWhereNothingIsShared) {
   Fixture f = make_fixture();
   f.model.points.clear();
@@ -110,7 +122,7 @@ TEST(BackLandmarks, AreNoneWhereNothingIsShared) {
   EXPECT_EQ(submap.keyframes.size(), 6U);
   EXPECT_TRUE(submap.landmarks.empty());
   Fixture black = make_fixture();
-  for (cv::Mat& image : black.images) image.setTo(0);
+  for (SeenImage& image : black.images) image.grey.setTo(0);
   EXPECT_TRUE(fill(black).landmarks.empty());
   Fixture nothing = make_fixture();
   nothing.model = {};

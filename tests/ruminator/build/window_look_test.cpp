@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "slam/geometry/transform.h"
 #include "tests/ruminator/rendered_window.h"
 
@@ -48,6 +49,20 @@ cv::Mat far_away(double turn_deg) {
   return seen + noise;
 }
 
+// With a caption that stays where it is, over a half of each image; and what says so.
+void put_caption(WindowJob* job, bool has_mask) {
+  cv::Mat world(camera_of().height, camera_of().width, CV_8U, cv::Scalar(255));
+  world.rowRange(0, world.rows / 2) = 0;
+  const cv::Mat caption = far_away(90);
+  for (image_t& image : job->images) {
+    std::string error;
+    cv::Mat grey = decode_grey(image, &error).clone();
+    caption.copyTo(grey, world == 0);
+    image = make_grey_image(image.utime, grey);
+    if (has_mask) set_metadata(&image, kMaskKey, encode_mask(world));
+  }
+}
+
 WindowJob turning(int images, double step_deg) {
   WindowJob job;
   job.camera = camera_of();
@@ -67,6 +82,16 @@ TEST(WindowLook, ACameraThatStandsStillIsToldByFewImages) {
 }
 
 TEST(WindowLook, ACameraThatTurns) { EXPECT_THAT(look_at(turning(100, 0.5)).hopeless, HasSubstr("only turns")); }
+
+// The caption stays and the rest turns: to who takes both for the world that is depth.
+TEST(WindowLook, WhatAMaskLeavesOutIsNotLookedAt) {
+  WindowJob job = turning(100, 0.5);
+  put_caption(&job, /*has_mask=*/true);
+  EXPECT_THAT(look_at(job).hopeless, HasSubstr("only turns"));
+  job = turning(100, 0.5);
+  put_caption(&job, /*has_mask=*/false);
+  EXPECT_EQ(look_at(job).hopeless.find("only turns"), std::string::npos);
+}
 
 // Neighbours among eight images are 50 degrees apart, of 56 that each sees.
 TEST(WindowLook, MoreImagesAreLookedAtWhereNeighboursHaveTooLittleInCommon) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <opencv2/imgproc.hpp>
 
@@ -52,6 +54,42 @@ TEST(SiftFeatures, LieWhereALensWithoutDistortionWouldSeeThem) {
   for (size_t i = 0; i < bent.size(); ++i) {
     const Eigen::Vector2d expected = camera.undistort(straight.undistorted[i].cast<double>());
     EXPECT_LT((bent.undistorted[i].cast<double>() - expected).norm(), 1e-3);
+  }
+}
+
+TEST(SiftFeatures, AreNoneWhereTheMaskLeavesSomethingOutAndAsManyElsewhere) {
+  const Camera camera = testing::picture_camera();
+  cv::Mat pixels(camera.height, camera.width, CV_8U, cv::Scalar(255));
+  pixels.colRange(0, 120) = 0;
+  const ImageMask mask(pixels);
+  const SiftFeatures features = extract_sift(picture(), camera, 100, mask);
+  ASSERT_GE(features.size(), 100U) << "those of the other part take no places";
+  for (size_t i = 0; i < features.size(); ++i)
+    EXPECT_GT(features.undistorted[i].x(), 119 + std::min(8.0F, features.scale_px[i])) << i;
+  EXPECT_EQ(extract_sift(picture(), camera, 100, ImageMask(cv::Mat(pixels.size(), CV_8U, cv::Scalar(0)))).size(), 0U);
+  // A white mask is none.
+  const SiftFeatures all = extract_sift(picture(), camera, 100);
+  const SiftFeatures white = extract_sift(picture(), camera, 100, ImageMask(pixels | 255));
+  EXPECT_EQ(all.undistorted, white.undistorted);
+  EXPECT_EQ(all.descriptors, white.descriptors);
+}
+
+// What is left has the descriptors that it would have without a mask.
+TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
+  const Camera camera = testing::picture_camera();
+  cv::Mat pixels(camera.height, camera.width, CV_8U, cv::Scalar(255));
+  pixels.rowRange(0, 100) = 0;
+  const SiftFeatures all = extract_sift(picture(), camera, 5000);
+  const SiftFeatures features = extract_sift(picture(), camera, 5000, ImageMask(pixels));
+  ASSERT_GT(features.size(), 100U);
+  size_t at = 0;  // both are in the same order
+  for (size_t i = 0; i < features.size(); ++i, ++at) {
+    while (at < all.size() && all.undistorted[at] != features.undistorted[i]) ++at;
+    ASSERT_LT(at, all.size()) << i;
+    int most = 0;
+    for (size_t d = 0; d < 128; ++d)
+      most = std::max(most, std::abs(all.descriptors[at][d] - features.descriptors[i][d]));
+    EXPECT_LE(most, 8) << i;
   }
 }
 
