@@ -7,7 +7,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 #include "base/log.h"
@@ -100,18 +99,6 @@ std::string collect(const Arguments& arguments, ViewCollector* collector) {
     return !g_stop;
   };
   return collect_from_recording(arguments.source, arguments.names.camera, arguments.every, go_on, collector);
-}
-
-// That an output cannot be written should not turn out after minutes of holding a board.
-std::string check_writable(const std::string& file) {
-  namespace fs = std::filesystem;
-  std::error_code code;
-  if (fs::is_directory(file, code)) return file + ": is a folder; give the name of a file";
-  fs::path folder = fs::path(file).parent_path();
-  if (folder.empty()) folder = ".";
-  if (!fs::is_directory(folder, code)) return fmt::format("{}: there is no folder {}", file, folder.string());
-  if (access(folder.c_str(), W_OK) != 0) return fmt::format("{}: no permission to write there", file);
-  return {};
 }
 
 std::string write_text(const std::string& file, const std::string& text) {

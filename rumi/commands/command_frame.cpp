@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rumi/commands/command_frame.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cstdio>
+#include <filesystem>
 
 #include "base/failures.h"
 
@@ -13,6 +17,17 @@ void fail_if(const std::string& error) {
 
 void refuse_if(const std::string& error) {
   if (!error.empty()) throw WrongOptions(error);
+}
+
+std::string check_writable(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (fs::is_directory(file, code)) return file + ": is a folder; give the name of a file";
+  fs::path folder = fs::path(file).parent_path();
+  if (folder.empty()) folder = ".";
+  if (!fs::is_directory(folder, code)) return fmt::format("{}: there is no folder {}", file, folder.string());
+  if (access(folder.c_str(), W_OK) != 0) return fmt::format("{}: no permission to write there", file);
+  return {};
 }
 
 void complain(const std::string& name, const std::string& what) {

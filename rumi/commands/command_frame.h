@@ -27,6 +27,9 @@ class WrongOptions : public std::runtime_error {
 void fail_if(const std::string& error);    // std::runtime_error
 void refuse_if(const std::string& error);  // WrongOptions
 
+// That an output cannot be written should not turn out after minutes of work on it. What is wrong, or an empty string.
+std::string check_writable(const std::string& file);
+
 // Says "rumi NAME: what" on stderr, behind what went to stdout. Does not throw where nobody reads it any more.
 void complain(const std::string& name, const std::string& what);
 

@@ -2,18 +2,20 @@
 // rumi mask: what never moves in the images of a recording, as a mask for its camera.
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "base/exit_codes.h"
 #include "base/log.h"
 #include "base/whole_file.h"
-#include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
+#include "bus/wire/working_image.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/options.h"
+#include "camera_driver/source/mask_option.h"
 #include "front_tracker/masking/still_parts.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
@@ -28,41 +30,69 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-// White, of the image's size, where nothing is left out: something to draw on.
-cv::Mat pixels_of(const ImageMask& mask, const cv::Size& size) {
-  return mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.pixels();
+// What is wrong, or an empty string.
+std::string check_output(const std::string& file) {
+  std::error_code code;
+  if (std::filesystem::path(file).extension() != ".png") return file + ": must be a PNG: give NAME.png";
+  // It may have been edited.
+  if (std::filesystem::exists(file, code)) return file + ": exists; remove it or give another name";
+  return check_writable(file);
+}
+
+struct Looked {
+  int64_t images = 0;
+  ImageMask mask;  // of the size that front_tracker works on, as it would learn it
+  int looks = 0;   // images that had moved on since the one before
+};
+
+Looked look_at(camera_driver::ImageSource& source) {
+  const Camera& camera = source.camera();
+  const Camera working = working_camera(camera, kDefaultMaxImageSide);
+  front_tracker::StillParts still;
+  Looked looked;
+  ProgressLine line(true);
+  while (const auto image = source.next()) {
+    std::string ignored;
+    const cv::Mat grey = decode_working_image(*image, camera, working, &ignored);
+    if (grey.empty()) continue;
+    still.add(image->utime, grey);
+    ++looked.images;
+    line.update(looked.images, source.total(),
+                [&] { return fmt::format("{} of {} images", looked.images, source.total()); });
+  }
+  line.erase();
+  looked.mask = still.mask();
+  looked.looks = still.looks();
+  return looked;
+}
+
+// White where nothing is left out: something to draw on.
+std::string write_mask(const ImageMask& mask, const Camera& camera, const std::string& name) {
+  const cv::Size size(camera.width, camera.height);
+  WholeFile file(name);
+  file.write(encode_mask(mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.resized(size).pixels()));
+  return file.commit();
 }
 
 int run_mask(const Arguments& arguments) {
+  fail_if(check_output(arguments.output));
   camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
   fail_if(opened.error);
-  front_tracker::StillParts still;
-  ProgressLine line(true);
-  int64_t images = 0;
-  cv::Size size;
-  while (const auto image = opened.source->next()) {
-    std::string error;
-    const cv::Mat grey = decode_grey(*image, &error);
-    if (grey.empty()) continue;
-    size = grey.size();
-    still.add(image->utime, grey);
-    ++images;
-    line.update(images, opened.source->total(),
-                [&] { return fmt::format("{} of {} images", images, opened.source->total()); });
-  }
-  line.erase();
-  fail_if(images == 0 ? arguments.input + ": no image can be read" : "");
-  WholeFile file(arguments.output);
-  file.write(encode_mask(pixels_of(still.mask(), size)));
-  fail_if(file.commit());
-  if (still.mask().is_everything())
-    fmt::print(
-        "nothing of the image is found to stay where it is ({} of {} images moved enough to tell): {} is white\n",
-        still.looks(), images, arguments.output);
+  camera_driver::ImageSource& source = *opened.source;
+  const Looked looked = look_at(source);
+  fail_if(looked.images == 0 ? arguments.input + ": no image can be read" : "");
+  fail_if(write_mask(looked.mask, source.camera(), arguments.output));
+  if (looked.mask.is_everything())
+    fmt::print("{} is white: nothing is known to stay where it is ({} of {} images had moved on enough to tell)\n",
+               arguments.output, looked.looks, looked.images);
   else
-    fmt::print("{:.1f} % of the image never moves: black in {}. Look at it and edit it; then use it with --mask\n",
-               100 * still.mask().left_out(), arguments.output);
-  return 0;
+    fmt::print("{}: {:.1f} % of the image never moves, and is black (of {} images {} had moved on enough to tell)\n",
+               arguments.output, 100 * looked.mask.left_out(), looked.images, looked.looks);
+  fmt::print(
+      "Look at it, draw in it what it lacks, and give it with --mask, or leave it as mask.png beside the data\n");
+  const std::vector<std::string> complaints = source.skipped().complaints(looked.images);
+  for (const std::string& complaint : complaints) complain("mask", complaint);
+  return complaints.empty() ? 0 : kNotAll;
 }
 
 int run(Arguments& arguments) {
@@ -70,6 +100,7 @@ int run(Arguments& arguments) {
   describe(table, arguments.camera);
   refuse_if(load_options(table, "", arguments.settings));
   refuse_if(check(arguments.camera));
+  arguments.camera.mask = camera_driver::kNoMask;  // one beside the data may be the one that is to be made anew
   if (arguments.camera.loop) refuse_if("camera_driver.loop is true, and this would never end: leave it out");
   start_logging("rumi", false, false);
   return run_mask(arguments);
@@ -79,12 +110,13 @@ int run(Arguments& arguments) {
 
 void add_mask_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  CommandLine* command = app.add_command(
-      "mask", "Find what never moves in a recording's images (a bonnet, a caption), as a mask to be edited");
+  CommandLine* command =
+      app.add_command("mask", "Find what never moves in a recording's images (a bonnet, a caption), as a mask to edit");
   command->add_option("RECORDING", arguments->input, "dataset folder, folder of images, video, lcm log or ROS bag")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output, "PNG of the images' size: black is left out, white is the world")
+      ->add_option("-o,--output", arguments->output,
+                   "NAME.png, of the images' size: black is left out, white is the world; must not exist")
       ->type_name("FILE")
       .required();
   command->add_option("--set", arguments->settings, "set one option of camera_driver, may be repeated")
@@ -92,6 +124,11 @@ void add_mask_command(CommandLine& app, std::function<int()>* chosen) {
       .one_each();
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate"},
                            &arguments->settings);
+  command->footer(
+      "The result is a beginning: what mirrors the world, or is of one colour, is not all found. Any program that "
+      "draws "
+      "can mend it. front_tracker learns the same by itself while it runs; a mask that is given holds from the first "
+      "image on. Exit codes: 0 written; 1 not written; 2 wrong options; 3 written, but not all images could be used.");
   run_if_chosen(command, chosen, arguments, run);
 }
 

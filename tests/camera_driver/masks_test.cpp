@@ -155,6 +155,7 @@ TEST_F(Masks, OneThatTurnsOutBrokenLeavesItsImageAsItIs) {
 }
 
 void write_log(const fs::path& file, bool has_mask) {
+  fs::create_directories(file.parent_path());
   LogWriter log(file.string());
   for (int i = 0; i < 2; ++i) {
     image_t image = make_grey_image(1'000'000 * (i + 1), picture(i));

@@ -12,6 +12,7 @@
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "lcmtypes/rumi/rigid_transform_t.hpp"
 #include "lcmtypes/rumi/submap_update_t.hpp"
@@ -53,6 +54,7 @@ TEST(WireTest, FingerprintsOfOurs) {
   PIN(map_region_t, 0xa84f598e98ae44ecu);
   PIN(map_status_t, 0x47bbe47c29d5c74du);
   PIN(map_pose_t, 0xa9c2f74d5fba016u);
+  PIN(mask_t, 0xcb2512a5776ba018u);
   PIN(map_request_t, 0x5ec708767f84a2acu);
   PIN(chunk_t, 0xf81ada9fcebb4606u);
   PIN(chunk_ack_t, 0x4d310b1c244e70acu);
