@@ -16,11 +16,13 @@ namespace {
 constexpr size_t kMostBytes = 64 << 20;
 constexpr const char* kExpected = "give a PNG of the images' size, black where it is to be left out";
 
-// Of a file that is there; more than `most` are not read.
+// Nothing of what is no file.
 std::string beginning_of(const std::string& file, size_t most) {
+  std::error_code code;
+  const std::uintmax_t size = std::filesystem::file_size(file, code);
+  std::string bytes(code ? 0 : std::min<std::uintmax_t>(size, most), '\0');
   std::ifstream stream(file, std::ios::binary);
-  std::string bytes(most, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(most));
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
   return bytes;
 }

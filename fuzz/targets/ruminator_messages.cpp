@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to ruminator: images, and tracking that is lost and found again. A window is checked as its file would be,
-// and what rebuilds it is a stand-in.
+// Messages to ruminator: images, masks, and tracking that is lost and found again. A window is checked as its file
+// would be, and what rebuilds it is a stand-in.
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "ruminator/ruminator_node.h"
@@ -10,7 +10,7 @@ namespace {
 
 using namespace ruminator;
 
-enum Channel : uint8_t { kCamera, kTrack, kAck };
+enum Channel : uint8_t { kCamera, kTrack, kAck, kMask };
 constexpr int64_t kFrame_us = 100'000;
 
 BuildResult build(const WindowJob& job, const std::string&, const std::function<void(const BuildProgress&)>& progress,
@@ -34,7 +34,7 @@ void run(View input) {
   SafeNode node(std::make_unique<RuminatorNode>(bus, options, RuminatorHooks{build, {}, {}, {}}));
   const Stage stage{.bus = &bus,
                     .node = &node,
-                    .channels = {channels::kCamera, channels::kTrack, channels::kSubmapAck},
+                    .channels = {channels::kCamera, channels::kTrack, channels::kSubmapAck, channels::kMask},
                     .chunk_channel = ""};
   play(parse_script(input), stage);
 }
@@ -49,6 +49,7 @@ std::vector<Bytes> seeds() {
   Script resumed, ended;
   for (int i = 0; i < 5; ++i) add_frame(&resumed, i, track_t::TRACKING, 1);
   for (int i = 5; i < 11; ++i) add_frame(&resumed, i, track_t::LOST, 0);
+  resumed.push_back(message(kMask, good_mask(kSession + 10 * kFrame_us)));
   ended = resumed;
   for (int i = 11; i < 21; ++i) add_frame(&resumed, i, track_t::TRACKING, 2);
   resumed.push_back(pause(15));

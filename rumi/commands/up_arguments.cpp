@@ -7,6 +7,7 @@
 
 #include "bus/wire/camera_file.h"
 #include "map_server/store/map_store.h"
+#include "rumi/commands/command_frame.h"
 #include "rumi/outputs/output_folder.h"
 
 namespace rumi::tool {
@@ -33,6 +34,9 @@ std::string sort_out_camera(const AllOptions& options, UpArguments* arguments) {
     arguments->calibration = options.camera_driver.camera_file;
     const CameraFileResult read = read_camera_file(arguments->calibration);
     if (!read.ok()) return read.error;
+    if (!read.mask.empty())
+      complain("up", fmt::format("{} is put on the images of an INPUT only: those from elsewhere carry their own",
+                                 read.mask));
   }
   return {};
 }

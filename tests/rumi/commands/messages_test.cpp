@@ -170,6 +170,35 @@ TEST_F(Messages, OfCameraFiles) {
   });
 }
 
+TEST_F(Messages, OfMasks) {
+  testing::write_tum(folder_.path() / "tum", 2);
+  cv::imwrite(folder_ / "small.png", testing::picture(1, 32, 24));
+  cv::imwrite(folder_ / "black.png", cv::Mat(48, 64, CV_8U, cv::Scalar(0)));
+  cv::imwrite(folder_ / "a.jpg", testing::picture(1));
+  file("c.yaml", std::string(testing::kCalibration) + "mask: gone.png\n");
+  file("list.yaml", std::string(testing::kCalibration) + "mask: [a.png]\n");
+  log("a.lcm", "CAMERA", true);
+  std::filesystem::create_directory(folder_.path() / "nothing");
+  tell({
+      {"rumi replay tum --mask nowhere.png -o out", 1, {"nowhere.png: no such file", "give a PNG"}},
+      {"rumi replay tum --mask small.png -o out", 1, {"small.png: the mask is 32 x 24", "are 64 x 48", "make it"}},
+      {"rumi export tum --mask black.png -o b.lcm", 1, {"black.png: is black all over", "white is the world"}},
+      {"rumi replay tum --mask a.jpg -o out", 1, {"a.jpg: is not a PNG; give a PNG of the images' size"}},
+      {"rumi replay tum --mask nothing -o out", 1, {"nothing: has no mask of any image: looked for nothing/rgb/0.png"}},
+      {"rumi replay a.lcm --camera tum/calibration.yaml --mask nothing -o out", 1, {"is a folder", "give one PNG"}},
+      {"rumi cut-window tum --gap 0..1 --mask small.png -o a.window", 1, {"small.png: the mask is 32 x 24"}},
+      {"rumi replay tum --camera c.yaml -o out", 1, {"gone.png: no such file", "give a PNG"}},
+      {"rumi replay tum --camera list.yaml -o out", 1, {"mask is a list: must be the name of a PNG file"}},
+      {"rumi up --mask small.png", 2, {"--mask: there is no INPUT"}},
+      {"rumi mask tum", 2, {"--output is required"}},
+      {"rumi mask nowhere -o m.png", 1, {"nowhere: no such file"}},
+      {"rumi mask nothing -o m.png", 1, {"nothing: has no rgb.txt"}},
+      {"rumi mask tum -o no/m.png", 1, {"no/m.png: there is no folder no"}},
+      {"rumi mask tum -o m.jpg", 1, {"m.jpg: must be a PNG: give NAME.png"}},
+      {"rumi mask tum -o black.png", 1, {"black.png: exists; remove it or give another name"}},
+  });
+}
+
 TEST_F(Messages, OfTruthsAndRuns) {
   file("out/frames.csv",
        "utime,state,submap,in_map\n1000000,TRACKING,1,1\n1100000,TRACKING,1,1\n1200000,TRACKING,1,1\n1300000,TRACKING,"
