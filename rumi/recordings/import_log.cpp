@@ -15,6 +15,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/recording/bag/bag_file.h"
 #include "camera_driver/recording/bag/bag_poses.h"
@@ -77,6 +78,16 @@ std::string write_truth(const ImportOptions& options) {
   return write_text(fs::path(options.folder) / "groundtruth.txt", lines);
 }
 
+// As camera_driver finds it again. Empty, or what went wrong.
+std::string write_mask(const image_t& image, const fs::path& folder, const std::string& name) {
+  const std::string mask = metadata(image, kMaskKey);
+  if (mask.empty()) return {};
+  const fs::path file = folder / "masks" / (name + ".png");
+  std::error_code code;
+  fs::create_directories(file.parent_path(), code);
+  return write_text(file, mask);
+}
+
 // Empty, or what went wrong.
 std::string write_folder(camera_driver::ImageSource& source, const fs::path& folder, int64_t* count) {
   std::error_code code;
@@ -94,6 +105,7 @@ std::string write_folder(camera_driver::ImageSource& source, const fs::path& fol
     const std::string more = names.insert(time).second ? "" : fmt::format("_{}", *count);
     const std::string name = "rgb/" + time + more + extension;
     if (problem = write_file(folder / name, bytes); !problem.empty()) return problem;
+    if (problem = write_mask(*image, folder, name); !problem.empty()) return problem;
     list += time + " " + name + "\n";
     ++*count;
   }

@@ -67,6 +67,12 @@ TEST(MaskCommand, FindsACaptionAndTheMaskGoesWithTheImages) {
     ++images;
   }
   EXPECT_EQ(images, 40) << "mask.png is none of them";
+
+  const Outcome imported = rumi(work, "import walk.lcm -o again");
+  EXPECT_EQ(imported.exit_code, 0) << imported.output;
+  const Outcome exported_again = rumi(work, "export again -o again.lcm");
+  EXPECT_THAT(exported_again.output,
+              HasSubstr("40 of 40 images have a mask of their own (the first: again/masks/rgb/"));
 }
 
 TEST(MaskCommand, IsWhiteWhereEverythingMovesAndOverwritesNothing) {
