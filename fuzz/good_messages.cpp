@@ -5,6 +5,7 @@
 
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/jpeg_image.h"
 
 namespace rumi::fuzz {
@@ -108,6 +109,21 @@ track_t good_track(int64_t utime_us, int8_t state, int32_t submap_id) {
   track.keypoints = 200;
   track.inliers = 100;
   return track;
+}
+
+mask_t good_mask(int64_t utime_us) {
+  cv::Mat pixels(kHeight, kWidth, CV_8U, cv::Scalar(255));
+  pixels.rowRange(kHeight - 8, kHeight) = 0;
+  const std::string png = encode_mask(pixels);
+  mask_t mask{};
+  mask.utime = utime_us;
+  mask.stream = mask.session = kSession;
+  mask.width = kWidth;
+  mask.height = kHeight;
+  mask.left_out = 8.0 / kHeight;
+  mask.size = static_cast<int32_t>(png.size());
+  mask.png.assign(png.begin(), png.end());
+  return mask;
 }
 
 map_status_t good_status(const std::vector<SubmapKey>& submaps) {

@@ -8,6 +8,7 @@
 #include "lcmtypes/rumi/image_t.hpp"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
+#include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 
 namespace rumi::fuzz {
@@ -22,6 +23,8 @@ image_t good_jpeg(int64_t utime_us);
 // As many keyframes, with some landmarks that all of them see from places of their own.
 Submap good_submap(SubmapKey key, int keyframes);
 track_t good_track(int64_t utime_us, int8_t state, int32_t submap_id);
+// The lowest rows of the images never move.
+mask_t good_mask(int64_t utime_us);
 map_status_t good_status(const std::vector<SubmapKey>& submaps);
 map_request_t good_request(int8_t what, SubmapKey key);
 chunk_ack_t good_ack(int64_t transfer_id, int8_t status);

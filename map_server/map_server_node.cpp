@@ -25,7 +25,7 @@ namespace rumi::map_server {
 namespace {
 
 constexpr int64_t kStatusPeriodUs = 1'000'000;
-constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states (unacknowledged) are written so often, at least
+constexpr int64_t kFrameCommitUs = 1'000'000;  // frame states and masks (unacknowledged) are written so often, at least
 
 bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
@@ -71,6 +71,8 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
     go_on_from_map();
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
                          [this](const track_t& track) { on_track(track); });
+  bus.subscribe<mask_t>(channels::kMask, {.capacity = 16, .drop = DropPolicy::kDropOldest},
+                        [this](const mask_t& mask) { on_mask(mask); });
   bus.subscribe<map_request_t>(channels::kMapRequest, {.capacity = 64, .drop = DropPolicy::kDropNewest},
                                [this](const map_request_t& request) { on_request(request); });
 }
@@ -157,12 +159,20 @@ void MapServerNode::on_track(const track_t& track) {
   last_utime_us_ = std::max(last_utime_us_, track.utime);
 }
 
+void MapServerNode::on_mask(const mask_t& mask) {
+  if (sessions_.is_older(mask.session, bus_.now_us())) return;
+  if (masks_.take(mask, &atlas_)) has_unsaved_mask_ = true;
+}
+
 std::string MapServerNode::save(bool whole) {
   const StageClock clock("map_server.store");
   last_save_us_ = bus_.now_us();
   const auto budget = whole || !options_.merge.thread ? std::nullopt : std::optional(kSaveBudget);
   std::string reason = store_.save(atlas_, {unsaved_frames_.begin(), unsaved_frames_.end()}, budget);
-  if (reason.empty()) unsaved_frames_.clear();
+  if (reason.empty()) {
+    unsaved_frames_.clear();
+    has_unsaved_mask_ = false;
+  }
   report(reason, trouble_, store_.file());
   trouble_ = reason;
   return reason;
@@ -171,7 +181,7 @@ std::string MapServerNode::save(bool whole) {
 void MapServerNode::begin_snapshot() {
   const StageClock clock("map_server.store");
   last_snapshot_us_ = bus_.now_us();
-  if (!unsaved_frames_.empty()) save();
+  if (has_unsaved()) save();
   const int64_t changes = store_.changes();
   if (changes == changes_in_snapshot_) return;
   changes_in_snapshot_ = changes;
@@ -297,7 +307,7 @@ void MapServerNode::tick(int64_t now_us) {
   receiver_.tick(now_us);
   sender_.tick(now_us);
   merge(now_us);
-  const bool must_save = !unsaved_frames_.empty() || !trouble_.empty();
+  const bool must_save = has_unsaved() || !trouble_.empty();
   const bool goes_on = store_.is_behind() && trouble_.empty();
   if (goes_on || (must_save && is_due(now_us, last_save_us_, kFrameCommitUs))) save();
   if (status_pages_.round_goes_on() || is_due(now_us, last_status_us_, kStatusPeriodUs)) publish_map_status();
@@ -337,10 +347,11 @@ NodeStatus MapServerNode::status() {
   NodeStatus status;
   const std::string& trouble = trouble_.empty() ? snapshot_trouble_ : trouble_;
   status.degraded = !trouble.empty() || merger_.in_doubt();
-  status.detail = !trouble.empty() ? trouble
-                                   : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
-                                                 atlas_.submaps().size(), atlas_.frames_in_map(),
-                                                 atlas_.frames().size(), rejected_ + receiver_.dropped(), refused_);
+  status.detail = !trouble.empty()
+                      ? trouble
+                      : fmt::format("{} submaps, {} of {} frames in the map, {} rejected, {} refused",
+                                    atlas_.submaps().size(), atlas_.frames_in_map(), atlas_.frames().size(),
+                                    rejected_ + masks_.rejected() + receiver_.dropped(), refused_);
   if (merger_.refused().count() > 0) status.detail += "; " + merger_.refused().text();
   if (const std::set<SubmapKey> left_out = merger_.left_out(); !left_out.empty())
     status.detail += fmt::format("; left out until changed: {}", describe(left_out));

@@ -13,10 +13,12 @@
 #include "bus/transfer/chunked_transfer.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
 #include "map_server/map_status_pages.h"
+#include "map_server/mask_intake.h"
 #include "map_server/merging/map_merger.h"
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
@@ -50,6 +52,8 @@ class MapServerNode : public Node {
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   bool is_of_older_run(const submap_update_t& update, const std::string& sender);
   void on_track(const track_t& track);
+  void on_mask(const mask_t& mask);
+  bool has_unsaved() const { return has_unsaved_mask_ || !unsaved_frames_.empty(); }  // of what is not acknowledged
   void merge(int64_t now_us);
   void absorb(MergeResult result);
   void serve_present();
@@ -94,6 +98,8 @@ class MapServerNode : public Node {
   std::set<SubmapKey> fixed_;            // submaps of earlier sessions, with localize_only
   std::vector<Link> fixed_links_;        // between them
   std::set<ImageId> unsaved_frames_;
+  MaskIntake masks_;
+  bool has_unsaved_mask_ = false;
   std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
   int large_answers_ = 0;                                // of those under way
   std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
@@ -107,7 +113,7 @@ class MapServerNode : public Node {
   int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun
   int64_t last_utime_us_ = 0;
   std::optional<int64_t> first_submap_us_, localized_us_;  // of the present sessions: last_utime_us_ at that moment
-  int64_t rejected_ = 0;                                   // updates and messages that made no sense
+  int64_t rejected_ = 0;                                   // updates and messages that made no sense, masks apart
   int64_t refused_ = 0;                                    // requests
   double busy_ms_ = 0;
   int64_t handled_ = 0;

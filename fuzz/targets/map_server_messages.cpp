@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to map_server: updates of submaps, frames, questions, acknowledgements.
+// Messages to map_server: updates of submaps, frames, questions, acknowledgements, masks.
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "map_server/map_server_node.h"
@@ -7,7 +7,7 @@
 namespace rumi::fuzz {
 namespace {
 
-enum Channel : uint8_t { kTrack, kRequest, kSubmap, kAck };
+enum Channel : uint8_t { kTrack, kRequest, kSubmap, kAck, kMask };
 
 void run(View input) {
   MemoryBus bus;
@@ -15,10 +15,11 @@ void run(View input) {
   options.database = map_server::kInMemory;
   options.merge.thread = false;
   SafeNode node(std::make_unique<map_server::MapServerNode>(bus, options));
-  const Stage stage{.bus = &bus,
-                    .node = &node,
-                    .channels = {channels::kTrack, channels::kMapRequest, channels::kSubmap, channels::kMapAck},
-                    .chunk_channel = channels::kSubmap};
+  const Stage stage{
+      .bus = &bus,
+      .node = &node,
+      .channels = {channels::kTrack, channels::kMapRequest, channels::kSubmap, channels::kMapAck, channels::kMask},
+      .chunk_channel = channels::kSubmap};
   play(parse_script(input), stage);
 }
 
@@ -42,7 +43,9 @@ std::vector<Bytes> seeds() {
                ask(map_request_t::TRAJECTORY, front),
                pause(15),
                ask(map_request_t::PLACED_SUBMAP, back)};
-  return {to_bytes(grows), to_bytes(asks), to_bytes(joins)};
+  Script masks{message(kMask, good_mask(kSession + 100'000)), pause(11), message(kMask, good_mask(kSession + 900'000)),
+               pause(11), ask(map_request_t::SNAPSHOT, front)};
+  return {to_bytes(grows), to_bytes(asks), to_bytes(joins), to_bytes(masks)};
 }
 
 const Registered registered({"map_server_messages", run, seeds, mutate_script});

@@ -16,6 +16,8 @@
 namespace rumi::map_server {
 namespace {
 
+constexpr size_t kMostMasks = 64;
+
 int64_t first_utime_us(const Submap& submap) {
   return submap.frames.empty() ? std::numeric_limits<int64_t>::max() : submap.frames.begin()->first;
 }
@@ -78,6 +80,15 @@ std::string Atlas::change_submap(SubmapKey key, const std::function<std::string(
   note_frames(*submap, before);
   if (choose_map() || submaps_.at(key).in_map) ++revision_;
   return {};
+}
+
+bool Atlas::record_mask(int64_t stream, StillMask mask) {
+  const auto known = masks_.find(stream);
+  if (known != masks_.end() && (known->second.is_same(mask) || !mask.is_newer(known->second))) return false;
+  masks_[stream] = std::move(mask);
+  const auto is_older = [](const auto& a, const auto& b) { return b.second.is_newer(a.second); };
+  if (masks_.size() > kMostMasks) masks_.erase(std::min_element(masks_.begin(), masks_.end(), is_older));
+  return true;
 }
 
 bool Atlas::record_frame(ImageId image, const FrameRecord& record) {

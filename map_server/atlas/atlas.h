@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "map_server/atlas/placement.h"
+#include "map_server/atlas/still_mask.h"
 #include "map_server/links/link.h"
 #include "slam/geometry/transform.h"
 #include "slam/map/submap.h"
@@ -78,6 +79,9 @@ class Atlas {
   void check_links(const std::vector<Link>& links) const;
   // Takes what a RUMI_TRACK message says. True if that is news.
   bool record_frame(ImageId image, const FrameRecord& record);
+  // Takes what never moves in the images of a stream, which check() was content with; of too many streams the oldest
+  // is forgotten. True if that is news: not if a newer one is known.
+  bool record_mask(int64_t stream, StillMask mask);
   // A session that goes on now, not one of an earlier run.
   void note_present(int64_t session) { present_.insert(session); }
   const std::set<int64_t>& present() const { return present_; }
@@ -95,6 +99,7 @@ class Atlas {
   const std::vector<Link>& links() const { return links_; }
   const AtlasSubmap* find(SubmapKey key) const;
   const std::map<ImageId, FrameRecord>& frames() const { return frames_; }  // all ever heard of
+  const std::map<int64_t, StillMask>& masks() const { return masks_; }      // the newest of each stream
   int64_t revision() const { return revision_; }  // rises whenever anything of the served map changed
   int64_t frames_in_map() const;
 
@@ -132,6 +137,7 @@ class Atlas {
   std::map<SubmapKey, AtlasSubmap> submaps_;
   std::map<ImageId, FrameRecord> frames_;
   std::map<int64_t, int64_t> frames_of_;  // by session, how many
+  std::map<int64_t, StillMask> masks_;
   std::vector<Link> links_;
   std::set<int64_t> present_;
   int64_t revision_ = 0;

@@ -84,6 +84,7 @@ void MapStore::open() {
     db_.execute(kMapSchemaPlacements);
     db_.execute(kMapSchemaLinks);
     db_.execute(kMapSchemaFrames);
+    db_.execute(kMapSchemaMasks);
   } else {
     bring_up(version);
     log_info("{} is of schema version {}: it is brought to version {}", file_, version, kMapSchemaVersion);
@@ -106,9 +107,12 @@ void MapStore::bring_up(int64_t version) {
     if (version <= 3) db_.execute(kMapSchemaFrom3To4);
     db_.execute(kMapSchemaPyramids);
   }
-  db_.execute(kMapSchemaFrom5);
-  db_.execute(kMapSchemaFrames);
-  db_.execute(kMapSchemaTo6);
+  if (version <= 5) {
+    db_.execute(kMapSchemaFrom5);
+    db_.execute(kMapSchemaFrames);
+    db_.execute(kMapSchemaTo6);
+  }
+  db_.execute(kMapSchemaMasks);
 }
 
 std::string MapStore::explain(const SqliteError& error) const {

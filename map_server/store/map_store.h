@@ -99,8 +99,10 @@ class MapStore {
   bool remove_other_placements(Deadline deadline, Rows* rows);
   void save_links(const Atlas& atlas, const Rows& rows);
   void save_frames(const Atlas& atlas, const std::vector<ImageId>& frames);
+  void save_masks(const Atlas& atlas);
   int64_t camera_row(const Camera& camera);
   Camera load_camera(int64_t row);
+  void load_masks(Atlas* atlas);
   void load_submaps(Atlas* atlas);
   void load_elements(int64_t row, Submap* submap);
   void load_placements(Atlas* atlas, const std::map<int64_t, SubmapKey>& keys);
@@ -117,6 +119,7 @@ class MapStore {
   Database db_;
   Rows stored_;
   std::vector<Link> stored_links_;
+  std::map<int64_t, StillMask> stored_masks_;
   bool is_behind_ = false;
 };
 

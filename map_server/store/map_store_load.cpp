@@ -101,6 +101,7 @@ Atlas MapStore::load() {
           {.session = frames.integer(2),
            .state = checked_enum("a state", frames.integer(3), TrackingState::kUnknown, TrackingState::kLost),
            .submap_id = static_cast<int32_t>(frames.integer(4))});
+    load_masks(&atlas);
     load_submaps(&atlas);
     atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
   } catch (const SqliteError& error) {
@@ -109,6 +110,26 @@ Atlas MapStore::load() {
     throw std::runtime_error(fmt::format("{} is damaged: {}; move it away", file_, error.what()));
   }
   return atlas;
+}
+
+void MapStore::load_masks(Atlas* atlas) {
+  Statement rows(db_, "SELECT stream, session, utime, width, height, left_out, png FROM masks");
+  while (rows.step()) {
+    const auto side = [&rows](int column) {
+      return static_cast<int>(std::clamp<int64_t>(rows.integer(column), 0, 1 << 30));
+    };
+    const std::span<const uint8_t> png = rows.blob(6);
+    const StillMask mask{.session = rows.integer(1),
+                         .utime_us = rows.integer(2),
+                         .width = side(3),
+                         .height = side(4),
+                         .left_out = rows.real(5),
+                         .png = {png.begin(), png.end()}};
+    if (const std::string wrong = check(rows.integer(0), mask); !wrong.empty())
+      throw std::runtime_error(fmt::format("the mask of stream {}: {}", rows.integer(0), wrong));
+    atlas->record_mask(rows.integer(0), mask);
+  }
+  stored_masks_ = atlas->masks();
 }
 
 void MapStore::load_submaps(Atlas* atlas) {

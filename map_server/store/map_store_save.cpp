@@ -45,6 +45,7 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<ImageId>& frame
     Rows rows = stored_;
     const bool has_submaps = save_submaps(atlas, deadline, &rows);
     save_frames(atlas, frames);
+    save_masks(atlas);
     const bool is_whole = has_submaps && save_placements(atlas, deadline, &rows);
     if (is_whole) {
       save_map(atlas, &rows);
@@ -53,6 +54,7 @@ std::string MapStore::save(const Atlas& atlas, const std::vector<ImageId>& frame
     const bool is_clean = remove_other_placements(deadline, &rows);
     transaction.commit();
     stored_ = std::move(rows);
+    stored_masks_ = atlas.masks();
     if (is_whole) stored_links_ = atlas.links();
     is_behind_ = !is_whole || !is_clean;
     give_back_pages();
@@ -164,6 +166,16 @@ void MapStore::save_frames(const Atlas& atlas, const std::vector<ImageId>& frame
     if (it == atlas.frames().end() || it->second.state == TrackingState::kUnknown) continue;
     const FrameRecord& record = it->second;
     insert.bind(image.stream, image.utime_us, record.session, static_cast<int>(record.state), record.submap_id).run();
+  }
+}
+
+void MapStore::save_masks(const Atlas& atlas) {
+  if (atlas.masks() == stored_masks_) return;
+  db_.execute("DELETE FROM masks");
+  Statement insert(db_, "INSERT INTO masks VALUES (?, ?, ?, ?, ?, ?, ?)");
+  for (const auto& [stream, mask] : atlas.masks()) {
+    const std::vector<uint8_t> png(mask.png.begin(), mask.png.end());
+    insert.bind(stream, mask.session, mask.utime_us, mask.width, mask.height, mask.left_out, as_blob(png)).run();
   }
 }
 

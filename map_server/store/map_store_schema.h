@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The schema of map.db, version 6. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
+// The schema of map.db, version 7. Anyone may read the file, also while map_server runs (`sqlite3 -readonly map.db`).
 //
 // Blobs are little endian. pose: 7 float64 w x y z tx ty tz. similarity: 8 float64 scale w x y z tx ty tz. Numbers are
 // kept as blobs where every bit counts (SQLite turns -0.0 into 0). Times are microseconds since the epoch.
@@ -8,7 +8,7 @@
 namespace rumi::map_server {
 
 inline constexpr int kMapApplicationId = 0x52554d49;  // "RUMI", PRAGMA application_id
-inline constexpr int kMapSchemaVersion = 6;           // PRAGMA user_version; raise it with every change of the schema
+inline constexpr int kMapSchemaVersion = 7;           // PRAGMA user_version; raise it with every change of the schema
 
 // What version 2 added to version 1: where the submaps of the map lie in it. Since version 5 with the revision: rows of
 // another one than submaps.placement_revision are on their way in or out, and do not count.
@@ -147,6 +147,18 @@ CREATE TABLE frames (                     -- what front_tracker said when it saw
   submap INTEGER NOT NULL,                -- submaps.id that it was tracked in, 0: in none
   PRIMARY KEY (stream, utime)
 ) WITHOUT ROWID;
+)sql";
+
+// What version 7 added to version 6.
+inline constexpr const char* kMapSchemaMasks = R"sql(
+CREATE TABLE masks (                      -- what never moves in a camera's images (a bonnet, a caption), the newest
+  stream INTEGER PRIMARY KEY,             -- as in submaps
+  session INTEGER NOT NULL,               -- that it was learned in
+  utime INTEGER NOT NULL,                 -- of the image at which it was learned so
+  width INTEGER NOT NULL, height INTEGER NOT NULL,  -- pixels, of the images as they are worked on
+  left_out REAL NOT NULL,                 -- share of the image, 0 to 1
+  png BLOB NOT NULL                       -- of that size, black: left out; empty: nothing is
+);
 )sql";
 
 // Version 1 had one similarity for a whole submap, of which only the identity (the blob below) was ever written; any

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <opencv2/core/mat.hpp>
 
+#include "bus/wire/image_masks.h"
 #include "bus/wire/submap_update.h"
 
 namespace rumi::testing {
@@ -196,8 +198,33 @@ void expect_same(const Placement& a, const Placement& b) {
   }
 }
 
+StillMask make_mask(int64_t session, int64_t utime_us, int rows) {
+  cv::Mat pixels(48, 64, CV_8U, cv::Scalar(255));
+  pixels.rowRange(48 - rows, 48) = 0;
+  return {.session = session,
+          .utime_us = utime_us,
+          .width = 64,
+          .height = 48,
+          .left_out = rows / 48.0,
+          .png = rows == 0 ? "" : encode_mask(pixels)};
+}
+
+mask_t make_mask_message(int64_t stream, const StillMask& mask) {
+  mask_t message{};
+  message.utime = mask.utime_us;
+  message.stream = stream;
+  message.session = mask.session;
+  message.width = mask.width;
+  message.height = mask.height;
+  message.left_out = mask.left_out;
+  message.png.assign(mask.png.begin(), mask.png.end());
+  message.size = static_cast<int32_t>(message.png.size());
+  return message;
+}
+
 void expect_same(const Atlas& a, const Atlas& b) {
   EXPECT_EQ(a.revision(), b.revision());
+  EXPECT_EQ(a.masks(), b.masks());
   EXPECT_EQ(a.links(), b.links());
   EXPECT_EQ(a.frames(), b.frames());
   ASSERT_EQ(a.submaps().size(), b.submaps().size());

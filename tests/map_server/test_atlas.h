@@ -7,6 +7,7 @@
 
 #include <random>
 
+#include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/atlas/atlas.h"
 #include "tests/support/temporary_folder.h"
@@ -48,6 +49,10 @@ void update_atlas(Atlas* atlas, const Submap& submap);
 Placement make_placement(const Submap& submap, uint32_t seed);
 
 track_t make_track(int64_t utime_us, int64_t session, int8_t state, int32_t submap_id, bool is_keyframe = false);
+
+// Of images of 64 x 48 pixels: the lowest `rows` never move.
+StillMask make_mask(int64_t session, int64_t utime_us, int rows);
+mask_t make_mask_message(int64_t stream, const StillMask& mask);
 
 // Everything that is kept, bit for bit.
 void expect_same(const Submap& a, const Submap& b);

@@ -9,9 +9,11 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
+#include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "map_server/map_server_node.h"
 #include "ruminator/ruminator_node.h"
@@ -120,6 +122,14 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
   status.nsubmaps = 1;
   status.submaps.resize(1);
   status.submaps[0].map_from_submap = to_wire(Sim3());
+  mask_t mask{};
+  mask.stream = mask.session = 5;
+  mask.width = 64;
+  mask.height = 48;
+  mask.left_out = 0.5;
+  const std::string png = encode_mask(cv::Mat(48, 64, CV_8U, cv::Scalar(255)));
+  mask.size = static_cast<int32_t>(png.size());
+  mask.png.assign(png.begin(), png.end());
   map_request_t request{};
   request.requester = "somebody";
   chunk_ack_t ack{};
@@ -130,6 +140,7 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
       {channels::kSubmap, encode_message(chunk_of(encode_message(small_update()), 1))},
       {channels::kSubmapAck, encode_message(ack)},
       {channels::kMapStatus, encode_message(status)},
+      {channels::kMask, encode_message(mask)},
       {channels::kMapRequest, encode_message(request)},
       {channels::kMapChunk, encode_message(chunk_of({1, 2, 3}, 2))},
       {channels::kMapAck, encode_message(ack)},

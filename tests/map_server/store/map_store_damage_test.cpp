@@ -101,7 +101,13 @@ TEST(MapStore, ContradictoryContentIsFoundAtTheStart) {
                           "UPDATE OR REPLACE placed_landmarks SET submap = 4711",
                           "UPDATE fused_landmarks SET into_submap = 4711",
                           "UPDATE links SET b = 4711 WHERE doubt = ''",
-                          "UPDATE links SET b_from_a = x'00'"}) {
+                          "UPDATE links SET b_from_a = x'00'",
+                          "UPDATE masks SET stream = -9",
+                          "UPDATE masks SET utime = -1",
+                          "UPDATE masks SET width = 1000000000000",
+                          "UPDATE masks SET left_out = 1.5",
+                          "UPDATE masks SET png = x''",
+                          "UPDATE masks SET png = x'89504E47'"}) {
     const TemporaryFolder folder;
     {
       MapStore store(folder / "map.db");

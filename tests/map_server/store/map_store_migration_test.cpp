@@ -5,7 +5,7 @@
 #include "map_server/store/blob.h"
 #include "map_server/store/map_store.h"
 #include "map_server/store/map_store_schema.h"
-#include "tests/map_server/test_atlas.h"
+#include "tests/map_server/store/stored_atlas.h"
 
 namespace rumi::map_server {
 namespace {
@@ -141,8 +141,12 @@ Submap without_sigmas(Submap submap) {
   return submap;
 }
 
+// Versions before 7 knew no masks.
+void drop_masks(const std::string& file) { Database(file).execute("DROP TABLE masks"); }
+
 // Versions before 6 knew frames by their times alone.
 void drop_streams(const std::string& file) {
+  drop_masks(file);
   Database(file).execute(R"sql(
     CREATE TABLE f (utime INTEGER PRIMARY KEY, session INTEGER NOT NULL, state INTEGER NOT NULL,
                     submap INTEGER NOT NULL);
@@ -328,6 +332,28 @@ TEST(MapStoreMigration, AFileOfVersion5IsTakenOver) {
     ASSERT_EQ(store.save(atlas, {{500'000, 123}}), "");
     expect_same(atlas, store.load());
   }
+  expect_present_version(folder);
+}
+
+TEST(MapStoreMigration, AFileOfVersion6IsTakenOver) {
+  const TemporaryFolder folder;
+  Atlas atlas = testing::merged_atlas();
+  {
+    MapStore store(folder / "map.db");
+    ASSERT_EQ(store.save(atlas, testing::all_frames(atlas)), "");
+  }
+  drop_masks(folder / "map.db");
+  Database(folder / "map.db").execute("PRAGMA user_version = 6");
+  EXPECT_EQ(MapStore::copy_in_memory(folder / "map.db").load().frames(), atlas.frames()) << "read, and left as it is";
+  EXPECT_EQ(Database(folder / "map.db").integer("PRAGMA user_version"), 6);
+  {
+    MapStore store(folder / "map.db");
+    Atlas loaded = store.load();
+    EXPECT_TRUE(loaded.masks().empty());
+    loaded.record_mask(9, atlas.masks().at(9));  // it goes on
+    ASSERT_EQ(store.save(loaded, {}), "");
+  }
+  expect_same(atlas, MapStore(folder / "map.db").load());
   expect_present_version(folder);
 }
 

@@ -32,6 +32,7 @@ inline Atlas full_atlas() {
   atlas.record_frame({1'000'000, 9}, {.session = 8, .state = TrackingState::kLost});
   atlas.record_frame({500'000}, {.session = 7, .state = TrackingState::kNotInitialized});
   atlas.record_frame({1'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 1});
+  atlas.record_mask(9, make_mask(8, 12'000'000, 8));
   return atlas;
 }
 

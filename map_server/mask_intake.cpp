@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "map_server/mask_intake.h"
+
+#include "base/log.h"
+
+namespace rumi::map_server {
+
+bool MaskIntake::take(const mask_t& message, Atlas* atlas) {
+  StillMask mask{.session = message.session,
+                 .utime_us = message.utime,
+                 .width = message.width,
+                 .height = message.height,
+                 .left_out = message.left_out,
+                 .png = {message.png.begin(), message.png.end()}};
+  const auto known = atlas->masks().find(message.stream);
+  if (known != atlas->masks().end() && known->second.is_same(mask)) return false;
+  if (const std::string problem = check(message.stream, mask); !problem.empty()) {
+    if (++rejected_ == 1) log_warning("a mask is rejected: {} (further ones are only counted)", problem);
+    return false;
+  }
+  return atlas->record_mask(message.stream, std::move(mask));
+}
+
+}  // namespace rumi::map_server
