@@ -24,8 +24,8 @@ struct SkippedFrames {
   int64_t wrong_size = 0;    // not that of the calibration
   int64_t other_camera = 0;  // of another camera or stream on the same channel, in turn
   int64_t lost = 0;          // camera: gaps in the driver's numbering
-  int64_t repeated = 0;      // the same image as the one before, with another time
-  int64_t longest_row = 0;   // of these
+  int64_t repeated = 0;      // the same image as the one before, in a row that is not short
+  int64_t longest_row = 0;   // of such images
   double longest_row_s = 0;  // where it begins, since the first image
   int64_t total() const {
     return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost + repeated;

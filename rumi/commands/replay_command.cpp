@@ -63,7 +63,7 @@ int replay(Arguments& arguments) {
   if (!outcome.warning.empty()) complain("replay", outcome.warning);
   fail_if(outcome.error);
   if (!arguments.quiet) {
-    print_summary(outcome.counts, outcome.localization, outcome.left_out, run.out);
+    print_summary(outcome.counts, outcome.notes, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
   for (const std::string& complaint : outcome.complaints) complain("replay", complaint);

@@ -14,6 +14,7 @@
 #include "base/whole_file.h"
 #include "camera_driver/source/image_source.h"
 #include "rumi/outputs/landmark_colours.h"
+#include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/outputs/run_record.h"
@@ -105,6 +106,7 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
                            {"out_of_order", skipped.out_of_order}, {"unreadable", skipped.unreadable},
                            {"wrong_size", skipped.wrong_size},     {"other_camera", skipped.other_camera},
                            {"repeated", skipped.repeated}};
+  run["masks"] = masks_to_json(masks_of(replay.atlas(), replay.earlier_sessions()));
   run["counts"] = counts_to_json(count(replay.atlas(), replay.earlier_sessions()));
   if (const auto after_s = replay.localized_after_s()) run["localized_after_s"] = *after_s;
   run["windows"] = windows.counts();
@@ -138,7 +140,9 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
         thrown_by([&] { colours = landmark_colours(replay.atlas(), replay.recording()).colours; });
     if (!thrown.empty()) missing.push_back("colours of map.ply: " + thrown);
   }
-  for (const std::string& problem : write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours))
+  const Camera& camera = replay.recording().camera();
+  for (const std::string& problem :
+       write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours, {camera.width, camera.height}))
     missing.push_back(problem);
   missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));
   std::erase(missing, "");
@@ -175,6 +179,13 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
     outcome->warning = "not everything could be handed on at the end: " + unfinished;
 }
 
+std::vector<std::string> notes_of(const Replay& replay, const AtlasCounts& counts) {
+  std::vector<std::string> notes = describe_masks(masks_of(replay.atlas(), replay.earlier_sessions()));
+  const std::string localization = describe_localization(counts, replay.localized_after_s().value_or(-1));
+  if (!localization.empty()) notes.insert(notes.begin(), localization);
+  return notes;
+}
+
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
   std::vector<std::string> lines = left_out(replay.atlas(), replay.earlier_sessions());
   for (const std::string& line : windows.failures()) lines.push_back(line);
@@ -207,6 +218,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   std::string& error = outcome.error;
   ReservedSpace reserved;
   if (!run.log.empty()) error = check_log(run);
+  if (error.empty()) error = check_mask_stays(run.options.camera_driver.mask, run.input, run.out);
   if (error.empty()) error = check_output_folder(run.out);
   if (error.empty()) error = reserve_outputs(run.out, replay.progress().total, &reserved);
   if (error.empty()) error = prepare_output_folder(run.out);
@@ -223,7 +235,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
     if (error.empty()) error = all_missing;
   }
   outcome.counts = count(replay.atlas(), replay.earlier_sessions());
-  outcome.localization = describe_localization(outcome.counts, replay.localized_after_s().value_or(-1));
+  outcome.notes = notes_of(replay, outcome.counts);
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;

@@ -29,7 +29,7 @@ struct ReplayOutcome {
   std::string warning;                  // what did not go as it should, though all is written
   std::vector<std::string> complaints;  // why not all of the recording is in the result, though it was computed
   AtlasCounts counts;
-  std::string localization;           // see describe_localization()
+  std::vector<std::string> notes;     // see print_summary()
   std::vector<std::string> left_out;  // what the map lacks and why, a line each
   std::vector<WindowRow> windows;     // in the order in which they were rebuilt
   int64_t images = 0;

@@ -14,6 +14,7 @@
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/map_file.h"
+#include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
@@ -63,9 +64,10 @@ int64_t last_session_before(const Arguments& arguments, const SnapshotResult& sn
   return began_us - 1;
 }
 
-nlohmann::ordered_json run_record(const Arguments& arguments, const AtlasCounts& counts,
+nlohmann::ordered_json run_record(const Arguments& arguments, const AtlasCounts& counts, const RunMasks& masks,
                                   const nlohmann::ordered_json& processes) {
   nlohmann::ordered_json run{{"finished", true}, {"command", "snapshot"}, {"lcm_url", arguments.lcm_url}};
+  run["masks"] = masks_to_json(masks);
   run["counts"] = counts_to_json(counts);
   run["processes"] = processes;
   if (const auto images = images_of(processes)) run["images"] = *images;
@@ -113,19 +115,25 @@ void print_processes(const nlohmann::ordered_json& processes) {
   }
 }
 
-// Of landmarks, from the recording that the system plays, if it is named and plays a few images quickly.
-map_server::LandmarkColours colours_of(const Arguments& arguments, const map_server::Atlas& atlas,
-                                       std::vector<std::string>* missing) {
-  if (arguments.images.empty()) return {};
-  map_server::LandmarkColours colours;
+// What the recording that the system plays tells, if it is named.
+struct OfRecording {
+  map_server::LandmarkColours colours;  // if it plays a few images quickly
+  cv::Size image_size;
+};
+
+OfRecording look_at_recording(const Arguments& arguments, const map_server::Atlas& atlas,
+                              std::vector<std::string>* missing) {
+  OfRecording result;
+  if (arguments.images.empty()) return result;
   const std::string thrown = thrown_by([&] {
     spdlog::set_level(spdlog::level::err);  // what is odd in the recording was said when it began
     const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
     fail_if(recording.error);
-    if (recording.source->plays_few_quickly()) colours = landmark_colours(atlas, *recording.source).colours;
+    result.image_size = {recording.source->camera().width, recording.source->camera().height};
+    if (recording.source->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording.source).colours;
   });
   if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
-  return colours;
+  return result;
 }
 
 void take_snapshot(Arguments& arguments) {
@@ -147,18 +155,21 @@ void take_snapshot(Arguments& arguments) {
   const int64_t before = last_session_before(arguments, snapshot);
   const AtlasCounts counts = count(atlas, before);
   std::vector<std::string> missing;
-  const map_server::LandmarkColours colours = colours_of(arguments, atlas, &missing);
-  for (const std::string& problem : write_run_outputs(atlas, arguments.out, before, colours))
+  const OfRecording seen = look_at_recording(arguments, atlas, &missing);
+  for (const std::string& problem : write_run_outputs(atlas, arguments.out, before, seen.colours, seen.image_size))
     missing.push_back(problem);
   if (!copy_problem.empty()) missing.push_back(copy_problem);
-  nlohmann::ordered_json run = run_record(arguments, counts, processes);
+  const RunMasks masks = masks_of(atlas, before);
+  nlohmann::ordered_json run = run_record(arguments, counts, masks, processes);
   const std::string all_missing = note_missing(missing, arguments.out, &run);
   fail_if(write_run_json(arguments.out, run));
   fail_if(all_missing);
   if (arguments.quiet) return;
-  std::vector<std::string> not_in_it = left_out(atlas, before);
+  std::vector<std::string> notes = describe_masks(masks), not_in_it = left_out(atlas, before);
+  if (const std::string localization = describe_localization(counts, snapshot.localized_after_s); !localization.empty())
+    notes.insert(notes.begin(), localization);
   if (const std::string dropped = describe_dropped(processes); !dropped.empty()) not_in_it.push_back(dropped);
-  print_summary(counts, describe_localization(counts, snapshot.localized_after_s), not_in_it, arguments.out);
+  print_summary(counts, notes, not_in_it, arguments.out);
   print_processes(processes);
 }
 

@@ -20,6 +20,7 @@
 #include "rumi/commands/commands.h"
 #include "rumi/commands/up_arguments.h"
 #include "rumi/commands/up_processes.h"
+#include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/reserved_space.h"
 #include "rumi/run/map_before.h"
@@ -125,7 +126,10 @@ int up(UpArguments& arguments) {
   listen_to_signals();
   start_logging("rumi", false, /*quiet=*/true);
   fail_if(why_not_here(options));
-  if (!arguments.snapshot.empty()) fail_if(check_output_folder(arguments.snapshot));
+  if (!arguments.snapshot.empty()) {
+    fail_if(check_mask_stays(options.camera_driver.mask, options.up.input, arguments.snapshot));
+    fail_if(check_output_folder(arguments.snapshot));
+  }
   tell_of_map(options, arguments.fresh);
   warn_of_little_space(options.map_server.database);
   const auto begin = std::chrono::system_clock::now().time_since_epoch();

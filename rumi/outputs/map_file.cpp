@@ -14,6 +14,7 @@
 #include "base/temporary_folder.h"
 #include "base/whole_file.h"
 #include "bus/transport/log_file.h"
+#include "rumi/outputs/masks.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
@@ -70,8 +71,10 @@ AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& tit
 }
 
 std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder, int64_t after,
-                                           const map_server::LandmarkColours& colours) {
+                                           const map_server::LandmarkColours& colours, const cv::Size& image_size) {
   std::vector<std::string> problems = map_server::write_outputs(atlas, folder, after, colours);
+  for (const std::string& problem : write_masks(masks_of(atlas, after), folder, image_size))
+    problems.push_back(problem);
   const std::string picture = (fs::path(folder) / "trajectory.png").string();
   std::string problem;
   const std::string thrown = thrown_by([&] {

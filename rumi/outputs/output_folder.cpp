@@ -18,6 +18,7 @@
 #include "base/whole_file.h"
 #include "bus/process/process.h"
 #include "map_server/store/map_store.h"
+#include "rumi/outputs/masks.h"
 
 namespace rumi::tool {
 namespace {
@@ -66,7 +67,8 @@ bool is_written_by_a_run(const fs::path& name) {
                                                "trajectory.mp4", "frames.csv",     "map.db",
                                                "map.ply",        "windows.csv",    "pictures/unfinished"};
   const std::string folder = name.parent_path().string(), extension = name.extension().string();
-  return kNames.contains(name.string()) || (folder == "windows" && extension == ".window") ||
+  return kNames.contains(name.string()) || is_mask_name(name.string()) ||
+         (folder == "windows" && extension == ".window") ||
          (folder == "submaps" && extension == ".txt" && is_submap_name(name.stem().string())) ||
          (folder == "pictures" && extension == ".png" && is_number(name.stem().string(), 6));
 }

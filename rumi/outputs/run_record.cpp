@@ -26,13 +26,13 @@ nlohmann::ordered_json counts_to_json(const AtlasCounts& counts) {
   return json;
 }
 
-void print_summary(const AtlasCounts& counts, const std::string& localization, const std::vector<std::string>& left_out,
-                   const std::string& folder) {
+void print_summary(const AtlasCounts& counts, const std::vector<std::string>& notes,
+                   const std::vector<std::string>& left_out, const std::string& folder) {
   const auto file = [&](const char* name) { return (std::filesystem::path(folder) / name).string(); };
   fmt::print("{} of {} frames have a pose in the map, {} in any of {} submaps; {} keyframes, {} landmarks\n",
              counts.frames_in_map, counts.frames, counts.tracked_frames, counts.submaps, counts.keyframes,
              counts.landmarks);
-  if (!localization.empty()) fmt::print("{}\n", localization);
+  for (const std::string& note : notes) fmt::print("{}\n", note);
   for (const std::string& line : left_out) fmt::print("left out    {}\n", line);
   fmt::print("trajectory  {}\nmap         {}  and  {}\npicture     {}\n", file("trajectory.txt"), file("map.db"),
              file("map.ply"), file("trajectory.png"));

@@ -16,9 +16,9 @@ std::string note_missing(const std::vector<std::string>& missing, const std::str
                          nlohmann::ordered_json* run);
 
 nlohmann::ordered_json counts_to_json(const AtlasCounts& counts);
-// What came out, whether the map of before was found (describe_localization()), what was left out (a line each) and
-// where everything is, for a person.
-void print_summary(const AtlasCounts& counts, const std::string& localization, const std::vector<std::string>& left_out,
-                   const std::string& folder);
+// For a person, what came out, `notes` (a line each): whether the map of before was found (describe_localization()) and
+// what never moves in the images (describe_masks()), then what was left out (a line each) and where everything is.
+void print_summary(const AtlasCounts& counts, const std::vector<std::string>& notes,
+                   const std::vector<std::string>& left_out, const std::string& folder);
 
 }  // namespace rumi::tool

@@ -13,12 +13,15 @@
 #include "base/file_access.h"
 #include "base/json_text.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/image_stream.h"
 #include "map_server/alignment/submap_alignment.h"
 #include "rumi/evaluation/run_evaluation.h"
 #include "rumi/outputs/map_file.h"
+#include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/report/evaluation_plot.h"
 #include "rumi/report/html_page.h"
+#include "rumi/report/mask_picture.h"
 #include "rumi/report/match_history.h"
 #include "rumi/run/process_load.h"
 #include "ruminator/window/window_job.h"
@@ -181,6 +184,31 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
   }
 }
 
+// Over an image of the same camera, if a window has one.
+image_t image_of_stream(const std::string& folder, int64_t stream) {
+  for (const fs::path& file : window_files(folder)) {
+    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
+    if (!read.ok()) continue;
+    for (const image_t& image : read.job.images)
+      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read.job.window.session == stream))
+        return image;
+  }
+  return {};
+}
+
+void add_masks(const std::string& folder, const map_server::Atlas& atlas, HtmlPage* page) {
+  const RunMasks masks = masks_of(atlas);
+  if (masks.empty()) return;
+  page->section("Masks", "What never moves in the images is not the world: no landmark is made of it.");
+  for (const std::string& line : describe_masks(masks)) page->paragraph(line);
+  for (const auto& [stream, mask] : masks) {
+    std::string none;  // no image, then
+    const cv::Mat picture = draw_mask(mask.png, decode_bgr(image_of_stream(folder, stream), &none));
+    if (!picture.empty())
+      page->picture(viewer_offscreen::encode_png(picture), "png", fmt::format("Left out of stream {}", stream));
+  }
+}
+
 void add_joins(const map_server::Atlas& atlas, HtmlPage* page) {
   page->section("Joins", "Attempts to align two submaps; those that were accepted hold the map together.");
   if (atlas.links().empty()) return page->paragraph("No two submaps were compared.");
@@ -320,6 +348,7 @@ std::string make_report(const std::string& folder, const ReportOptions& options)
   add_timeline(all, scene, &page);
   if (!options.groundtruth.empty()) add_errors(folder, options.groundtruth, options.truth, &page);
   add_windows(folder, atlas, scene.first_us, &page);
+  add_masks(folder, atlas, &page);
   add_joins(atlas, &page);
   add_matches(run, atlas, &page);
   add_load(run, &page);

@@ -14,9 +14,9 @@ struct ReportOptions {
 };
 
 // The folder of a run as one web page: counts, views of the map, tracking over time, the error where the truth is
-// given, windows with their images, joins with their reasons, matched features over time, load by process. A run whose
-// map.db could not be written (run.json tells) gets a shorter page. Throws std::runtime_error with a message for the
-// user if the folder is none of a finished run.
+// given, windows with their images, masks, joins with their reasons, matched features over time, load by process. A run
+// whose map.db could not be written (run.json tells) gets a shorter page. Throws std::runtime_error with a message for
+// the user if the folder is none of a finished run.
 std::string make_report(const std::string& folder, const ReportOptions& options = {});
 
 }  // namespace rumi::tool

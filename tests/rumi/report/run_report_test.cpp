@@ -7,11 +7,13 @@
 
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
+#include "bus/wire/image_masks.h"
 #include "bus/wire/jpeg_image.h"
 #include "lcmtypes/rumi/process_status_t.hpp"
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/report/html_page.h"
+#include "rumi/report/mask_picture.h"
 #include "rumi/report/match_history.h"
 #include "rumi/report/run_report.h"
 #include "rumi/run/process_load.h"
@@ -164,6 +166,37 @@ TEST_F(ReportTest, IsOneFileWithAllSections) {
   EXPECT_EQ(count_of(html, "data:image/jpeg"), 8u);
   EXPECT_EQ(count_of(html, "data:image/png"), 5u);
   EXPECT_THAT(html, HasSubstr("<td>between front submaps alone</td><td>4</td><td>80</td><td>80</td>"));
+}
+
+// The window's images name no stream: theirs is the session.
+TEST_F(ReportTest, DrawsWhatNeverMovesOverAnImageOfTheCamera) {
+  EXPECT_THAT(make_report(folder_.string()), Not(HasSubstr("<h2>Masks</h2>")));
+  cv::Mat pixels(48, 64, CV_8U, cv::Scalar(255));
+  pixels.rowRange(36, 48) = 0;
+  for (const int64_t stream : {1, 2})
+    atlas_.record_mask(
+        stream,
+        {.session = 1, .utime_us = 1'000'000, .width = 64, .height = 48, .left_out = 0.25, .png = encode_mask(pixels)});
+  ASSERT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, {}), "");
+  const std::string html = make_report(folder_.string());
+  EXPECT_THAT(html, HasSubstr("<h2>Masks</h2>"));
+  EXPECT_THAT(html, HasSubstr("25 % of the image of stream 1 never moves"));
+  EXPECT_EQ(count_of(html, "data:image/png"), 7u);
+}
+
+TEST(MaskPicture, IsTheImageWithWhatIsLeftOutInRed) {
+  cv::Mat pixels(48, 64, CV_8U, cv::Scalar(255));
+  pixels.rowRange(36, 48) = 0;
+  const std::string png = encode_mask(pixels);
+  const cv::Mat over = draw_mask(png, cv::Mat(96, 128, CV_8UC3, cv::Scalar(100, 100, 100)));
+  ASSERT_EQ(over.size(), cv::Size(64, 48));
+  EXPECT_EQ(over.at<cv::Vec3b>(10, 10), cv::Vec3b(100, 100, 100));
+  const cv::Vec3b red = over.at<cv::Vec3b>(40, 10);
+  EXPECT_GT(red[2], red[0] + 80);
+  const cv::Mat alone = draw_mask(png, {});
+  EXPECT_EQ(alone.at<cv::Vec3b>(10, 10), cv::Vec3b(255, 255, 255));
+  EXPECT_NE(alone.at<cv::Vec3b>(40, 10), cv::Vec3b(255, 255, 255));
+  EXPECT_TRUE(draw_mask("no PNG", {}).empty());
 }
 
 TEST_F(ReportTest, FetchesNothing) {
