@@ -48,7 +48,10 @@ bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > i
 }  // namespace
 
 FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
-    : bus_(bus), options_(options), publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s), mask_publisher_(bus) {
+    : bus_(bus),
+      options_(options),
+      publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s),
+      mask_publisher_(bus) {
   if (const int most = options.tracking.back_keyframes; most > 0) {
     const auto take = [this](Submap submap) { return tracker_ ? tracker_->add_back_submap(std::move(submap)) : ""; };
     const auto forget = [this](int id) {
@@ -193,15 +196,25 @@ const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size&
   return mask;
 }
 
+std::optional<TrackResult> FrontTrackerNode::take(const image_t& image, const cv::Mat& grey) {
+  switch (repeated_.take(image.utime, grey)) {
+    case RepeatedImages::Kind::kNew:
+      return tracker_->process(image.utime, grey, mask_of(image, grey.size()));
+    case RepeatedImages::Kind::kDoubled:
+      return tracker_->predict(image.utime);
+    default:
+      return std::nullopt;
+  }
+}
+
 void FrontTrackerNode::on_image(const image_t& image) {
   if (finishing_) return;
   const cv::Mat grey = usable_image(image);
   if (grey.empty()) return;
   problem_.clear();
   last_utime_us_ = image.utime;
-  if (repeated_.take(image.utime, grey)) return;
   const double before_s = thread_cpu_s();
-  const auto result = tracker_->process(image.utime, grey, mask_of(image, grey.size()));
+  const auto result = take(image, grey);
   if (!result) return;
   const double cpu_ms = 1e3 * (thread_cpu_s() - before_s);
   cpu_ms_ += cpu_ms;
@@ -356,7 +369,7 @@ void FrontTrackerNode::tell_of_dropped() const {
 
 int FrontTrackerNode::exit_code() const {
   const ChannelCounts counts = images();
-  const bool repeats = repeated_.count() * 100 > counts.received;
+  const bool repeats = repeated_.still() * 100 > counts.received;
   return dropped_many(counts) || repeats || (counts.received > 0 && !has_posed_) ? kNotAll : 0;
 }
 
@@ -390,7 +403,7 @@ NodeStatus FrontTrackerNode::status() {
   if (back_submaps_ && back_submaps_->refused() > 0)
     s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
   for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
-  if (repeated_.count() > 0) s.detail += ", " + repeated_.text();
+  if (repeated_.still() > 0) s.detail += ", " + repeated_.text();
   if (broken_mapping_.count() > 0) {
     s.detail += ", " + broken_mapping_.text();
     s.degraded = broken_mapping_.take_news();

@@ -34,7 +34,6 @@ class FrontTrackerNode : public Node {
   NodeStatus status() override;
   // Images that could not be decoded.
   int64_t undecodable() const;
-  // Images that were the same as the one before.
   const RepeatedImages& repeated() const { return repeated_; }
   void finish() override;
   std::string waits_for() const override;
@@ -52,6 +51,7 @@ class FrontTrackerNode : public Node {
   void on_map_status(const map_status_t& status);
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
   cv::Mat usable_image(const image_t& image);
+  std::optional<TrackResult> take(const image_t& image, const cv::Mat& grey);
   // What the image says of itself; everything, and a problem noted, if that cannot be used.
   const ImageMask& mask_of(const image_t& image, const cv::Size& size);
   void retire_session();

@@ -9,6 +9,7 @@ namespace rumi::front_tracker {
 namespace {
 
 constexpr double kMostNoise = 1;       // grey levels: what encoding once more may leave
+constexpr int64_t kMostDoubled = 2;    // images in a row
 constexpr int64_t kWorthTelling = 10;  // images in a row
 
 }  // namespace
@@ -19,38 +20,39 @@ void RepeatedImages::begin_session() {
   row_ = {};
 }
 
-bool RepeatedImages::take(int64_t utime_us, const cv::Mat& grey) {
+RepeatedImages::Kind RepeatedImages::take(int64_t utime_us, const cv::Mat& grey) {
   if (first_utime_us_ == INT64_MIN) first_utime_us_ = utime_us;
   const bool is_same = last_.size() == grey.size() && cv::norm(last_, grey, cv::NORM_INF) <= kMostNoise;
   if (!is_same) {
     if (row_.images >= kWorthTelling) log_warning("{} images in a row were the same", row_.images);
     last_ = grey.clone();
     row_ = {};
-    return false;
+    return Kind::kNew;
   }
-  ++count_;
   if (row_.images++ == 0) row_.begin_s = 1e-6 * static_cast<double>(utime_us - first_utime_us_);
   if (row_.images > longest_.images) longest_ = row_;
-  tell();
-  return true;
+  const Kind kind = row_.images <= kMostDoubled ? Kind::kDoubled : Kind::kStill;
+  ++(kind == Kind::kDoubled ? doubled_ : still_);
+  tell(kind);
+  return kind;
 }
 
-void RepeatedImages::tell() const {
+void RepeatedImages::tell(Kind kind) const {
   if (row_.images == kWorthTelling)
     log_warning(
         "{} images in a row, from {:.2f} s on, are the same as the one before them: the camera or the recorder stands "
         "still; they get no pose",
         row_.images, row_.begin_s);
-  else if (count_ == 1)
-    log_warning(
-        "the image at {:.2f} s is the same as the one before it: it gets no pose (further ones like it are only "
-        "counted)",
+  else if (kind == Kind::kDoubled && doubled_ == 1)
+    log_info(
+        "the image at {:.2f} s is the same as the one before it: its pose follows from the motion before it (further "
+        "ones like it are only counted)",
         row_.begin_s);
 }
 
 std::string RepeatedImages::text() const {
-  if (count_ == 0) return {};
-  return fmt::format("{} images are the same as the one before; the longest row: {} from {:.2f} s on", count_,
+  if (still_ == 0) return {};
+  return fmt::format("{} images are the same as the one before; the longest row: {} from {:.2f} s on", still_,
                      longest_.images, longest_.begin_s);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Images that are the one before once more, with another time: the camera, the driver or the recorder stood still. They
-// carry no information, and a pose for them would be invented.
+// Images that are the one before once more, with another time: the camera, the driver or the recorder stood still. Such
+// an image tells nothing of where the camera is by now.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,34 @@ namespace rumi::front_tracker {
 
 class RepeatedImages {
  public:
+  enum class Kind {
+    kNew,
+    kDoubled,  // one or two in a row: too short for the camera's motion to change
+    kStill,    // a longer row
+  };
   struct Row {
     int64_t images = 0;
     double begin_s = 0;  // since the first image
   };
-  // Images in order of time. True if the image is the one before. The first ones and long rows are said in the log.
-  bool take(int64_t utime_us, const cv::Mat& grey);
+
+  // Images in order of time. The first of a kind and long rows are said in the log.
+  Kind take(int64_t utime_us, const cv::Mat& grey);
   // Times begin anew.
   void begin_session();
 
-  int64_t count() const { return count_; }
+  int64_t doubled() const { return doubled_; }
+  int64_t still() const { return still_; }
   const Row& longest() const { return longest_; }
-  // "31 images are the same as the one before; the longest row, 30 images from 1.33 s on": empty where there are none.
+  // Of those that stood still: "28 images are the same as the one before; the longest row: 30 from 1.33 s on". Empty
+  // where there are none.
   std::string text() const;
 
  private:
-  void tell() const;
+  void tell(Kind kind) const;
 
   cv::Mat last_;
   int64_t first_utime_us_ = INT64_MIN;
-  int64_t count_ = 0;
+  int64_t doubled_ = 0, still_ = 0;
   Row row_, longest_;
 };
 

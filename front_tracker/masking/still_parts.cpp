@@ -9,13 +9,13 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int64_t kBetweenLooks_us = 200'000;  // at least: the world has to move on
-constexpr float kEdge = 6;                     // grey levels per pixel from which a gradient is one
-constexpr double kLeastChange = 1.0 / 3;       // of the edges: less, and the image stands
-constexpr int kFirstVerdict = 16;              // looks
-constexpr double kForget = 0.98;               // what is left of a look at the next: 50 of them count
-constexpr float kAgree = 0.7F;                 // of a pixel's gradients: it is still
-constexpr int kCell = 8;                       // px, side
+constexpr int64_t kBetweenLooks_us = 200'000;      // at least: the world has to move on
+constexpr float kEdge = 6;                         // grey levels per pixel from which a gradient is one
+constexpr double kLeastChange = 1.0 / 3;           // of the edges: less, and the image stands
+constexpr int kFirstVerdict = 16;                  // looks
+constexpr double kForget = 0.98;                   // what is left of a look at the next: 50 of them count
+constexpr float kAgree = 0.7F;                     // of a pixel's gradients: it is still
+constexpr int kCell = 8;                           // px, side
 constexpr int kStillPixels = 5, kWorldPixels = 2;  // still ones in a cell that make it still; fewer: it is no longer
 constexpr double kLargePart = 0.0015;              // of the image: what lies in its bays is of it
 constexpr double kBay = 0.08;                      // half width of a bay, of the image's height

@@ -32,11 +32,11 @@ class StillParts {
 
   int64_t last_utime_us_ = INT64_MIN;
   int looks_ = 0;
-  double weight_ = 0;           // of the images in the sums
-  cv::Mat last_dx_, last_dy_;   // of the last image that was looked at
-  cv::Mat sum_dx_, sum_dy_;     // of the gradients
-  cv::Mat sum_square_;          // of the squares of their lengths
-  cv::Mat cells_;               // 255: still, without what is filled in
+  double weight_ = 0;          // of the images in the sums
+  cv::Mat last_dx_, last_dy_;  // of the last image that was looked at
+  cv::Mat sum_dx_, sum_dy_;    // of the gradients
+  cv::Mat sum_square_;         // of the squares of their lengths
+  cv::Mat cells_;              // 255: still, without what is filled in
   ImageMask mask_;
 };
 

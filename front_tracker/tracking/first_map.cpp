@@ -28,7 +28,9 @@ std::vector<int> add_keyframes(const OrbExtractor& extractor, InitialMap* initia
     frame.clear_matches();
     frame.cam_from_submap = view.cam_from_submap;
     if (!view.keyframe) continue;
-    if (frame.images) frame.images = std::make_shared<const ImagePyramid>(extractor.pyramid(frame.images->level(0), frame.images->mask()));
+    if (frame.images)
+      frame.images =
+          std::make_shared<const ImagePyramid>(extractor.pyramid(frame.images->level(0), frame.images->mask()));
     keyframe_of_view[v] = submap->add_keyframe(&frame).id;
   }
   return keyframe_of_view;

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/log.h"
 #include "base/stage_clock.h"
 #include "front_tracker/frame/certainty.h"
@@ -56,6 +58,31 @@ std::optional<TrackResult> Tracker::process(int64_t utime_us, const cv::Mat& gre
   return result;
 }
 
+std::optional<TrackResult> Tracker::predict(int64_t utime_us) {
+  constexpr double kUnsure = 0.3;  // of the motion since the last frame
+  if (utime_us <= last_utime_us_ || state_ != TrackingState::kTracking || !motion_.is_known()) return std::nullopt;
+  last_utime_us_ = utime_us;
+  posed_afterwards_.clear();
+  withdrawn_.clear();
+  const std::scoped_lock lock(map_mutex_);
+  motion_.follow_mapping(active().map);
+  Frame frame = motion_.last();
+  frame.utime_us = utime_us;
+  frame.cam_from_submap = motion_.predict(utime_us);
+  const SE3 moved = frame.cam_from_submap * motion_.last().cam_from_submap.inverse();
+  Matrix6d& covariance = frame.certainty.twist_covariance;
+  covariance.topLeftCorner<3, 3>().diagonal().array() += std::pow(kUnsure * moved.translation.norm(), 2);
+  covariance.bottomRightCorner<3, 3>().diagonal().array() += std::pow(kUnsure * moved.angle_rad(), 2);
+  const Keyframe* reference = active().map.keyframe(frame.reference_keyframe);
+  frame.cam_from_keyframe = frame.cam_from_submap * reference->cam_from_submap.inverse();
+  active().add_frame(frame);
+  TrackResult result;
+  result.utime_us = utime_us;
+  result.state = state_;
+  note_pose(active(), frame, &result);
+  return result;
+}
+
 Tracker::Images Tracker::prepare(int64_t utime_us, const cv::Mat& grey, const ImageMask& mask) {
   if (still_parts_.add(utime_us, grey, mask)) forget_still_landmarks();
   const bool keep = options_.mapping.keyframe_images > 0;
@@ -67,8 +94,8 @@ void Tracker::forget_still_landmarks() {
   const std::scoped_lock lock(map_mutex_);
   size_t forgotten = 0;
   for (const auto& submap : submaps_) forgotten += submap->forget_left_out(still_parts_.mask());
-  log_debug("{:.1f} % of the image never moves: {} landmarks in it are forgotten",
-            100 * still_parts_.mask().left_out(), forgotten);
+  log_debug("{:.1f} % of the image never moves: {} landmarks in it are forgotten", 100 * still_parts_.mask().left_out(),
+            forgotten);
 }
 
 bool Tracker::pose_without_corners(int64_t utime_us, const Images& images, TrackResult* result) {

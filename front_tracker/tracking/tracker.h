@@ -63,6 +63,9 @@ class Tracker {
   void remove_back_submap(int id) { back_submaps_.remove(id); }
   const BackSubmaps& back_submaps() const { return back_submaps_; }
 
+  // Of an image that is the last one once more: while the camera is tracked, where it should be by now. Else nothing.
+  std::optional<TrackResult> predict(int64_t utime_us);
+
   // What has turned out never to move in the images, besides what the given masks leave out.
   const ImageMask& still_mask() const { return still_parts_.mask(); }
 

@@ -154,7 +154,7 @@ std::vector<std::string> Replay::broken() const {
   return lines;
 }
 
-int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable() - front_tracker_->repeated().count(); }
+int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable() - front_tracker_->repeated().still(); }
 
 camera_driver::ImageSource& Replay::recording() { return camera_->source(); }
 
@@ -162,7 +162,7 @@ camera_driver::SkippedFrames Replay::skipped() const {
   camera_driver::SkippedFrames skipped = camera_->source().skipped();
   skipped.unreadable += front_tracker_->undecodable();
   const front_tracker::RepeatedImages& repeated = front_tracker_->repeated();
-  skipped.repeated = repeated.count();
+  skipped.repeated = repeated.still();
   skipped.longest_row = repeated.longest().images;
   skipped.longest_row_s = repeated.longest().begin_s;
   return skipped;

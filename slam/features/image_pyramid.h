@@ -19,8 +19,8 @@ class ImagePyramid {
   ImagePyramid full_image_alone() const { return ImagePyramid(images_[0], {1.0}, mask_); }
 
   const ImageMask& mask() const { return mask_; }  // of the full image
-  // Whether a corner of the level at this pixel of the full image is one of the world: nothing within `radius` pixels of
-  // the level around it is left out.
+  // Whether a corner of the level at this pixel of the full image is one of the world: nothing within `radius` pixels
+  // of the level around it is left out.
   bool shows_world(const Eigen::Vector2f& full, int i, float radius) const {
     return mask_.allows(full, radius * pixel_size(i).x());
   }
