@@ -4,8 +4,8 @@
 
 namespace rumi {
 
-// The work was done, but not with all of the input: more than 1 % of the images were left out for one reason, or none
-// has a pose. What is wrong was said.
+// The work was done, but not with all of the input: more than 1 % of the images were left out for one reason, or more
+// than 10 % have no pose in the map. What is wrong was said.
 inline constexpr int kNotAll = 3;
 
 }  // namespace rumi

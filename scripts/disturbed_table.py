@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Table of what scripts/disturbed_table.sh measured: python3 disturbed_table.py OUT
 
-A run is good if its error is at most 1.3 times that of the recording as it is (or below .2 % of the path) and it has .97
-of its frames, honest if it ends with exit code 3 otherwise, and else wrong."""
+A run is good if its error is at most 1.3 times that of the recording as it is (or below .2 % of the path; without a truth:
+below 1 % against the recording's own path) and it has .97 of its frames, honest if it ends with exit code 3 otherwise, and
+else wrong."""
 import csv
 import pathlib
 import statistics
@@ -12,13 +13,14 @@ from disturbed_recordings import KINDS
 from recordings_table import read_runs
 from rendered_runs import write_table
 
-MOST_ERROR, LEAST_FRAMES, SMALL_PERCENT = 1.3, .97, .2
+MOST_ERROR, LEAST_FRAMES, SMALL_PERCENT, OWN_PERCENT = 1.3, .97, .2, 1
 
 
 def verdict(run, clean):
     lost = run["in_map"] < LEAST_FRAMES * clean["in_map"]
     error, plain = run["ate_percent"], clean["ate_percent"]
-    wrong = error is not None and plain is not None and error > max(MOST_ERROR * plain, SMALL_PERCENT)
+    most = OWN_PERCENT if plain is None else max(MOST_ERROR * plain, SMALL_PERCENT)
+    wrong = error is not None and error > most
     if not lost and not wrong:
         return "good"
     return "honest" if run["exit_code"] != 0 else "wrong"

@@ -204,6 +204,17 @@ std::string why_no_pose(const ReplayRun& run, const ReplayOutcome& outcome) {
   return why_no_map(run.input, run.options.camera_driver);
 }
 
+// Empty if nearly all images have a place in the map, or none has one.
+std::string why_not_whole(const ReplayOutcome& outcome) {
+  constexpr double kWhole = 0.9;
+  const AtlasCounts& counts = outcome.counts;
+  if (counts.frames_in_map == 0 ||
+      static_cast<double>(counts.frames_in_map) >= kWhole * static_cast<double>(counts.frames))
+    return {};
+  return fmt::format("the map has a pose for {} of {} images only; what is left out, and why, is said above",
+                     counts.frames_in_map, counts.frames);
+}
+
 }  // namespace
 
 ReplayOutcome run_replay(const ReplayRun& run) {
@@ -241,6 +252,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.images = replay.progress().frames;
   outcome.complaints = replay.skipped().complaints(replay.decoded());
   if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
+  if (const std::string why = why_not_whole(outcome); !why.empty()) outcome.complaints.push_back(why);
   return outcome;
 }
 
