@@ -101,8 +101,9 @@ bool is_mask_name(const std::string& name) {
 
 std::string check_mask_stays(const std::string& given, const std::string& input, const std::string& folder) {
   std::error_code none;
-  const std::string mask = given.empty() ? (fs::path(input) / "mask.png").string() : given;
-  if (!fs::exists(mask, none)) return "";
+  const fs::path beside = fs::is_directory(input, none) ? fs::path(input) : fs::path(input).parent_path();
+  const std::string mask = given.empty() ? (beside / "mask.png").string() : given;
+  if ((given.empty() && input.empty()) || !fs::exists(mask, none)) return "";
   const fs::path file = fs::weakly_canonical(mask, none);
   if (!is_mask_name(file.filename().string()) || file.parent_path() != fs::weakly_canonical(folder, none)) return "";
   return fmt::format("{}: is what the run itself writes: give the mask another name, or the run another folder", mask);

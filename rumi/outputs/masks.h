@@ -32,8 +32,8 @@ std::vector<std::string> write_masks(const RunMasks& masks, const std::string& f
 // Whether it is the name of a file that write_masks() may write.
 bool is_mask_name(const std::string& name);
 
-// The mask that a run uses, the one given or else the one beside the data, must not be one that its outputs replace.
-// Returns what is wrong, or nothing.
+// The mask that a run uses, the one given or else the one beside the data (no input: images from elsewhere), must not
+// be one that its outputs replace. Returns what is wrong, or nothing.
 std::string check_mask_stays(const std::string& given, const std::string& input, const std::string& folder);
 
 }  // namespace rumi::tool

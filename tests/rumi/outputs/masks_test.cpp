@@ -125,7 +125,10 @@ TEST_F(MasksOfARun, DoNotReplaceTheOneThatIsUsed) {
   EXPECT_EQ(check_mask_stays(out + "/mine.png", recording, out), "");
   EXPECT_EQ(check_mask_stays("", recording, out), "");
   EXPECT_EQ(check_mask_stays("none", recording, out), "");
+  EXPECT_EQ(check_mask_stays("", "", out), "");
   EXPECT_THAT(check_mask_stays("", recording, recording), HasSubstr("another folder"));
+  std::ofstream(recording + "/rgb.txt") << "";
+  EXPECT_THAT(check_mask_stays("", recording + "/rgb.txt", recording), HasSubstr("another folder"));
 }
 
 }  // namespace
