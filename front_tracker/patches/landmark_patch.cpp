@@ -11,9 +11,9 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int kReferences = 2;  // keyframes that are tried
+constexpr int kReferences = 2;     // keyframes that are tried
 constexpr float kPatchMargin = 3;  // pixels of the level beside the point that must show the world
-constexpr double kStep_px = 4;  // between the points whose projections tell how a patch is distorted
+constexpr double kStep_px = 4;     // between the points whose projections tell how a patch is distorted
 
 // How steps from the point, parallel to the reference's image plane in x and y (columns), appear in the image.
 std::optional<Eigen::Matrix2d> projected_steps(const Camera& camera, const SE3& cam_from_reference,
