@@ -140,15 +140,16 @@ TEST(Garbage, NoProcessEndsAndAllGoOn) {
       {channels::kSubmap, encode_message(chunk_of(encode_message(small_update()), 1))},
       {channels::kSubmapAck, encode_message(ack)},
       {channels::kMapStatus, encode_message(status)},
-      {channels::kMask, encode_message(mask)},
       {channels::kMapRequest, encode_message(request)},
       {channels::kMapChunk, encode_message(chunk_of({1, 2, 3}, 2))},
       {channels::kMapAck, encode_message(ack)},
   };
-  Disturber disturber;
+  const std::vector<uint8_t> good_mask = encode_message(mask);
+  Disturber disturber, of_masks;
   for (int i = 0; i < kMessagesPerChannel; ++i) {
     bus.set_now_us(10'000 * (i + 1));
     for (const auto& [channel, bytes] : good) bus.publish_raw(channel, disturber.disturb(bytes));
+    bus.publish_raw(channels::kMask, of_masks.disturb(good_mask));
     bus.dispatch();
     if (i % 100 != 0) continue;
     for (Node* node : nodes) {
