@@ -197,14 +197,11 @@ const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size&
 }
 
 std::optional<TrackResult> FrontTrackerNode::take(const image_t& image, const cv::Mat& grey) {
-  switch (repeated_.take(image.utime, grey)) {
-    case RepeatedImages::Kind::kNew:
-      return tracker_->process(image.utime, grey, mask_of(image, grey.size()));
-    case RepeatedImages::Kind::kDoubled:
-      return tracker_->predict(image.utime);
-    default:
-      return std::nullopt;
-  }
+  const RepeatedImages::Kind kind = repeated_.take(image.utime, grey);
+  if (kind == RepeatedImages::Kind::kNew || state_ != TrackingState::kTracking)
+    return tracker_->process(image.utime, grey, mask_of(image, grey.size()));
+  if (kind == RepeatedImages::Kind::kStill) return std::nullopt;
+  return tracker_->predict(image.utime);
 }
 
 void FrontTrackerNode::on_image(const image_t& image) {

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <opencv2/core.hpp>
+
 #include "base/log.h"
 
 namespace rumi::front_tracker {

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "front_tracker/frame/established_first.h"
-
 namespace rumi::front_tracker {
 
 int Frame::matches() const {
@@ -37,10 +35,8 @@ FrameObservations observations_of(const Frame& frame, const Submap& submap, cons
 
 int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame,
                 const std::vector<EpipolarView>& views) {
-  FrameObservations matched = observations_of(*frame, submap, octave_scales);
-  SE3 initial = frame->cam_from_submap;
-  if (views.empty()) begin_with_established(submap, frame, &initial, &matched);
-  const PoseResult result = optimize_pose(camera, initial, matched.observations, {}, views);
+  const FrameObservations matched = observations_of(*frame, submap, octave_scales);
+  const PoseResult result = optimize_pose(camera, frame->cam_from_submap, matched.observations, {}, views);
   if (!result.converged) return 0;
   frame->cam_from_submap = result.cam_from_submap;
   for (size_t i = 0; i < matched.keypoints.size(); ++i)

@@ -4,7 +4,6 @@
 
 #include "front_tracker/frame/certainty.h"
 #include "front_tracker/mapping/mapper.h"
-#include "front_tracker/mapping/own_motion.h"
 #include "front_tracker/patches/align_keypoints.h"
 #include "slam/geometry/epipolar.h"
 #include "slam/geometry/triangulation.h"
@@ -157,7 +156,7 @@ void Mapper::make_landmarks_between(FrontSubmap& submap, Keyframe& a, Keyframe& 
     const int keypoint = candidates.keypoint(best);
     auto point = triangulate_between(submap, a, i, b, keypoint);
     if (point && aligner.align(i, *point, {{b.id, keypoint}})) point = triangulate_between(submap, a, i, b, keypoint);
-    if (!point || is_seen_elsewhere(submap, *point, {a, i}, {b, keypoint})) continue;
+    if (!point) continue;
     Landmark& lm = submap.add_landmark(*point);
     submap.map.add_observation(lm.id, a.id, i);
     submap.map.add_observation(lm.id, b.id, keypoint);
