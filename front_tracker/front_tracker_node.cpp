@@ -371,8 +371,10 @@ int FrontTrackerNode::exit_code() const {
 }
 
 void FrontTrackerNode::finish() {
-  if (!finishing_) tell_of_dropped();
-  if (const std::string text = repeated_.text(); !finishing_ && !text.empty()) log_warning("{}", text);
+  if (!finishing_) {
+    tell_of_dropped();
+    if (const std::string text = repeated_.text(); !text.empty()) log_warning("{}", text);
+  }
   finishing_ = true;
   retire_session();
 }

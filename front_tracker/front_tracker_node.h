@@ -37,7 +37,7 @@ class FrontTrackerNode : public Node {
   const RepeatedImages& repeated() const { return repeated_; }
   void finish() override;
   std::string waits_for() const override;
-  int exit_code() const override;  // kNotAll: many images were dropped, or none got a pose
+  int exit_code() const override;  // kNotAll: many images were dropped or repeated, or none got a pose
   int64_t handed_on() const override { return publisher_.handed_on(); }
 
   // Sessions get higher numbers than this one: a map that they come into may have it.

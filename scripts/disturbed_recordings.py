@@ -17,9 +17,7 @@ RECORDING: a folder with rgb.txt (and calibration.yaml, a truth): they come alon
   cross20 cross40 cross60        one that crosses, every 6 s
   people                         ten figures that walk across
   frozen                         the images of one second are all its first one, in the middle of the recording
-  doubled                        each third image is the one before it
-
-`python3 disturbed_recordings.py --list` prints them."""
+  doubled                        each third image is the one before it"""
 import argparse
 import math
 import pathlib
@@ -28,11 +26,8 @@ import sys
 import cv2
 import numpy
 
-KINDS = (
-    ["bonnet10", "bonnet20", "bonnet30", "caption", "rim", "dust", "arm"]
-    + [f"{kind}{share}" for kind in ("follow", "overtake", "cross") for share in (20, 40, 60)]
-    + ["people", "frozen", "doubled"]
-)
+from disturbances import KINDS
+
 PERIOD_S = 6  # from one lorry to the next
 
 
@@ -296,9 +291,6 @@ def disturb(source, out, kind, seed):
 
 
 def main():
-    if sys.argv[1:] == ["--list"]:
-        print("\n".join(KINDS))
-        return
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("recording", type=pathlib.Path)
     parser.add_argument("out", type=pathlib.Path)

@@ -4,13 +4,11 @@
 A run is good if its error is at most 1.3 times that of the recording as it is (or below .2 % of the path; without a truth:
 below 1 % against the recording's own path) and it has .97 of its frames, honest if it ends with exit code 3 otherwise, and
 else wrong."""
-import csv
 import pathlib
-import statistics
 import sys
 
-from disturbed_recordings import KINDS
-from recordings_table import read_runs
+from disturbances import KINDS
+from recordings_table import cell, read_runs
 from rendered_runs import write_table
 
 MOST_ERROR, LEAST_FRAMES, SMALL_PERCENT, OWN_PERCENT = 1.3, .97, .2, 1
@@ -32,7 +30,7 @@ def main():
     for run in runs:
         run["exit_code"] = int((out / run["recording"] / str(run["seed"]) / "exit_code").read_text())
     plain = {(r["recording"], r["seed"]): r for r in runs}
-    rows, counts, records = [], {}, []
+    rows, counts = [], {}
     for kind in KINDS:
         for name in dict.fromkeys(r["recording"] for r in runs):
             if not name.startswith(kind + "_"):
@@ -42,17 +40,13 @@ def main():
             for v in verdicts:
                 counts[v] = counts.get(v, 0) + 1
 
-            def both(key, worst, digits):
-                values = [r[key] for r, _ in pairs if r[key] is not None]
-                return f"{statistics.median(values):.{digits}f} / {worst(values):.{digits}f}" if values else "-"
-
-            rows.append([kind, name[len(kind) + 1:], both("in_map", min, 3), both("ate_percent", max, 2),
+            rows.append([kind, name[len(kind) + 1:], cell([r["in_map"] for r, _ in pairs], min, 3),
+                         cell([r["ate_percent"] for r, _ in pairs], max, 2),
                          " ".join(str(r["exit_code"]) for r, _ in pairs), " ".join(verdicts)])
     for name in dict.fromkeys(r["recording"] for r in runs if r["recording"].split("_")[0] not in KINDS):
         of = [r for r in runs if r["recording"] == name]
-        errors = [r["ate_percent"] for r in of if r["ate_percent"] is not None]
-        rows.append(["as it is", name, f"{statistics.median(r['in_map'] for r in of):.3f}",
-                     f"{statistics.median(errors):.2f}" if errors else "-", " ".join(str(r["exit_code"]) for r in of), ""])
+        rows.append(["as it is", name, cell([r["in_map"] for r in of], min, 3), cell([r["ate_percent"] for r in of], max, 2),
+                     " ".join(str(r["exit_code"]) for r in of), ""])
     write_table(out / "disturbed.csv", ["disturbance", "recording", "in the map", "ATE % of the path", "exit codes", "runs"], rows)
     print("\n" + ", ".join(f"{n} {v}" for v, n in sorted(counts.items())))
 

@@ -9,11 +9,11 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 recordings=${RUMI_DISTURBED:-redkitchen hololens v1_03_rendered kitti00_416 kitti_drive_268 sfm_castle_p30}
-kinds=${RUMI_DISTURBANCES:-$(/usr/bin/python3 -B "$here/disturbed_recordings.py" --list)}
+kinds=${RUMI_DISTURBANCES:-$(python3 -B "$here/disturbances.py")}
 names=
 for recording in $recordings; do
   names="$names $recording"
   for kind in $kinds; do names="$names ${kind}_$recording"; done
 done
 RUMI_TABLE_RECORDINGS=$names "$here/recordings_table.sh" "$1" "$2" "$3" "${4:-1}" >/dev/null
-/usr/bin/python3 -B "$here/disturbed_table.py" "$3"
+python3 -B "$here/disturbed_table.py" "$3"

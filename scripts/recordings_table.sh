@@ -20,9 +20,7 @@ out=$3
 seeds=${4:-1}
 . "$here/rendered_paths.sh"
 mkdir -p "$out"
-disturbances="bonnet10 bonnet20 bonnet30 caption rim dust arm follow20 follow40 follow60 overtake20 overtake40 overtake60
-cross20 cross40 cross60 people frozen doubled"
-disturbances=$(echo $disturbances)
+disturbances=$(echo $(python3 -B "$here/disturbances.py"))
 
 names() {
   for list in "$data"/*/rgb.txt "$data"/real/*/rgb.txt; do
@@ -92,7 +90,9 @@ measure() { # name seed
   echo "$code" >"$run/exit_code"
   case $code in 0 | 3) ;; *) echo "$1, seed $2: see $run/log" >&2 ;; esac
   # Without a truth what is disturbed is held against the path of the recording as it is.
-  for truth in "$folder/groundtruth.txt" "$folder/colmap.txt" "$out/${1#*_}/0/run/trajectory.txt"; do
+  own=
+  if is_disturbed "$1"; then own=$out/${1#*_}/0/run/trajectory.txt; fi
+  for truth in "$folder/groundtruth.txt" "$folder/colmap.txt" "$own"; do
     if [ ! -e "$truth" ]; then continue; fi
     basename "$truth" .txt >"$run/truth"
     if "$rumi" evaluate "$run/run" --groundtruth "$truth" --json >"$run/part" 2>>"$run/log" ||

@@ -53,8 +53,8 @@ struct FrameObservations {
 };
 FrameObservations observations_of(const Frame& frame, const Submap& submap, const std::vector<double>& octave_scales);
 
-// optimize_pose over the frame's matches (and `views`): sets the
-// pose, unmatches the outliers and returns the number of inliers (0 and an unchanged pose if it failed).
+// optimize_pose over the frame's matches (and `views`): sets the pose, unmatches the outliers and returns the number of
+// inliers (0 and an unchanged pose if it failed).
 int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame,
                 const std::vector<EpipolarView>& views = {});
 

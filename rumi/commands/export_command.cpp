@@ -5,9 +5,9 @@
 
 #include "base/log.h"
 #include "camera_driver/flags.h"
-#include "camera_driver/options.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
+#include "rumi/commands/recording_options.h"
 #include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/import_log.h"
 
@@ -22,20 +22,9 @@ struct Arguments {
 
 template <class Options, int (*work)(const Options&)>
 int run(Arguments<Options>& arguments) {
-  OptionTable table;
-  camera_driver::CameraOptions& camera = arguments.options.camera;
-  describe(table, camera);
-  refuse_if(load_options(table, "", arguments.settings));
-  refuse_if(check(camera));
-  if (camera.loop) refuse_if("camera_driver.loop is true, and this would never end: leave it out");
+  load_recording_options(arguments.settings, &arguments.options.camera);
   start_logging("rumi", false, false);
   return work(arguments.options);
-}
-
-void add_settings(CommandLine& command, std::vector<std::string>* settings) {
-  command.add_option("--set", *settings, "set one option of camera_driver, may be repeated")
-      ->type_name("KEY=VALUE")
-      .one_each();
 }
 
 }  // namespace
@@ -60,7 +49,7 @@ void add_export_command(CommandLine& app, std::function<int()>* chosen) {
                    "poses that are written into the bag, too: the output folder of a run of this recording, or a file "
                    "as of TUM (trajectory.txt)")
       ->type_name("OUT");
-  add_settings(*command, &arguments->settings);
+  add_recording_settings(command, &arguments->settings);
   camera_driver::add_flags(
       *command, {"--camera", "--mask", "--every", "--start", "--duration", "--log-channel", "--rate", "--encoding"},
       &arguments->settings);
@@ -73,7 +62,7 @@ void add_import_command(CommandLine& app, std::function<int()>* chosen) {
   CommandLine* command = app.add_command("import", "Write the images of an lcm log or ROS bag as a TUM-style folder");
   command->add_option("LOG", options.log, "lcm log or ROS bag")->required();
   command->add_option("-o,--output", options.folder, "folder; created, or empty")->type_name("FOLDER").required();
-  add_settings(*command, &arguments->settings);
+  add_recording_settings(command, &arguments->settings);
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel"},
                            &arguments->settings);
   run_if_chosen(command, chosen, arguments, run<ImportOptions, run_import>);

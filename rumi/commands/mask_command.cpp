@@ -14,12 +14,12 @@
 #include "bus/wire/working_image.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/options.h"
 #include "camera_driver/source/mask_option.h"
 #include "front_tracker/masking/still_parts.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/commands/progress_line.h"
+#include "rumi/commands/recording_options.h"
 
 namespace rumi::tool {
 namespace {
@@ -96,12 +96,8 @@ int run_mask(const Arguments& arguments) {
 }
 
 int run(Arguments& arguments) {
-  OptionTable table;
-  describe(table, arguments.camera);
-  refuse_if(load_options(table, "", arguments.settings));
-  refuse_if(check(arguments.camera));
+  load_recording_options(arguments.settings, &arguments.camera);
   arguments.camera.mask = camera_driver::kNoMask;  // one beside the data may be the one that is to be made anew
-  if (arguments.camera.loop) refuse_if("camera_driver.loop is true, and this would never end: leave it out");
   start_logging("rumi", false, false);
   return run_mask(arguments);
 }
@@ -119,15 +115,13 @@ void add_mask_command(CommandLine& app, std::function<int()>* chosen) {
                    "NAME.png, of the images' size: black is left out, white is the world; must not exist")
       ->type_name("FILE")
       .required();
-  command->add_option("--set", arguments->settings, "set one option of camera_driver, may be repeated")
-      ->type_name("KEY=VALUE")
-      .one_each();
+  add_recording_settings(command, &arguments->settings);
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--duration", "--log-channel", "--rate"},
                            &arguments->settings);
   command->footer(
       "The result is a beginning: what mirrors the world, or is of one colour, is not all found. Any program that "
-      "draws "
-      "can mend it. front_tracker learns the same by itself while it runs; a mask that is given holds from the first "
+      "draws can mend it. front_tracker learns the same by itself while it runs; a mask that is given holds from the "
+      "first "
       "image on. Exit codes: 0 written; 1 not written; 2 wrong options; 3 written, but not all images could be used.");
   run_if_chosen(command, chosen, arguments, run);
 }

@@ -179,13 +179,6 @@ void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
     outcome->warning = "not everything could be handed on at the end: " + unfinished;
 }
 
-std::vector<std::string> notes_of(const Replay& replay, const AtlasCounts& counts) {
-  std::vector<std::string> notes = describe_masks(masks_of(replay.atlas(), replay.earlier_sessions()));
-  const std::string localization = describe_localization(counts, replay.localized_after_s().value_or(-1));
-  if (!localization.empty()) notes.insert(notes.begin(), localization);
-  return notes;
-}
-
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
   std::vector<std::string> lines = left_out(replay.atlas(), replay.earlier_sessions());
   for (const std::string& line : windows.failures()) lines.push_back(line);
@@ -204,9 +197,10 @@ std::string why_no_pose(const ReplayRun& run, const ReplayOutcome& outcome) {
   return why_no_map(run.input, run.options.camera_driver);
 }
 
-// Empty if nearly all images have a place in the map, or none has one.
-std::string why_not_whole(const ReplayOutcome& outcome) {
+// Empty if nearly all images have a place in the map, or none has one, or the user did not want the map to be joined.
+std::string why_not_whole(const ReplayRun& run, const ReplayOutcome& outcome) {
   constexpr double kWhole = 0.9;
+  if (!run.options.map_server.merge.enabled || !run.options.ruminator.rebuild) return {};
   const AtlasCounts& counts = outcome.counts;
   if (counts.frames_in_map == 0 ||
       static_cast<double>(counts.frames_in_map) >= kWhole * static_cast<double>(counts.frames))
@@ -246,13 +240,14 @@ ReplayOutcome run_replay(const ReplayRun& run) {
     if (error.empty()) error = all_missing;
   }
   outcome.counts = count(replay.atlas(), replay.earlier_sessions());
-  outcome.notes = notes_of(replay, outcome.counts);
+  outcome.notes = notes_of(outcome.counts, replay.localized_after_s().value_or(-1),
+                           masks_of(replay.atlas(), replay.earlier_sessions()));
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
   outcome.complaints = replay.skipped().complaints(replay.decoded());
   if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
-  if (const std::string why = why_not_whole(outcome); !why.empty()) outcome.complaints.push_back(why);
+  if (const std::string why = why_not_whole(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   return outcome;
 }
 

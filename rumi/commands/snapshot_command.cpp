@@ -165,11 +165,9 @@ void take_snapshot(Arguments& arguments) {
   fail_if(write_run_json(arguments.out, run));
   fail_if(all_missing);
   if (arguments.quiet) return;
-  std::vector<std::string> notes = describe_masks(masks), not_in_it = left_out(atlas, before);
-  if (const std::string localization = describe_localization(counts, snapshot.localized_after_s); !localization.empty())
-    notes.insert(notes.begin(), localization);
+  std::vector<std::string> not_in_it = left_out(atlas, before);
   if (const std::string dropped = describe_dropped(processes); !dropped.empty()) not_in_it.push_back(dropped);
-  print_summary(counts, notes, not_in_it, arguments.out);
+  print_summary(counts, notes_of(counts, snapshot.localized_after_s, masks), not_in_it, arguments.out);
   print_processes(processes);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace rumi::tool {
 namespace {
@@ -115,6 +116,13 @@ std::string describe_localization(const AtlasCounts& counts, double after_s) {
   return fmt::format("localized: {} of {} frames of this run in the map of before ({}){}", counts.frames_in_map,
                      counts.frames, before,
                      after_s < 0 ? "" : fmt::format(", {:.2f} s after its first submap", after_s));
+}
+
+std::vector<std::string> notes_of(const AtlasCounts& counts, double after_s, const RunMasks& masks) {
+  std::vector<std::string> notes = describe_masks(masks);
+  if (std::string localization = describe_localization(counts, after_s); !localization.empty())
+    notes.insert(notes.begin(), std::move(localization));
+  return notes;
 }
 
 }  // namespace rumi::tool

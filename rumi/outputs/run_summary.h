@@ -8,6 +8,7 @@
 
 #include "map_server/atlas/atlas.h"
 #include "rumi/outputs/map_file.h"
+#include "rumi/outputs/masks.h"
 
 namespace rumi::tool {
 
@@ -21,5 +22,8 @@ std::vector<std::string> left_out(const map_server::Atlas& atlas, int64_t after 
 // Whether a run found its place in the map of earlier sessions; empty if there was none. `after_s`: from its first
 // submap to the first frame that did; negative if that is not known.
 std::string describe_localization(const AtlasCounts& counts, double after_s);
+
+// What there is to say of a whole run, a line each: describe_localization(), and what never moves in the images.
+std::vector<std::string> notes_of(const AtlasCounts& counts, double after_s, const RunMasks& masks);
 
 }  // namespace rumi::tool

@@ -28,8 +28,8 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbOptions& options);
   // The pyramid that extract() looks at, of an 8-bit grey image no smaller than 64 x 64 pixels; shares its pixels.
   ImagePyramid pyramid(const cv::Mat& grey, const ImageMask& mask = {}) const;
-  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. There are
-  // none where the pyramid's mask leaves something out. Deterministic.
+  // `keypoints` overrides the wanted number if positive. Pixels are full-resolution ones. There are none where the
+  // pyramid's mask leaves something out. Deterministic.
   Features extract(const ImagePyramid& pyramid, int keypoints = 0);
   Features extract(const cv::Mat& grey, int keypoints = 0) { return extract(pyramid(grey), keypoints); }
 

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What commands have in common that read a recording from its beginning to its end.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/command_line.h"
+#include "camera_driver/source/camera_options.h"
+
+namespace rumi::tool {
+
+// --set, of camera_driver's options.
+void add_recording_settings(CommandLine* command, std::vector<std::string>* settings);
+// Throws WrongOptions, also for a recording that would never end.
+void load_recording_options(const std::vector<std::string>& settings, camera_driver::CameraOptions* options);
+
+}  // namespace rumi::tool
