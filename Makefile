@@ -13,6 +13,7 @@
 #                  `cmake --install build --component programs` (or lcmtypes, python) for a part
 #   make deb       packages for Debian, of what is committed, into $(DEB_BUILD);    make dist: the sources as a tarball, into $(DIST)
 #   make format    rewrite the sources with clang-format;    make lint: complain instead, and run clang-tidy
+#                  over what was touched of late; make lint-all: over everything
 #   make clean     remove what the above made
 
 BUILD ?= build
@@ -27,7 +28,7 @@ DEMO ?= out/demo
 
 SOURCES = $(shell git ls-files --cached --others --exclude-standard '*.cpp' '*.h')
 
-.PHONY: all demo test test-all quick build apps bench install deb dist packages-test format lint clean dependencies machine-test browser-test sanitized-test tsan
+.PHONY: all demo test test-all quick build apps bench install deb dist packages-test format lint lint-all clean dependencies machine-test browser-test sanitized-test tsan
 all: build
 
 # While it builds: per cent, files done of all, seconds so far.
@@ -104,11 +105,11 @@ format:
 	@scripts/install_dependencies.sh clang-format
 	clang-format -i $(SOURCES)
 
-lint: dependencies $(BUILD)/build.ninja
+lint lint-all: dependencies $(BUILD)/build.ninja
 	@scripts/install_dependencies.sh clang-format clang-tidy
 	clang-format --dry-run -Werror $(SOURCES)
 	cmake --build $(BUILD) -j $(JOBS) --target rumi_lcmtypes_generate
-	scripts/lint.sh $(BUILD)
+	scripts/lint.sh $(BUILD) $(if $(filter lint-all,$@),all,recent)
 
 clean:
 	rm -rf $(BUILD) $(ASAN_BUILD) $(TSAN_BUILD) $(BENCH_BUILD) $(DEB_BUILD) out
