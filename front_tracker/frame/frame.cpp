@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "front_tracker/frame/weigh_by_area.h"
+
 namespace rumi::front_tracker {
 
 int Frame::matches() const {
@@ -34,8 +36,9 @@ FrameObservations observations_of(const Frame& frame, const Submap& submap, cons
 }
 
 int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame,
-                const std::vector<EpipolarView>& views) {
-  const FrameObservations matched = observations_of(*frame, submap, octave_scales);
+                Weights weights, const std::vector<EpipolarView>& views) {
+  FrameObservations matched = observations_of(*frame, submap, octave_scales);
+  if (weights == Weights::kByArea) weigh_by_area(camera, &matched.observations);
   const PoseResult result = optimize_pose(camera, frame->cam_from_submap, matched.observations, {}, views);
   if (!result.converged) return 0;
   frame->cam_from_submap = result.cam_from_submap;

@@ -53,9 +53,11 @@ struct FrameObservations {
 };
 FrameObservations observations_of(const Frame& frame, const Submap& submap, const std::vector<double>& octave_scales);
 
+enum class Weights { kEqual, kByArea };  // see weigh_by_area.h
+
 // optimize_pose over the frame's matches (and `views`): sets the pose, unmatches the outliers and returns the number of
 // inliers (0 and an unchanged pose if it failed).
 int refine_pose(const Camera& camera, const Submap& submap, const std::vector<double>& octave_scales, Frame* frame,
-                const std::vector<EpipolarView>& views = {});
+                Weights weights = Weights::kEqual, const std::vector<EpipolarView>& views = {});
 
 }  // namespace rumi::front_tracker

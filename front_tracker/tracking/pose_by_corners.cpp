@@ -20,7 +20,7 @@ namespace {
 constexpr double kWidth_px = 640;  // of the images that radii are told for
 
 int refine(const FrontSubmap& submap, Frame* frame) {
-  return refine_pose(submap.map.camera, submap.map, submap.octave_scales, frame);
+  return refine_pose(submap.map.camera, submap.map, submap.octave_scales, frame, Weights::kByArea);
 }
 
 // What the frame and the last one have in common, and it and the newest keyframe if that is nearby.
@@ -142,7 +142,8 @@ int PoseByCorners::support_by_epipolar_matches(const Place& place, Frame* frame)
   const FrontSubmap& submap = place.submap;
   const std::vector<EpipolarView> views = views_of(submap, place.motion.last(), *frame);
   Frame supported = *frame;
-  const int inliers = refine_pose(submap.map.camera, submap.map, submap.octave_scales, &supported, views);
+  const int inliers =
+      refine_pose(submap.map.camera, submap.map, submap.octave_scales, &supported, Weights::kEqual, views);
   if (inliers < kFewestLandmarks || !agree(submap.map, supported.cam_from_submap, views)) return frame->matches();
   supported.certainty = certainty_of(submap.map, submap.octave_scales, supported, views);
   supported.is_believable = true;

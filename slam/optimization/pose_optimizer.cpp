@@ -13,6 +13,7 @@ namespace {
 struct Sighting {
   Eigen::Vector3d point;
   WhitenedProjection projection;
+  double weight = 1;
 };
 
 // Squared error in units of sigma; a point behind the camera is infinitely wrong.
@@ -39,8 +40,9 @@ void add_sightings(const SE3& pose, const std::vector<Sighting>& sightings, cons
     if (!(p.z() > 1e-6)) continue;
     const Eigen::Vector2d e = sightings[i].projection.error(p);
     const double e2 = e.squaredNorm();
-    const double w = robust && e2 > delta2 ? std::sqrt(delta2 / e2) : 1.0;
-    n->cost += robust ? huber_cost(e2, delta2) : e2;
+    const double weight = sightings[i].weight;
+    const double w = robust && e2 > delta2 ? weight * std::sqrt(delta2 / e2) : weight;
+    n->cost += weight * (robust ? huber_cost(e2, delta2) : e2);
     // exp(twist) * pose moves the point by translation + rotation x p.
     Eigen::Matrix3d hessian, turned;
     Eigen::Vector3d gradient;
@@ -131,7 +133,7 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
   std::vector<Sighting> sightings;
   sightings.reserve(observations.size());
   for (const PointObservation& o : observations)
-    sightings.push_back({o.point, {camera, o.pixel, o.sigma_px, o.whitening}});
+    sightings.push_back({o.point, {camera, o.pixel, o.sigma_px, o.whitening}, o.weight});
   const Eigen::Matrix3d r0 = initial.rotation.toRotationMatrix();
   for (size_t i = 0; i < sightings.size(); ++i) {
     const double e2 = chi2(sightings[i], r0, initial.translation);

@@ -20,6 +20,7 @@ struct PointObservation {
   double sigma_px = 1.0;  // standard deviation of the pixel
   // What the error is multiplied by besides 1/sigma_px (slam/features/keypoint_whitening.h).
   Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
+  double weight = 1.0;  // of its squared error; whether it is an inlier does not depend on it
 };
 
 // Another view, whose pose is held, and what both see. Such a point may be anywhere along its ray: it tells of the

@@ -58,6 +58,22 @@ TEST(OptimizePose, EdgesTellAcrossOnly) {
   }
 }
 
+TEST(OptimizePose, AWeightOfTwoIsTwoObservations) {
+  SyntheticScene scene(4);
+  const SE3 truth = SyntheticScene::pose(0.2, -0.1, 0.3, 0.1, 0.05);
+  auto weighed = observe(scene, truth, 100, 0.7, 0.1);
+  auto doubled = weighed;
+  for (size_t i = 0; i < weighed.size(); i += 3) {
+    weighed[i].weight = 2;
+    doubled.push_back(doubled[i]);
+  }
+  const SE3 by_weight = optimize_pose(test_camera(), truth, weighed).cam_from_submap;
+  const SE3 by_count = optimize_pose(test_camera(), truth, doubled).cam_from_submap;
+  const SE3 equal = optimize_pose(test_camera(), truth, {doubled.begin(), doubled.begin() + 100}).cam_from_submap;
+  EXPECT_LT((by_weight.center() - by_count.center()).norm(), 1e-6);
+  EXPECT_GT((by_weight.center() - equal.center()).norm(), 1e-5);
+}
+
 TEST(OptimizePose, SaysWhenThereIsTooLittle) {
   SyntheticScene scene(1);
   const auto observations = observe(scene, SE3(), 5, 0.5, 0);
