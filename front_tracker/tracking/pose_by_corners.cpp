@@ -19,8 +19,19 @@ namespace {
 
 constexpr double kWidth_px = 640;  // of the images that radii are told for
 
+// Where more than a few matches contradict the pose of most, something moves by itself, and the most need not be right:
+// then each part of the image has one voice.
 int refine(const FrontSubmap& submap, Frame* frame) {
-  return refine_pose(submap.map.camera, submap.map, submap.octave_scales, frame, Weights::kByArea);
+  constexpr double kUncontested = 0.9;  // of the matches agree
+  const Submap& map = submap.map;
+  const SE3 initial = frame->cam_from_submap;
+  const std::vector<int> matched = frame->landmark_ids;
+  const int all = frame->matches();
+  const int agreeing = refine_pose(map.camera, map, submap.octave_scales, frame);
+  if (agreeing >= kUncontested * all) return agreeing;
+  frame->cam_from_submap = initial;
+  frame->landmark_ids = matched;
+  return refine_pose(map.camera, map, submap.octave_scales, frame, Weights::kByArea);
 }
 
 // What the frame and the last one have in common, and it and the newest keyframe if that is nearby.
@@ -78,7 +89,7 @@ bool PoseByCorners::match_last_frame(const Place& place, Frame* frame) const {
     const ProjectionSearch search{
         .radius_px = widen * radius_px, .max_distance = options_.max_distance, .max_ratio = options_.max_ratio};
     if (search_by_projection(map.camera, landmarks, search, place.submap.octave_scales, frame) < kWorthwhile) continue;
-    if (refine(place.submap, frame) >= options_.min_first_inliers) return true;
+    if (refine_pose(map.camera, map, place.submap.octave_scales, frame) >= options_.min_first_inliers) return true;
   }
   return false;
 }
