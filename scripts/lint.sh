@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # clang-tidy (checks in .clang-tidy) over the sources and all headers that they include.
-#   scripts/lint.sh BUILD_DIR                   what the last forty commits touched, without clang's static analyzer, tests left out
+#   scripts/lint.sh BUILD_DIR                   what the last forty commits touched, without clang's static analyzer and
+#                                               without tests
 #   scripts/lint.sh BUILD_DIR all               everything, in the same way: an hour on two cores
 #   scripts/lint.sh BUILD_DIR deep [BASE|all]   with the analyzer: what differs from BASE (default: the commit before the
 #                                               last), tests included
@@ -19,11 +20,14 @@ if [ "$mode" = all ]; then
   set -- --checks=-clang-analyzer-*
   files=$(git ls-files '*.cpp' ':!tests' ':!bench' ':!fuzz')
 elif [ "$mode" = recent ]; then
-  set -- --checks=-clang-analyzer-*
   # The newest first, and no more than a quarter of an hour's: where the history is cut off, all was touched at once.
-  touched=$(git diff --name-only HEAD -- '*.cpp'; git log -40 --format= --name-only -- '*.cpp')
-  files=$(echo "$touched" | grep -vE '^(tests|bench|fuzz)/' | awk '!seen[$0]++' | while read -r file; do if [ -f "$file" ]; then echo "$file"; fi; done | head -n 120)
+  set -- '*.cpp' ':!tests' ':!bench' ':!fuzz'
+  touched=$(git diff --name-only HEAD -- "$@"; git log -40 --format= --name-only -- "$@")
+  files=$(echo "$touched" | awk '!seen[$0]++' | while read -r file; do
+    if [ -f "$file" ]; then echo "$file"; fi
+  done | head -n 120)
   [ -n "$files" ] || { echo "no source was touched of late"; exit 0; }
+  set -- --checks=-clang-analyzer-*
 elif [ "${3:-}" = all ]; then
   set --
   files=$(git ls-files '*.cpp')

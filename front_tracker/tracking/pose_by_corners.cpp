@@ -19,19 +19,23 @@ namespace {
 
 constexpr double kWidth_px = 640;  // of the images that radii are told for
 
+int refine(const FrontSubmap& submap, Frame* frame, Weights weights = Weights::kEqual,
+           const std::vector<EpipolarView>& views = {}) {
+  return refine_pose(submap.map.camera, submap.map, submap.octave_scales, frame, weights, views);
+}
+
 // Where more than a few matches contradict the pose of most, something moves by itself, and the most need not be right:
 // then each part of the image has one voice.
-int refine(const FrontSubmap& submap, Frame* frame) {
+int refine_by_most_or_by_area(const FrontSubmap& submap, Frame* frame) {
   constexpr double kUncontested = 0.9;  // of the matches agree
-  const Submap& map = submap.map;
   const SE3 initial = frame->cam_from_submap;
   const std::vector<int> matched = frame->landmark_ids;
   const int all = frame->matches();
-  const int agreeing = refine_pose(map.camera, map, submap.octave_scales, frame);
+  const int agreeing = refine(submap, frame);
   if (agreeing >= kUncontested * all) return agreeing;
   frame->cam_from_submap = initial;
   frame->landmark_ids = matched;
-  return refine_pose(map.camera, map, submap.octave_scales, frame, Weights::kByArea);
+  return refine(submap, frame, Weights::kByArea);
 }
 
 // What the frame and the last one have in common, and it and the newest keyframe if that is nearby.
@@ -89,7 +93,7 @@ bool PoseByCorners::match_last_frame(const Place& place, Frame* frame) const {
     const ProjectionSearch search{
         .radius_px = widen * radius_px, .max_distance = options_.max_distance, .max_ratio = options_.max_ratio};
     if (search_by_projection(map.camera, landmarks, search, place.submap.octave_scales, frame) < kWorthwhile) continue;
-    if (refine_pose(map.camera, map, place.submap.octave_scales, frame) >= options_.min_first_inliers) return true;
+    if (refine(place.submap, frame) >= options_.min_first_inliers) return true;
   }
   return false;
 }
@@ -121,11 +125,12 @@ int PoseByCorners::match_local_map(const Place& place, FoundPose* pose) const {
                                 .max_distance = options_.max_distance,
                                 .max_ratio = options_.max_ratio};
   search_by_projection(submap.map.camera, local.landmarks, search, submap.octave_scales, frame, &pose->visible);
-  int inliers = refine(submap, frame);
-  if (inliers >= kFewestLandmarks && align_keypoints(submap, frame, place.templates)) inliers = refine(submap, frame);
+  int inliers = refine_by_most_or_by_area(submap, frame);
+  if (inliers >= kFewestLandmarks && align_keypoints(submap, frame, place.templates))
+    inliers = refine_by_most_or_by_area(submap, frame);
   if (inliers < options_.patch_inliers && patches_may_help(place, *frame, inliers) &&
       search_by_patch(submap, pose->visible, options_.patch_inliers, frame, place.templates) > 0)
-    inliers = refine(submap, frame);
+    inliers = refine_by_most_or_by_area(submap, frame);
   return inliers;
 }
 
@@ -153,8 +158,7 @@ int PoseByCorners::support_by_epipolar_matches(const Place& place, Frame* frame)
   const FrontSubmap& submap = place.submap;
   const std::vector<EpipolarView> views = views_of(submap, place.motion.last(), *frame);
   Frame supported = *frame;
-  const int inliers =
-      refine_pose(submap.map.camera, submap.map, submap.octave_scales, &supported, Weights::kEqual, views);
+  const int inliers = refine(submap, &supported, Weights::kEqual, views);
   if (inliers < kFewestLandmarks || !agree(submap.map, supported.cam_from_submap, views)) return frame->matches();
   supported.certainty = certainty_of(submap.map, submap.octave_scales, supported, views);
   supported.is_believable = true;

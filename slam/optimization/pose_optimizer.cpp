@@ -13,7 +13,7 @@ namespace {
 struct Sighting {
   Eigen::Vector3d point;
   WhitenedProjection projection;
-  double weight = 1;
+  double weight;
 };
 
 // Squared error in units of sigma; a point behind the camera is infinitely wrong.

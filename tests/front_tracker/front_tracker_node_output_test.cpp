@@ -180,7 +180,7 @@ TEST_F(FrontTrackerNodeTest, PosesGivenAfterwardsAreToldBeforeTheFrameThatBeganT
 
 TEST_F(FrontTrackerNodeTest, WithdrawnPosesAreToldBeforeTheFrameThatContradictsThem) {
   const testing::RenderedWalk& walk = testing::rendered_walk();
-  const size_t slipped = 77, lost = 100, back = 75;
+  const size_t slipped = 77, lost = 100, back = 72;
   const cv::Mat black(walk.images[0].size(), CV_8U, cv::Scalar(0));
   for (size_t i = 0; i < lost; ++i) {
     cv::Mat grey = walk.images[i].clone();
