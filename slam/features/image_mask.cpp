@@ -26,9 +26,11 @@ double ImageMask::left_out() const {
 
 ImageMask ImageMask::resized(const cv::Size& size) const {
   if (is_everything() || pixels_.size() == size) return *this;
-  cv::Mat world = pixels_ != 0, smaller;
+  constexpr double kAll = 1 - 1e-6;  // in floats: in bytes a speck's share would be rounded away
+  cv::Mat world, smaller;
+  cv::Mat(pixels_ != 0).convertTo(world, CV_32F, 1.0 / 255);
   cv::resize(world, smaller, size, 0, 0, cv::INTER_AREA);
-  return ImageMask(smaller == 255);
+  return ImageMask(smaller >= kAll);
 }
 
 ImageMask ImageMask::and_also(const ImageMask& other) const {
