@@ -213,7 +213,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
                        description.only_one_on_channel ? flags.names.on_wire(channels::kCamera) : "");
       if (const std::string problem = ask_around(*bus, *only_one); !problem.empty()) return refused(problem);
     }
-    SafeNode node(description.make_node(*bus));
+    SafeNode node(description.make_node(*bus), &bus->broken_handlers());
     StatusPublisher status(*bus, description.name, [&losses] { return losses.datagrams(); });
     if (only_one) status.set_claim(only_one->started_us(), only_one->publishes());
     const std::string problem = run_node(*bus, node, status, only_one ? &*only_one : nullptr,

@@ -10,7 +10,7 @@ namespace rumi {
 
 constexpr int64_t kPauseUs = 100'000;  // from a tick that threw to the next
 
-SafeNode::SafeNode(std::unique_ptr<Node> node) : node_(std::move(node)) {}
+SafeNode::SafeNode(std::unique_ptr<Node> node, Failures* handlers) : node_(std::move(node)), handlers_(handlers) {}
 
 bool SafeNode::waits(int64_t now_us) const { return !is_due(now_us, broke_off_us_, kPauseUs); }
 
@@ -31,9 +31,11 @@ int64_t SafeNode::next_tick_us(int64_t now_us) const {
 NodeStatus SafeNode::status() {
   NodeStatus status;
   failures_.note(thrown_by([&] { status = node_->status(); }), now_us_);
-  if (failures_.count() == 0) return status;
-  status.detail += (status.detail.empty() ? "" : "; ") + failures_.text();
-  status.degraded = failures_.take_news() || status.degraded;
+  for (Failures* failures : {&failures_, handlers_}) {
+    if (failures->count() == 0) continue;
+    status.detail += (status.detail.empty() ? "" : "; ") + failures->text();
+    status.degraded = failures->take_news() || status.degraded;
+  }
   return status;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Catches what a node throws, so that its process goes on. It counts the exceptions, logs them now and then, and tells
-// of them in the status. (The bus catches what message handlers throw, see transport/handler.h.)
+// of them in the status; so it does of what the node's message handlers throw, which the bus catches.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,8 @@ namespace rumi {
 
 class SafeNode : public Node {
  public:
-  explicit SafeNode(std::unique_ptr<Node> node);
+  // `handlers`: those of the node's bus (Bus::broken_handlers), which outlives it.
+  SafeNode(std::unique_ptr<Node> node, Failures* handlers);
 
   // After a tick that threw, the next one waits a little, so that a tick that always throws does not take all the CPU.
   void tick(int64_t now_us) override;
@@ -33,6 +34,7 @@ class SafeNode : public Node {
  private:
   bool waits(int64_t now_us) const;
   std::unique_ptr<Node> node_;
+  Failures* handlers_;
   Failures failures_{"a step"};
   int64_t now_us_ = 0;
   int64_t broke_off_us_ = kNever_us;

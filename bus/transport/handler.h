@@ -2,23 +2,24 @@
 // What all implementations of Bus do with a message.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <span>
 #include <string>
 
 #include "base/failures.h"
-#include "base/log.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {
 
-// False if the message was broken or the handler threw, which is logged: a process that holds a map does not end
-// because of one message.
-inline bool handle_safely(const Bus::RawHandler& handler, const std::string& channel, std::span<const uint8_t> data) {
-  bool handled = false;
-  const std::string reason = thrown_by([&] { handled = handler(data); });
-  if (reason.empty()) return handled;
-  log_error("a message on {} could not be handled: {}", channel, reason);
-  return false;
+// Returns false if the message was broken. A handler that throws is no fault of the message: it is noted in `broken`,
+// and the process goes on.
+inline bool handle_safely(const Bus::RawHandler& handler, const std::string& channel, std::span<const uint8_t> data,
+                          int64_t now_us, Failures* broken) {
+  bool decoded = true;
+  const std::string reason = thrown_by([&] { decoded = handler(data); });
+  if (!reason.empty()) broken->note(fmt::format("{}: {}", channel, reason), now_us);
+  return decoded;
 }
 
 }  // namespace rumi

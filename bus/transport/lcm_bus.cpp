@@ -211,7 +211,8 @@ int LcmBus::dispatch(int timeout_ms) {
     --waiting_;
     ++handled;
     lock.unlock();
-    const bool decoded = handle_safely(subscription->handler, subscription->counts.channel, message.data);
+    const bool decoded =
+        handle_safely(subscription->handler, subscription->counts.channel, message.data, now_us(), &broken_handlers());
     lock.lock();
     if (!decoded) ++subscription->counts.undecodable;
   }

@@ -31,7 +31,8 @@ int LogBus::dispatch(int) {
     Channel& channel = found->second;
     ++channel.counts.received;
     for (const RawHandler& handler : channel.handlers)
-      if (!handle_safely(handler, event->channel, event->data)) ++channel.counts.undecodable;
+      if (!handle_safely(handler, event->channel, event->data, now_us_, &broken_handlers()))
+        ++channel.counts.undecodable;
     return 1;
   }
   return 0;

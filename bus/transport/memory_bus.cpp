@@ -27,7 +27,7 @@ int MemoryBus::dispatch(int) {
     Channel& channel = channels_[name];
     ++channel.counts.received;
     for (const RawHandler& handler : channel.handlers)
-      if (!handle_safely(handler, name, data)) ++channel.counts.undecodable;
+      if (!handle_safely(handler, name, data, now_us_, &broken_handlers())) ++channel.counts.undecodable;
   }
   return handled;
 }

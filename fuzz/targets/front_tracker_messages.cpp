@@ -66,7 +66,7 @@ void run(View input) {
   options.initializer.keypoints = 300;
   options.initializer.min_matches = 40;
   options.orb.keypoints = 200;
-  SafeNode node(std::make_unique<FrontTrackerNode>(bus, options));
+  SafeNode node(std::make_unique<FrontTrackerNode>(bus, options), &bus.broken_handlers());
   const Stage stage{.bus = &bus,
                     .node = &node,
                     .channels = {channels::kCamera, channels::kMapStatus, channels::kMapChunk, channels::kSubmapAck},

@@ -135,7 +135,7 @@ void serve(const std::string& file) {
   MapServerOptions options;
   options.database = file;
   options.merge.thread = false;
-  SafeNode node(std::make_unique<MapServerNode>(bus, options));
+  SafeNode node(std::make_unique<MapServerNode>(bus, options), &bus.broken_handlers());
   Script asks;
   for (int8_t what = 0; what <= map_request_t::REGION; ++what)
     for (const SubmapKey& key : {SubmapKey{kSession, 1}, SubmapKey{kSession, -1}})

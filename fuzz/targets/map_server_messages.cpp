@@ -14,7 +14,7 @@ void run(View input) {
   map_server::MapServerOptions options;
   options.database = map_server::kInMemory;
   options.merge.thread = false;
-  SafeNode node(std::make_unique<map_server::MapServerNode>(bus, options));
+  SafeNode node(std::make_unique<map_server::MapServerNode>(bus, options), &bus.broken_handlers());
   const Stage stage{
       .bus = &bus,
       .node = &node,

@@ -31,7 +31,8 @@ void run(View input) {
   options.spool.clear();
   options.ring_mb = 1;
   options.window.gap_max_frames = 8;
-  SafeNode node(std::make_unique<RuminatorNode>(bus, options, RuminatorHooks{build, {}, {}, {}}));
+  SafeNode node(std::make_unique<RuminatorNode>(bus, options, RuminatorHooks{build, {}, {}, {}}),
+                &bus.broken_handlers());
   const Stage stage{.bus = &bus,
                     .node = &node,
                     .channels = {channels::kCamera, channels::kTrack, channels::kSubmapAck, channels::kMask},

@@ -14,7 +14,7 @@ void run(View input) {
   MemoryBus bus;
   viewer_offscreen::ViewerOptions options;
   options.interval_s = 30;
-  SafeNode node(std::make_unique<viewer_offscreen::ViewerNode>(bus, options));
+  SafeNode node(std::make_unique<viewer_offscreen::ViewerNode>(bus, options), &bus.broken_handlers());
   const Stage stage{.bus = &bus,
                     .node = &node,
                     .channels = {channels::kCamera, channels::kTrack, channels::kMapStatus, channels::kMapChunk},

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
+#include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/process_status_t.hpp"
 
 namespace rumi {
@@ -41,7 +42,8 @@ class SafeNodeTest : public testing::Test {
     }
   }
   BrokenNode* node_ = new BrokenNode;
-  SafeNode safe_{std::unique_ptr<Node>(node_)};
+  MemoryBus bus_;
+  SafeNode safe_{std::unique_ptr<Node>(node_), &bus_.broken_handlers()};
   int64_t now_us_ = 1'000'000;
 };
 
@@ -89,16 +91,34 @@ TEST_F(SafeNodeTest, TheOtherStepsAreSafeToo) {
   EXPECT_EQ(status.detail, "a step broke off (3 so far): no words");
 }
 
+// A handler that always throws: the messages are not to blame, the log has one line a minute.
+TEST_F(SafeNodeTest, AHandlerThatThrowsIsToldInTheStatusAndOnceInTheLog) {
+  bus_.subscribe<map_request_t>("A", {}, [](const map_request_t&) { throw std::runtime_error("no hands"); });
+  testing::internal::CaptureStderr();
+  for (int i = 0; i < 100; ++i) {
+    bus_.set_now_us(now_us_ + i * 10'000);
+    bus_.publish("A", map_request_t{});
+    bus_.dispatch();
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(log.find("no hands"), log.rfind("no hands")) << log;
+  EXPECT_EQ(bus_.counts().at(0).undecodable, 0);
+  NodeStatus status = safe_.status();
+  EXPECT_TRUE(status.degraded);
+  EXPECT_EQ(status.detail, "on its way; the handling of a message broke off (100 so far): A: no hands");
+  EXPECT_FALSE(safe_.status().degraded) << "it is over";
+}
+
 TEST_F(SafeNodeTest, OnTheBusItIsDegradedWhileItHappens) {
-  MemoryBus bus;
   std::vector<int> states;
-  bus.subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& m) { states.push_back(m.state); });
-  StatusPublisher publisher(bus, "tester");
+  bus_.subscribe<process_status_t>(channels::kStatus, {},
+                                   [&](const process_status_t& m) { states.push_back(m.state); });
+  StatusPublisher publisher(bus_, "tester");
   for (const bool breaks : {false, true, true, false}) {
     node_->ticks_break = breaks;
     run_for_a_second();
     publisher.tick(safe_, now_us_);
-    bus.dispatch();
+    bus_.dispatch();
   }
   EXPECT_EQ(states, (std::vector<int>{process_status_t::RUNNING, process_status_t::DEGRADED, process_status_t::DEGRADED,
                                       process_status_t::RUNNING}));
