@@ -22,7 +22,7 @@ Words words_of(Kind kind) {
       return {"no image", "no messages of the type image_t, or broken",
               "is the channel another's (--channel)? Look at who publishes on it"};
     case Kind::kNoTime:
-      return {"time", "without a time that can be used", "utime must be microseconds since 1970"};
+      return {"time", "without a time that can be used", "look at the program that gives them their times"};
     case Kind::kOlder:
       return {"out of order", "out of order, older than the one before",
               "publish them in the order in which they were taken"};
