@@ -195,7 +195,8 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   command->footer(
       "Exit codes: 0 the recording was played, or it was ended by Ctrl-C; 1 it broke off, or --snapshot could not be "
       "written; 2 wrong options; 3 "
-      "done, but not with all of the recording. SIGUSR2: CONFIG is read again and the controls of a camera set as it "
+      "done, but not with all of the images: what is missing is said last. SIGUSR2: CONFIG is read again and the "
+      "controls of a camera set as it "
       "says.");
   run_if_chosen(command, chosen, arguments, up);
 }

@@ -5,7 +5,6 @@
 
 #include <random>
 
-#include "base/exit_codes.h"
 #include "bus/wire/image_codec.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/front_tracker/front_tracker_node_fixture.h"
