@@ -55,7 +55,7 @@ bool CameraNode::done() const { return source_->live() ? source_->live()->ended 
 std::vector<std::string> CameraNode::complaints() const {
   if (source_->live()) return {};
   if (done()) return source_->skipped().complaints(published_);
-  if (!is_stopped_ || options_.loop) return {};
+  if (!is_finished_ || options_.loop) return {};
   return {fmt::format("{} ended after {}{} images, as somebody asked it to: the others were not played",
                       source_->name(), published_,
                       source_->total() < 0 ? "" : fmt::format(" of {}", source_->total()))};

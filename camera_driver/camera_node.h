@@ -23,7 +23,7 @@ class CameraNode : public Node {
   bool done() const override;
   // Of a recording: what was left out, and that it was not played to its end because somebody ended the process.
   std::vector<std::string> complaints() const override;
-  void stop() override { is_stopped_ = true; }
+  void finish() override { is_finished_ = true; }
 
   // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
   // is not live any more: tick() does nothing.
@@ -49,7 +49,7 @@ class CameraNode : public Node {
   std::unique_ptr<ImageSource> source_;
   CameraOptions options_;
   std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
-  bool live_ = true, is_stopped_ = false;
+  bool live_ = true, is_finished_ = false;
   bool publish_failed_ = false;
   int64_t first_utime_us_ = 0;         // of the recording, or of its part where times go back
   std::optional<int64_t> started_us_;  // clock at that image

@@ -106,15 +106,13 @@ void publish(const std::string& log_file, const std::function<void(int, image_t*
 
 // A system without an input that is stopped when `images` have been published; what it says.
 Outcome up_beside(const fs::path& out, const std::string& flags, const std::function<void()>& images) {
-  const fs::path said = out.string() + ".log", code = out.string() + ".code";
-  const Outcome begun =
-      shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags +
-            " --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" + out.string() +
-            "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" + out.string() + "' > '" +
-            said.string() + "' 2>&1 & echo $!; wait $!; echo $? > '" + code.string() + "' ) & sleep 3");
+  const std::string said = out.string() + ".log", pid = out.string() + ".pid", code = out.string() + ".code";
+  shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags +
+        " --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" + out.string() +
+        "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" + out.string() + "' > '" + said +
+        "' 2>&1 & echo $! > '" + pid + "'; wait $!; echo $? > '" + code + "' ) > /dev/null 2>&1 & sleep 3");
   images();
-  const std::string pid = begun.output.substr(0, begun.output.find('\n'));
-  shell("kill -INT " + pid + "; while [ ! -s '" + code.string() + "' ]; do sleep .1; done");
+  shell("kill -INT $(cat '" + pid + "'); while [ ! -s '" + code + "' ]; do sleep .1; done");
   return {std::stoi(read_file(code)), read_file(said)};
 }
 
