@@ -2,6 +2,8 @@
 #include "base/file_access.h"
 
 #include <fmt/format.h>
+#include <pwd.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -27,7 +29,21 @@ fs::path closed_folder(const fs::path& path) {
   return {};
 }
 
+std::string user_name(uid_t uid) {
+  const passwd* entry = getpwuid(uid);
+  return entry ? fmt::format("{} (uid {})", entry->pw_name, uid) : fmt::format("uid {}", uid);
+}
+
 }  // namespace
+
+std::string note_on_owner(const fs::path& path) {
+  struct stat info {};
+  std::error_code code;
+  const fs::path there = fs::exists(path, code) ? path : fs::absolute(path).parent_path();
+  if (stat(there.c_str(), &info) != 0 || info.st_uid == geteuid()) return {};
+  return fmt::format("; {} belongs to {}, and this is {}", there.string(), user_name(info.st_uid),
+                     user_name(geteuid()));
+}
 
 std::string why_unreadable(const fs::path& path, const std::string& remedy) {
   if (access(path.c_str(), is_folder(path) ? R_OK | X_OK : R_OK) == 0) return "";

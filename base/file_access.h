@@ -15,4 +15,8 @@ std::string why_unreadable(const std::filesystem::path& path, const std::string&
 // Whether something of that name is there, or may be there, in a folder that may not be entered: reading it tells.
 bool may_be_there(const std::filesystem::path& path);
 
+// "; /srv belongs to root (uid 0), and this is anna (uid 1000)": to be put behind the reason for which `path` cannot be
+// made or written. Of its folder where it is not there. Empty where it belongs to who runs this.
+std::string note_on_owner(const std::filesystem::path& path);
+
 }  // namespace rumi

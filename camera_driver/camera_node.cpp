@@ -7,7 +7,6 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "base/exit_codes.h"
 #include "base/log.h"
 #include "base/stage_clock.h"
 #include "bus/wire/image_codec.h"
@@ -53,12 +52,14 @@ int64_t CameraNode::next_tick_us(int64_t now_us) const {
 
 bool CameraNode::done() const { return source_->live() ? source_->live()->ended : !ahead_; }
 
-// Of a recording that was played to its end.
 std::vector<std::string> CameraNode::complaints() const {
-  return source_->live() || !done() ? std::vector<std::string>() : source_->skipped().complaints(published_);
+  if (source_->live()) return {};
+  if (done()) return source_->skipped().complaints(published_);
+  if (!is_finished_ || options_.loop) return {};
+  return {fmt::format("{} ended after {}{} images, as somebody asked it to: the others were not played",
+                      source_->name(), published_,
+                      source_->total() < 0 ? "" : fmt::format(" of {}", source_->total()))};
 }
-
-int CameraNode::exit_code() const { return complaints().empty() ? 0 : kNotAll; }
 
 void CameraNode::start(int64_t now_us) {
   started_us_ = progress_us_ = now_us;
@@ -132,7 +133,6 @@ void CameraNode::report_progress(int64_t now_us) {
   else if (source_->total() >= published_ && rate_hz > 0)
     text += fmt::format(", about {:.0f} s left", static_cast<double>(source_->total() - published_) / rate_hz);
   log_info("{}", text);
-  for (const std::string& complaint : complaints()) log_error("{}", complaint);
   progress_us_ = now_us;
   progress_count_ = published_;
 }

@@ -21,7 +21,9 @@ class CameraNode : public Node {
   int64_t next_tick_us(int64_t now_us) const override;
   NodeStatus status() override;
   bool done() const override;
-  int exit_code() const override;
+  // Of a recording: what was left out, and that it was not played to its end because somebody ended the process.
+  std::vector<std::string> complaints() const override;
+  void finish() override { is_finished_ = true; }
 
   // Replay: the time of the image that publish_next() would publish; nothing at the end. After the first call the node
   // is not live any more: tick() does nothing.
@@ -36,7 +38,6 @@ class CameraNode : public Node {
  private:
   int64_t due_us() const;
   std::string detail() const;
-  std::vector<std::string> complaints() const;
   void start(int64_t now_us);
   void publish(int64_t now_us);
   void put_on_bus();
@@ -48,7 +49,7 @@ class CameraNode : public Node {
   std::unique_ptr<ImageSource> source_;
   CameraOptions options_;
   std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
-  bool live_ = true;
+  bool live_ = true, is_finished_ = false;
   bool publish_failed_ = false;
   int64_t first_utime_us_ = 0;         // of the recording, or of its part where times go back
   std::optional<int64_t> started_us_;  // clock at that image

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "base/cpu_clock.h"
-#include "base/exit_codes.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
@@ -32,7 +31,7 @@ constexpr size_t kImagesOfNewSession = 10;
 
 constexpr int64_t kSilenceUs = 10'000'000;  // without an image from the start, that somebody should know of
 
-constexpr const char* kUndecodable = "image";  // a kind of refusal
+using Kind = RefusedImages::Kind;
 
 // From publication to pose where the driver says when it published, else from capture.
 float latency_ms(const image_t& image, int64_t now_us) {
@@ -68,64 +67,125 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
     camera_from_file_ = file.camera;
   }
   silent_since_us_ = bus.now_us();
-  bus.subscribe<image_t>(channels::kCamera, kImageQueue, [this](const image_t& image) { on_image(image); });
+  bus.subscribe_raw(channels::kCamera, kImageQueue, [this](std::span<const uint8_t> data) { return on_message(data); });
   bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
 }
 
-void FrontTrackerNode::tell_unused(const std::string& problem) {
-  log_warning("image not used: {} (further images like it are only counted)", problem);
-}
-
-void FrontTrackerNode::refuse(const std::string& kind, const std::string& problem) {
+void FrontTrackerNode::refuse(Kind kind, const std::string& problem) {
   problem_ = problem;
-  ++refused_[kind];
-  if (told_.insert(kind).second) tell_unused(problem);
+  refused_.add(kind, problem);
 }
 
-std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image) {
+bool FrontTrackerNode::on_message(std::span<const uint8_t> data) {
+  image_t image;
+  if (!Bus::decode(data, &image)) {
+    refuse(Kind::kNoImage, "it is no message of the type image_t, or broken");
+    return false;
+  }
+  if (!plausible_utime(image.utime)) {
+    refuse(Kind::kNoTime, fmt::format("its utime is {}{}: it must be microseconds since 1970", image.utime,
+                                      image.utime < 0 ? "" : ", as nanoseconds would be"));
+    return false;
+  }
+  on_image(image, bus_.now_us());
+  return true;
+}
+
+std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image, int64_t arrived_us) {
   if (camera_from_file_) return camera_from_file_;
   const std::string text = metadata(image, kCalibrationKey);
   if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
   if (text.empty()) {
-    refuse("calibration", "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
+    refuse(Kind::kCalibration,
+           "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
     return std::nullopt;
   }
   const CameraFileResult parsed = parse_camera(text, "calibration of the image");
   if (!parsed.ok()) {
-    refuse("calibration", parsed.error);
+    refuse(Kind::kCalibration, parsed.error);
     return std::nullopt;
   }
   if (!tracker_) return parsed.camera;
   const Camera& other = parsed.camera;
   wait_as_foreign(
-      image,
+      image, arrived_us,
       fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
                   "px with fx {:.2f}",
                   other.width, other.height, other.fx, image_camera_.width, image_camera_.height, image_camera_.fx));
   return std::nullopt;
 }
 
-void FrontTrackerNode::wait_as_foreign(const image_t& image, const std::string& problem) {
-  wait("another camera", image,
-       problem + ": if two cameras publish on this channel, give one of them another (--channel)",
-       "the images are of another camera or recording");
+void FrontTrackerNode::wait(Kind kind, const image_t& image, int64_t arrived_us, const std::string& problem) {
+  if (waiting_kind_ != kind) give_up_waiting();
+  waiting_kind_ = kind;
+  problem_ = waiting_problem_ = problem;
+  waiting_.push_back({image, arrived_us});
+  refused_.count(kind);
 }
 
-void FrontTrackerNode::wait(const std::string& kind, const image_t& image, const std::string& problem,
-                            const std::string& reason) {
-  if (waiting_kind_ != kind) waiting_.clear();
-  waiting_kind_ = kind;
-  waiting_.push_back(image);
-  if (waiting_.size() < kImagesOfNewSession) {
-    problem_ = waiting_problem_ = problem;
-    ++refused_[kind];
-    return;
-  }
-  refused_[kind] -= static_cast<int64_t>(waiting_.size()) - 1;
-  log_warning("{}: a new session begins with the first of them", reason);
+void FrontTrackerNode::give_up_waiting() {
+  if (!waiting_.empty()) refused_.tell(waiting_kind_, waiting_problem_);
+  waiting_.clear();
+}
+
+void FrontTrackerNode::take_waiting() {
+  refused_.take_back(waiting_kind_, static_cast<int64_t>(waiting_.size()));
+  for (const Waiting& first : std::exchange(waiting_, {})) on_image(first.image, first.arrived_us);
+}
+
+void FrontTrackerNode::wait_as_foreign(const image_t& image, int64_t arrived_us, const std::string& problem) {
+  times_.forget_row();
+  wait(Kind::kOtherCamera, image, arrived_us,
+       problem + ": if two cameras publish on this channel, give one of them another (--channel)");
+  if (waiting_.size() < kImagesOfNewSession) return;
+  end_session("the images are of another camera or recording");
+  times_.begin_session();
+  take_waiting();
+}
+
+void FrontTrackerNode::wait_for_times(const image_t& image, int64_t arrived_us) {
+  const int64_t last_us = times_.last_us();
+  // One that begins a row has nothing to do with those that wait.
+  if (times_.row() == 1) give_up_waiting();
+  if (times_.are_none() || times_.doubt() == ImageTimes::Doubt::kNoTime)
+    wait(Kind::kNoTime, image, arrived_us, times_.what_is_wrong() + ": utime must be microseconds since 1970");
+  else if (times_.doubt() == ImageTimes::Doubt::kAhead)
+    wait(Kind::kAhead, image, arrived_us,
+         fmt::format("its utime {} is {:.3f} s after the last, and the next ones are not", image.utime,
+                     1e-6 * static_cast<double>(image.utime - last_us)));
+  else
+    wait(Kind::kOlder, image, arrived_us, fmt::format("its utime {} is older than the last, {}", image.utime, last_us));
+}
+
+void FrontTrackerNode::end_session(const std::string& reason) {
+  if (tracker_) log_warning("{}: a new session begins with the first of them", reason);
   retire_session();
-  last_utime_us_ = INT64_MIN;  // the times of two sessions have nothing to do with each other
-  for (const image_t& first : std::exchange(waiting_, {})) on_image(first);
+}
+
+// Those that wait are taken in here where it is sure what they are, with this one behind them.
+bool FrontTrackerNode::has_usable_time(const image_t& image, int64_t arrived_us) {
+  const int64_t last_us = times_.last_us();
+  const bool is_checked = !metadata(image, kPublishedKey).empty();
+  switch (times_.judge(image.utime, arrived_us, is_checked)) {
+    case ImageTimes::Verdict::kNext:
+      return true;
+    case ImageTimes::Verdict::kDoubled:
+      refuse(Kind::kDoubled, fmt::format("its utime {} is that of the image before", image.utime));
+      return false;
+    case ImageTimes::Verdict::kWaits:
+      wait_for_times(image, arrived_us);
+      return false;
+    case ImageTimes::Verdict::kBegins:
+      if (tracker_)
+        end_session(fmt::format("the camera's time went back by {:.3f} s",
+                                1e-6 * static_cast<double>(last_us - waiting_.front().image.utime)));
+      break;
+    case ImageTimes::Verdict::kGoesOn:
+      break;
+  }
+  take_waiting();
+  on_image(image, arrived_us);
+  return false;
 }
 
 bool FrontTrackerNode::is_of_another_stream(const image_t& image) const {
@@ -162,27 +222,28 @@ void FrontTrackerNode::note_broken_mapping() {
   broken_mapping_.note(broken.reason, bus_.now_us(), broken.count);
 }
 
-cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
+cv::Mat FrontTrackerNode::usable_image(const image_t& image, int64_t arrived_us) {
   const StageClock clock("front_tracker.decode");
   if (is_of_another_stream(image)) {
-    wait_as_foreign(image, fmt::format("it is of stream {}, and the session's images are of stream {}",
-                                       stream_of(image), session_stream_));
+    wait_as_foreign(image, arrived_us,
+                    fmt::format("it is of stream {}, and the session's images are of stream {}", stream_of(image),
+                                session_stream_));
     return {};
   }
-  if (image.utime <= last_utime_us_) {
-    wait("time", image, fmt::format("its utime {} is not newer than the last, {}", image.utime, last_utime_us_),
-         fmt::format("the camera's time went back by {:.3f} s",
-                     1e-6 * static_cast<double>(last_utime_us_ - image.utime)));
-    return {};
-  }
-  const std::optional<Camera> camera = camera_of(image);
+  if (!has_usable_time(image, arrived_us)) return {};
+  const std::optional<Camera> camera = camera_of(image, arrived_us);
   if (!camera) return {};
-  if (!waiting_.empty() && told_.insert(waiting_kind_).second) tell_unused(waiting_problem_);
-  waiting_.clear();
+  times_.forget_row();
+  give_up_waiting();
+  if (image.width != camera->width || image.height != camera->height) {
+    refuse(Kind::kSize, fmt::format("it is {}x{} but the calibration is for {}x{}", image.width, image.height,
+                                    camera->width, camera->height));
+    return {};
+  }
   std::string error;
   cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
   if (grey.empty())
-    refuse(kUndecodable, error);
+    refuse(Kind::kDamaged, error);
   else if (!tracker_)
     begin_session(*camera, image);
   return grey;
@@ -191,7 +252,7 @@ cv::Mat FrontTrackerNode::usable_image(const image_t& image) {
 const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size& size) {
   std::string error;
   const ImageMask& mask = masks_.read(image, size, &error);
-  if (!error.empty() && told_.insert("mask").second)
+  if (!error.empty() && !std::exchange(told_of_mask_, true))
     log_warning("{}: the image is used as if it had none (further images like it are not said)", error);
   return mask;
 }
@@ -204,12 +265,12 @@ std::optional<TrackResult> FrontTrackerNode::take(const image_t& image, const cv
   return tracker_->predict(image.utime);
 }
 
-void FrontTrackerNode::on_image(const image_t& image) {
+void FrontTrackerNode::on_image(const image_t& image, int64_t arrived_us) {
   if (finishing_) return;
-  const cv::Mat grey = usable_image(image);
+  const cv::Mat grey = usable_image(image, arrived_us);
   if (grey.empty()) return;
   problem_.clear();
-  last_utime_us_ = image.utime;
+  times_.take(image.utime, arrived_us);
   const double before_s = thread_cpu_s();
   const auto result = take(image, grey);
   if (!result) return;
@@ -341,40 +402,32 @@ ChannelCounts FrontTrackerNode::images() const {
 // A user who named another channel, or whose camera's program has ended, would wait for ever.
 void FrontTrackerNode::tell_of_silence(int64_t now_us) {
   if (silent_since_us_ == 0) return;
-  const ChannelCounts counts = images();
-  if (counts.received > counts.undecodable) silent_since_us_ = 0;
+  if (images().received > 0) silent_since_us_ = 0;
   if (silent_since_us_ == 0 || now_us - silent_since_us_ < kSilenceUs) return;
   silent_since_us_ = 0;
-  if (counts.undecodable > 0)
-    log_warning(
-        "{} messages came on the camera's channel, and none is an image_t whose utime is microseconds: is the channel "
-        "another's (--channel), or is the time in nanoseconds?",
-        counts.undecodable);
-  else
-    log_warning("no image has come for {} s: is the camera's program running, on this channel (--channel)?",
-                kSilenceUs / 1'000'000);
+  log_warning("no image has come for {} s: is the camera's program running, on this channel (--channel)?",
+              kSilenceUs / 1'000'000);
 }
 
-void FrontTrackerNode::tell_of_dropped() const {
+std::vector<std::string> FrontTrackerNode::complaints() const {
   const ChannelCounts counts = images();
+  std::vector<std::string> sentences = refused_.complaints(counts.received);
   if (dropped_many(counts))
-    log_warning(
+    sentences.push_back(fmt::format(
         "{} of {} images were dropped: they came faster than they could be tracked; smaller ones take less time "
         "(image.max_image_side)",
-        counts.dropped, counts.received);
-}
-
-int FrontTrackerNode::exit_code() const {
-  const ChannelCounts counts = images();
-  const bool repeats = repeated_.still() * 100 > counts.received;
-  return dropped_many(counts) || repeats || (counts.received > 0 && !has_posed_) ? kNotAll : 0;
+        counts.dropped, counts.received));
+  if (repeated_.still() * 100 > counts.received)
+    sentences.push_back(
+        fmt::format("of {} images {}: the camera or the recorder stood still", counts.received, repeated_.text()));
+  if (const int64_t used = counts.received - refused_.total(); used > 0 && !has_posed_)
+    sentences.push_back(fmt::format(
+        "none of {} images got a pose: a map begins where the camera moves sideways, past things with corners", used));
+  return sentences;
 }
 
 void FrontTrackerNode::finish() {
-  if (!finishing_) {
-    tell_of_dropped();
-    if (const std::string text = repeated_.text(); !text.empty()) log_warning("{}", text);
-  }
+  if (!finishing_) give_up_waiting();
   finishing_ = true;
   retire_session();
 }
@@ -385,14 +438,9 @@ std::string FrontTrackerNode::waits_for() const {
   return fmt::format("map_server has not taken the last of the submaps{}{}", failure.empty() ? "" : ": ", failure);
 }
 
-int64_t FrontTrackerNode::undecodable() const {
-  const auto refused = refused_.find(kUndecodable);
-  return refused == refused_.end() ? 0 : refused->second;
-}
-
 NodeStatus FrontTrackerNode::status() {
   NodeStatus s;
-  s.last_utime_us = last_utime_us_ == INT64_MIN ? 0 : last_utime_us_;
+  s.last_utime_us = std::max<int64_t>(times_.last_us(), 0);
   s.processing_ms = cpu_count_ ? cpu_ms_ / cpu_count_ : 0;
   cpu_ms_ = 0;
   cpu_count_ = 0;
@@ -401,11 +449,13 @@ NodeStatus FrontTrackerNode::status() {
     s.detail += fmt::format(", {} back submaps to relocalize in", tracker_->back_submaps().submaps());
   if (back_submaps_ && back_submaps_->refused() > 0)
     s.detail += fmt::format(", {} back submaps refused: {}", back_submaps_->refused(), back_submaps_->problem());
-  for (const auto& [kind, count] : refused_) s.detail += fmt::format(", {} images refused: {}", count, kind);
+  s.detail += refused_.text();
+  s.refused_images = std::max<int64_t>(0, refused_.total() - images().undecodable);
+  s.degraded = refused_.take_news();
   if (repeated_.still() > 0) s.detail += ", " + repeated_.text();
   if (broken_mapping_.count() > 0) {
     s.detail += ", " + broken_mapping_.text();
-    s.degraded = broken_mapping_.take_news();
+    s.degraded |= broken_mapping_.take_news();
   }
   if (!publisher_.failure().empty()) {
     s.detail += ", map_server: " + publisher_.failure();

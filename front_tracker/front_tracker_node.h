@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,8 +13,10 @@
 #include "bus/process/process.h"
 #include "bus/wire/image_masks.h"
 #include "front_tracker/back_submap_fetcher.h"
+#include "front_tracker/image_times.h"
 #include "front_tracker/mask_publisher.h"
 #include "front_tracker/options.h"
+#include "front_tracker/refused_images.h"
 #include "front_tracker/repeated_images.h"
 #include "front_tracker/submap_publisher.h"
 #include "front_tracker/tracking/tracker.h"
@@ -32,12 +34,12 @@ class FrontTrackerNode : public Node {
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
-  // Images that could not be decoded.
-  int64_t undecodable() const;
+  const RefusedImages& refused() const { return refused_; }
   const RepeatedImages& repeated() const { return repeated_; }
   void finish() override;
   std::string waits_for() const override;
-  int exit_code() const override;  // kNotAll: many images were dropped or repeated, or none got a pose
+  // Of many images that were refused, dropped or repeated; or that none got a pose.
+  std::vector<std::string> complaints() const override;
   int64_t handed_on() const override { return publisher_.handed_on(); }
 
   // Sessions get higher numbers than this one: a map that they come into may have it.
@@ -47,25 +49,29 @@ class FrontTrackerNode : public Node {
   Tracker* tracker() { return tracker_.get(); }
 
  private:
-  void on_image(const image_t& image);
+  bool on_message(std::span<const uint8_t> data);  // false: it has no image, or one without a time
+  void on_image(const image_t& image, int64_t arrived_us);
   void on_map_status(const map_status_t& status);
   // The image as the tracker wants it; an empty Mat, and a problem noted, if it cannot be used.
-  cv::Mat usable_image(const image_t& image);
+  cv::Mat usable_image(const image_t& image, int64_t arrived_us);
+  bool has_usable_time(const image_t& image, int64_t arrived_us);
   std::optional<TrackResult> take(const image_t& image, const cv::Mat& grey);
   // What the image says of itself; everything, and a problem noted, if that cannot be used.
   const ImageMask& mask_of(const image_t& image, const cv::Size& size);
   void retire_session();
   void tell_of_silence(int64_t now_us);
-  void tell_of_dropped() const;
   ChannelCounts images() const;  // that came
   void note_broken_mapping();
   // That of the session, or of the one that this image may begin; nothing, and a problem noted, if it does not tell or
   // is another camera's.
-  std::optional<Camera> camera_of(const image_t& image);
-  // Of an image that is not of the session's. After so many in a row the session is over, and these are the first ones
-  // of the next.
-  void wait(const std::string& kind, const image_t& image, const std::string& problem, const std::string& reason);
-  void wait_as_foreign(const image_t& image, const std::string& problem);
+  std::optional<Camera> camera_of(const image_t& image, int64_t arrived_us);
+  // Of an image of which the next ones tell: those in a row are the first of a session, or are refused.
+  void wait(RefusedImages::Kind kind, const image_t& image, int64_t arrived_us, const std::string& problem);
+  void wait_as_foreign(const image_t& image, int64_t arrived_us, const std::string& problem);
+  void wait_for_times(const image_t& image, int64_t arrived_us);
+  void give_up_waiting();
+  void take_waiting();
+  void end_session(const std::string& reason);
   bool is_of_another_stream(const image_t& image) const;
   void begin_session(const Camera& camera, const image_t& image);
   void publish(const image_t& image, const TrackResult& result, double cpu_ms);
@@ -73,9 +79,7 @@ class FrontTrackerNode : public Node {
   void publish_posed_afterwards();
   void publish_withdrawn();
   static void remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told);
-  // Notes what is wrong for the status; says it in the log once per kind of problem.
-  static void tell_unused(const std::string& problem);
-  void refuse(const std::string& kind, const std::string& problem);
+  void refuse(RefusedImages::Kind kind, const std::string& problem);
 
   Bus& bus_;
   int64_t silent_since_us_ = 0;  // 0: images have come, or it was said that none do
@@ -103,14 +107,19 @@ class FrontTrackerNode : public Node {
   int64_t sequence_ = 0;
   std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime
   std::map<int64_t, track_t> with_pose_;     // and of those that may lose it
-  int64_t last_utime_us_ = INT64_MIN;
+  ImageTimes times_;
   bool finishing_ = false;
 
-  std::vector<image_t> waiting_;  // in a row, that may be the first of a new session
-  std::string waiting_kind_, waiting_problem_;
-  std::set<std::string> told_;              // kinds of problem
-  std::string problem_;                     // of the last image, empty if it was good
-  std::map<std::string, int64_t> refused_;  // images, by kind of problem
+  struct Waiting {
+    image_t image;
+    int64_t arrived_us = 0;
+  };
+  std::vector<Waiting> waiting_;  // in a row
+  RefusedImages::Kind waiting_kind_ = RefusedImages::Kind::kNoTime;
+  std::string waiting_problem_;
+  bool told_of_mask_ = false;
+  std::string problem_;  // of the last image, empty if it was good
+  RefusedImages refused_;
   Failures broken_mapping_{"mapping of a keyframe"};
   TrackingState state_ = TrackingState::kNotInitialized;
   double cpu_ms_ = 0;

@@ -13,12 +13,12 @@
 
 #include "base/cpu_clock.h"
 #include "base/due.h"
-#include "base/exit_codes.h"
 #include "base/is_ready.h"
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
 #include "bus/wire/submap_update.h"
+#include "map_server/atlas/other_calibration.h"
 #include "map_server/map_messages.h"
 
 namespace rumi::map_server {
@@ -114,12 +114,14 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
     ++rejected_;
     return {.ok = false, .reason = fmt::format("session {} is of an older run than the one on this bus", key.session)};
   }
+  const bool is_new = !atlas_.find(key);
   if (update.kind == submap_update_t::FRONT && !fixed_.contains(key)) atlas_.note_present(key.session);
   std::string reason =
       fixed_.contains(key)
           ? fmt::format("submap {} of session {} is of the map, which stays as it is (map_server.localize_only)",
                         key.id, key.session)
           : atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
+  if (reason.empty() && is_new) note_calibration(key);
   if (reason.empty()) {
     // Also when the update brought nothing new: it may have been applied before but not stored.
     const AtlasSubmap* owner = atlas_.find(key);
@@ -134,6 +136,19 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
   busy_ms_ += 1e3 * (thread_cpu_s() - start_s);
   ++handled_;
   return {.ok = reason.empty(), .reason = reason, .revision = store_.stored_revision(key)};
+}
+
+// Once: the user has given another calibration, or it was calibrated anew.
+void MapServerNode::note_calibration(SubmapKey key) {
+  const AtlasSubmap* owner = atlas_.find(key);
+  if (!owner || owner->submap.kind != SubmapKind::kFront || !calibration_doubt_.empty()) return;
+  const std::string difference = other_calibration(atlas_, owner->submap);
+  if (difference.empty()) return;
+  calibration_doubt_ = fmt::format(
+      "the calibration differs from that of this stream in {}: {}; what both made is joined where it fits, and bent: "
+      "give the calibration of before (--camera FILE), or begin a new map (--fresh)",
+      options_.database, difference);
+  log_warning("{}", calibration_doubt_);
 }
 
 // A front_tracker that goes on may still have submaps of its last session to send; a log that is played beside it has
@@ -250,15 +265,25 @@ void MapServerNode::note_localization() {
 
 void MapServerNode::tell_of_localization() const {
   const Atlas::FrameCounts counts = atlas_.count_frames();
-  if (!options_.localize_only || counts.present == 0) return;
-  if (localized_us_)
+  if (options_.localize_only && localized_us_)
     log_info("localized: {} of {} frames of this run in {}", counts.present_in_map, counts.present, options_.database);
-  else
-    log_warning("not localized: nothing that came looks like {}", options_.database);
 }
 
-int MapServerNode::exit_code() const {
-  return options_.localize_only && !localized_us_ && atlas_.count_frames().present > 0 ? kNotAll : 0;
+std::vector<std::string> MapServerNode::complaints() const {
+  constexpr double kWhole = 0.9;
+  const Atlas::FrameCounts counts = atlas_.count_frames();
+  std::vector<std::string> sentences;
+  if (!calibration_doubt_.empty()) sentences.push_back(calibration_doubt_);
+  if (options_.localize_only && !localized_us_ && counts.present > 0)
+    sentences.push_back(fmt::format("not localized: nothing that came looks like {}", options_.database));
+  const bool is_part = counts.present_in_map > 0 &&
+                       static_cast<double>(counts.present_in_map) < kWhole * static_cast<double>(counts.present);
+  if (options_.merge.enabled && is_part)
+    sentences.push_back(fmt::format(
+        "the map has a pose for {} of {} images of this run only; `rumi up -o FOLDER` and `rumi snapshot` say what is "
+        "left out",
+        counts.present_in_map, counts.present));
+  return sentences;
 }
 
 std::optional<double> MapServerNode::localized_after_s() const {

@@ -37,10 +37,13 @@ class MapServerNode : public Node {
   void finish() override;
   void stop() override;
   std::string waits_for() const override;
-  int exit_code() const override;  // kNotAll: nothing that came was found in the map (localize_only)
+  // Nothing that came was found in the map (localize_only), many images of the present sessions have no pose in it, or
+  // they come with another calibration than the map's.
+  std::vector<std::string> complaints() const override;
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
+  const std::string& calibration_doubt() const { return calibration_doubt_; }
   MapStore& store() { return store_; }
   // From the first submap of the present sessions to their place in the map of earlier ones, of the images' time.
   // Nothing: they have none.
@@ -50,6 +53,7 @@ class MapServerNode : public Node {
   void fix_map();         // localize_only
   void go_on_from_map();  // of an earlier session
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  void note_calibration(SubmapKey key);  // that its stream had another one before
   bool is_of_older_run(const submap_update_t& update, const std::string& sender);
   void on_track(const track_t& track);
   void on_mask(const mask_t& mask);
@@ -108,6 +112,7 @@ class MapServerNode : public Node {
   std::future<DatabaseBytes> copy_;
   std::future<std::string> snapshot_;  // that is being written
   bool finishing_ = false;
+  std::string calibration_doubt_;
   std::string trouble_, snapshot_trouble_;  // why the last save, or snapshot, failed
   int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
   int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun

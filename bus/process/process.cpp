@@ -15,6 +15,7 @@
 #include "base/command_line.h"
 #include "base/cpu_clock.h"
 #include "base/due.h"
+#include "base/exit_codes.h"
 #include "base/failures.h"
 #include "base/log.h"
 #include "base/process_name.h"
@@ -174,6 +175,13 @@ int refused(const std::string& problem) {
   return kNotAgain;
 }
 
+// Returns the exit code.
+int complain(const Node& node) {
+  const std::vector<std::string> complaints = node.complaints();
+  for (const std::string& complaint : complaints) log_error("{}", complaint);
+  return complaints.empty() ? static_cast<int>(kOk) : kNotAll;
+}
+
 }  // namespace
 
 int run_process(int argc, char** argv, const ProcessDescription& description) {
@@ -218,7 +226,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     if (only_one) status.set_claim(only_one->started_us(), only_one->publishes());
     const std::string problem = run_node(*bus, node, status, only_one ? &*only_one : nullptr,
                                          [&] { reload(flags, &table, description, node.node()); });
-    return problem.empty() ? node.exit_code() : refused(problem);
+    return problem.empty() ? complain(node) : refused(problem);
   } catch (const std::exception& e) {
     log_error("{}", reason_of(e));
     return kFailure;
@@ -275,8 +283,9 @@ void StatusPublisher::publish(Node& node, int64_t now_us, int8_t state) {
   message.messages_out = bus_.published();
   for (const ChannelCounts& counts : bus_.counts()) {
     message.messages_in += counts.received;
+    const int64_t refused = counts.channel == channels::kCamera ? node_status.refused_images : 0;
     message.channels.push_back(
-        {counts.channel, counts.received, counts.dropped, counts.undecodable, counts.queue_depth});
+        {counts.channel, counts.received, counts.dropped + refused, counts.undecodable, counts.queue_depth});
   }
   if (!publishes_.empty()) message.channels.push_back({publishes_, 0, 0, 0, 0});
   message.nchannels = static_cast<int32_t>(message.channels.size());

@@ -19,7 +19,8 @@ struct NodeStatus {
   std::string detail;     // one line for a person
   bool degraded = false;  // works, but detail says what does not
   int64_t last_utime_us = 0;
-  double processing_ms = 0;  // mean per item since the last status
+  double processing_ms = 0;    // mean per item since the last status
+  int64_t refused_images = 0;  // so far, of those that could be decoded as messages
 };
 
 // A component: messages in, messages out. It subscribes in its constructor; all its methods run on one thread.
@@ -42,8 +43,9 @@ class Node {
   // What it has yet to do or to hand on, for a person; empty: nothing.
   virtual std::string waits_for() const { return {}; }
   bool finished() const { return waits_for().empty(); }
-  // Of the process, where all went well with it: kNotAll if not with all of the input.
-  virtual int exit_code() const { return 0; }
+  // What of the input is not in what the process made, a sentence each, with what to do. It is the last thing that the
+  // process says, and its exit code is then kNotAll.
+  virtual std::vector<std::string> complaints() const { return {}; }
   // How much of what others wait for they have; another number each time they have more.
   virtual int64_t handed_on() const { return 0; }
 };
@@ -71,8 +73,8 @@ struct ProcessDescription {
 
 // main() of a process. Flags of all: -l/--lcm-url URL (else LCM_DEFAULT_URL, else udpm with TTL 0 and a large receive
 // buffer), --channel-prefix P, -c/--channel NAME (the camera's channel), --config FILE, --set KEY=VALUE, -v, -q, -h,
-// --version. Returns the exit code: that of the node, 1 for a failure, 2 where starting it again would not help: a
-// wrong command line, or another one on the bus of which there may be one.
+// --version. Returns the exit code: 0, kNotAll where the node complains, 1 for a failure, 2 where starting it again
+// would not help: a wrong command line, or another one on the bus of which there may be one.
 int run_process(int argc, char** argv, const ProcessDescription& description);
 
 // The 1 Hz status of a node on any bus; call after every dispatch.

@@ -25,7 +25,7 @@ class SafeNode : public Node {
   void stop() override;
   bool done() const override { return node_->done(); }
   std::string waits_for() const override { return node_->waits_for(); }
-  int exit_code() const override { return node_->exit_code(); }
+  std::vector<std::string> complaints() const override { return node_->complaints(); }
   int64_t handed_on() const override { return node_->handed_on(); }
 
   Node& node() { return *node_; }

@@ -59,19 +59,50 @@ bool lacks_port(const std::string& url) {
   return !number || *number < 1 || *number > 65535;
 }
 
-// Asked before LCM is, whose own answer is a page long. Nothing is sent.
+// Asked before LCM is, whose own answer is a page long. Nothing is sent. Precondition: it is a multicast address.
 std::string why_unreachable(const std::string& group) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(1);
-  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return {};  // LCM may know it
+  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1) return {};
   const FileDescriptor socket_of_udp(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!socket_of_udp) return {};
   const int result = connect(socket_of_udp.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address));
   return result == 0 ? "" : std::strerror(errno);
 }
 
+bool is_multicast(const std::string& group) {
+  in_addr address{};
+  return inet_pton(AF_INET, group.c_str(), &address) == 1 && IN_MULTICAST(ntohl(address.s_addr));
+}
+
 bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
+
+// LCM has buses that are none for several processes, and one whose server may be missing (tcpq), which ends the
+// process.
+std::string why_not_used(const std::string& url) {
+  if (url.starts_with("memq://"))
+    return fmt::format(
+        "the LCM URL {} is not used: such a bus lives within one process, and Rumi is several. A usual "
+        "URL is {}",
+        url, kUsualUrl);
+  if (url.starts_with("file://"))
+    return fmt::format(
+        "the LCM URL {} is not used: it is a log file and no bus. `rumi replay FILE` plays one; a usual "
+        "URL is {}",
+        url, kUsualUrl);
+  if (!is_udpm(url))
+    return fmt::format("the LCM URL {} is not used: only udpm:// is, multicast. Expected an LCM URL such as {}", url,
+                       kUsualUrl);
+  if (lacks_port(url))
+    return fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl);
+  if (const std::string group = multicast_group(url); !is_multicast(group))
+    return fmt::format(
+        "the LCM URL {} is not used: {} is no multicast address (224.0.0.0 to 239.255.255.255); a usual URL is {}, and "
+        "ttl=1 in it reaches other computers",
+        url, group, kUsualUrl);
+  return {};
+}
 
 void warn_once_about_receive_buffer(const std::string& url) {
   static std::once_flag once;
@@ -97,22 +128,17 @@ std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames&
                     names.prefix, names.camera, kMaxLcmChannelLength);
     return nullptr;
   }
-  if (url.starts_with("udpm://") && lacks_port(url)) {
-    *error = fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl);
+  if (*error = why_not_used(url); !error->empty()) return nullptr;
+  if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
+    *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
     return nullptr;
   }
-  if (url.starts_with("udpm://"))
-    if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
-      *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
-      return nullptr;
-    }
   auto lcm = std::make_unique<lcm::LCM>(url);
   if (!lcm->good()) {
-    *error = fmt::format("the LCM bus {} cannot be opened. ", url);
-    *error += is_udpm(url) ? multicast_advice(url) : fmt::format("Expected an LCM URL such as {}", kUsualUrl);
+    *error = fmt::format("the LCM bus {} cannot be opened. {}", url, multicast_advice(url));
     return nullptr;
   }
-  if (is_udpm(url)) warn_once_about_receive_buffer(url);
+  warn_once_about_receive_buffer(url);
   return std::unique_ptr<LcmBus>(new LcmBus(url, std::move(lcm), names));
 }
 

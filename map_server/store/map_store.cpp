@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/file_access.h"
 #include "base/log.h"
 #include "map_server/store/map_store_schema.h"
 
@@ -123,7 +124,10 @@ std::string MapStore::explain(const SqliteError& error) const {
                          what);
     case SQLITE_READONLY:
     case SQLITE_PERM:
-      return fmt::format("cannot write {}: it or its folder is read-only ({})", file_, what);
+      return fmt::format(
+          "cannot write {}: it or its folder is read-only ({}{}); name another file with --set "
+          "map_server.database=FILE",
+          file_, what, note_on_owner(file_));
     case SQLITE_CANTOPEN:
       return fmt::format("cannot open {}: {}; the folder must exist and be writable", file_, what);
     case SQLITE_NOTADB:

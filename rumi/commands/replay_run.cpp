@@ -246,6 +246,7 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
   outcome.complaints = replay.skipped().complaints(replay.decoded());
+  if (const std::string& doubt = replay.calibration_doubt(); !doubt.empty()) outcome.complaints.push_back(doubt);
   if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   if (const std::string why = why_not_whole(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   return outcome;

@@ -96,7 +96,7 @@ std::string describe_dropped(const nlohmann::ordered_json& processes) {
   const nlohmann::ordered_json::json_pointer dropped("/front_tracker/channels/CAMERA/dropped");
   const int64_t count = processes.contains(dropped) ? processes[dropped].get<int64_t>() : 0;
   if (count == 0) return {};
-  return fmt::format("of the {} images that came {} were dropped, as front_tracker had no time for them",
+  return fmt::format("of the {} images that came {} were dropped or refused by front_tracker, which says why",
                      images_of(processes).value_or(0), count);
 }
 

@@ -66,7 +66,7 @@ void tell_of_map(const AllOptions& options, bool fresh) {
   if (options.map_server.localize_only && !is_file(database))
     throw std::runtime_error("map_server.localize_only needs a map: name its file with map_server.database");
   if (!is_file(database)) return;
-  const std::optional<std::string> before = describe_map_before(database);
+  const std::optional<std::string> before = fresh ? std::nullopt : describe_map_before(database);
   if (options.map_server.localize_only && !fs::exists(database))
     throw std::runtime_error(fmt::format("{}: there is no such file to localize in (map_server.database)", database));
   if (options.map_server.localize_only && !before)
@@ -156,7 +156,7 @@ int up(UpArguments& arguments) {
     say("rumi", fmt::format("map: {0}; `rumi export-map {0} -o FOLDER --format tum` writes its poses",
                             options.map_server.database));
   if (!error.empty()) complain("up", error);
-  if (supervisor.not_all()) complain("up", "not all of the recording is in the result: what is missing is said above");
+  for (const std::string& complaint : supervisor.complaints()) complain("up", complaint);
   return !error.empty() ? 1 : supervisor.not_all() ? kNotAll : 0;
 }
 
@@ -195,7 +195,8 @@ void add_up_command(CommandLine& app, std::function<int()>* chosen) {
   command->footer(
       "Exit codes: 0 the recording was played, or it was ended by Ctrl-C; 1 it broke off, or --snapshot could not be "
       "written; 2 wrong options; 3 "
-      "done, but not with all of the recording. SIGUSR2: CONFIG is read again and the controls of a camera set as it "
+      "done, but not with all of the images: what is missing is said last. SIGUSR2: CONFIG is read again and the "
+      "controls of a camera set as it "
       "says.");
   run_if_chosen(command, chosen, arguments, up);
 }

@@ -217,7 +217,8 @@ std::string LiveStatus::to_text() const {
   for (const auto& [name, p] : json["processes"].items()) {
     text += fmt::format("{:<18}{:<10}{:>8.1f}{:>8.1f}{:>9}{:>9}{:>8.1f}{:>10}{:>9.1f}\n", name,
                         p["state"].get<std::string>(), p["in_hz"].get<double>(), p["out_hz"].get<double>(),
-                        p["dropped"].get<int64_t>(), p["waiting"].get<int64_t>(), p["cpu_percent"].get<double>(),
+                        p["dropped"].get<int64_t>() + p["undecodable"].get<int64_t>(), p["waiting"].get<int64_t>(),
+                        p["cpu_percent"].get<double>(),
                         p["cpu_ms_per_frame"].is_null() ? "-" : json_text(p["cpu_ms_per_frame"]),
                         p["memory_mb"].get<double>());
     text += stages_text(p["cpu_ms_per_frame_by_stage"]);

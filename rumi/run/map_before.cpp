@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/sqlite.h"
+#include "map_server/store/map_store.h"
 
 namespace rumi::tool {
 namespace {
@@ -46,6 +47,7 @@ std::optional<std::string> describe_map_before(const std::string& database) {
     return fmt::format("{} frames of {}", frames,
                        sessions == 1 ? "an earlier session" : fmt::format("{} earlier sessions", sessions));
   } catch (const SqliteError&) {
+    const auto readable = map_server::MapStore::copy_in_memory(database);  // else it throws why not
     return std::nullopt;
   }
 }

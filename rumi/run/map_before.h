@@ -7,7 +7,8 @@
 
 namespace rumi::tool {
 
-// "300 frames of 2 earlier sessions". Nothing if there is none, or it cannot be read: then map_server says why.
+// "300 frames of 2 earlier sessions". Nothing if there is none. Throws std::runtime_error, in map_server's words, if it
+// cannot be read.
 std::optional<std::string> describe_map_before(const std::string& database);
 
 // Gives both other names, so that the next run begins anew. Returns the name that the map has now, empty if there was

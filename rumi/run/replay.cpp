@@ -19,6 +19,8 @@
 namespace rumi::tool {
 namespace {
 
+using Refused = front_tracker::RefusedImages::Kind;
+
 constexpr int64_t kFinishStepUs = 100'000;
 constexpr int64_t kFinishTimeoutUs = 60'000'000;
 
@@ -154,13 +156,17 @@ std::vector<std::string> Replay::broken() const {
   return lines;
 }
 
-int64_t Replay::decoded() const { return frames_ - front_tracker_->undecodable() - front_tracker_->repeated().still(); }
+int64_t Replay::decoded() const {
+  const front_tracker::RefusedImages& refused = front_tracker_->refused();
+  return frames_ - refused.of(Refused::kDamaged) - refused.of(Refused::kSize) - front_tracker_->repeated().still();
+}
 
 camera_driver::ImageSource& Replay::recording() { return camera_->source(); }
 
 camera_driver::SkippedFrames Replay::skipped() const {
   camera_driver::SkippedFrames skipped = camera_->source().skipped();
-  skipped.unreadable += front_tracker_->undecodable();
+  skipped.unreadable += front_tracker_->refused().of(Refused::kDamaged);
+  skipped.wrong_size += front_tracker_->refused().of(Refused::kSize);
   const front_tracker::RepeatedImages& repeated = front_tracker_->repeated();
   skipped.repeated = repeated.still();
   skipped.longest_row = repeated.longest().images;

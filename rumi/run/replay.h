@@ -77,10 +77,12 @@ class Replay {
   std::map<std::string, double> cpu_s() const;
   // The same by stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
-  // Of the recording, and what front_tracker found undecodable or repeated.
+  // Of the recording, and what front_tracker refused or found repeated.
   camera_driver::SkippedFrames skipped() const;
   // Images of which front_tracker had a pose to find.
   int64_t decoded() const;
+  // That the map to localize in has another calibration of this recording; empty: it has not.
+  const std::string& calibration_doubt() const { return map_server_->calibration_doubt(); }
   // A line for each component that threw on the way.
   std::vector<std::string> broken() const;
   std::vector<ChannelCounts> channel_counts() const { return bus_.counts(); }

@@ -72,9 +72,10 @@ class Patience {
   int looks_ = 0, seen_at_work_ = 0;
 };
 
+constexpr std::string_view kLevel = " error ";
+
 // "10:15:00.123 camera_driver error a.mp4: ...": what follows the level.
 std::string without_log_head(const std::string& line) {
-  constexpr std::string_view kLevel = " error ";
   const size_t level = line.find(kLevel);
   return level == std::string::npos ? line : line.substr(level + kLevel.size());
 }
@@ -103,6 +104,15 @@ std::string Supervisor::start(Process& process) {
   return process.child ? "" : fmt::format("{} cannot be started: {}", process.what.name, error);
 }
 
+void Supervisor::take_line(Process& process, const std::string& line) {
+  on_line_(process.what.name, line);
+  process.last_line = line;
+  if (line.find(kLevel) == std::string::npos)
+    process.last_errors.clear();
+  else
+    process.last_errors.push_back(fmt::format("{}: {}", process.what.name, without_log_head(line)));
+}
+
 void Supervisor::drain(Process& process) {
   if (!process.child) return;
   char buffer[4096];
@@ -110,8 +120,7 @@ void Supervisor::drain(Process& process) {
     process.partial.append(buffer, static_cast<size_t>(n));
     size_t begin = 0;
     for (size_t end; (end = process.partial.find('\n', begin)) != std::string::npos; begin = end + 1) {
-      process.last_line = process.partial.substr(begin, end - begin);
-      on_line_(process.what.name, process.last_line);
+      take_line(process, process.partial.substr(begin, end - begin));
     }
     process.partial.erase(0, begin);
     if (process.partial.size() > kLongestLine) {
@@ -138,10 +147,15 @@ std::optional<ChildEnd> Supervisor::reap(Process& process) {
   if (!process.child || !process.child->has_ended()) return std::nullopt;
   const ChildEnd end = process.child->reap();  // and with it what it may have left behind, such as COLMAP
   drain(process);
-  if (!process.partial.empty()) on_line_(process.what.name, process.last_line = process.partial);
+  if (!process.partial.empty()) take_line(process, process.partial);
   process.partial.clear();
   process.child.reset();
-  not_all_ |= is_not_all(end);
+  const bool was_cut_short = process.what.source && process.finished;  // by us: its end is the user's
+  if (is_not_all(end) && !was_cut_short) {
+    not_all_ = true;
+    complaints_.insert(complaints_.end(), process.last_errors.begin(), process.last_errors.end());
+  }
+  process.last_errors.clear();
   return end;
 }
 
@@ -155,7 +169,8 @@ std::string Supervisor::on_death(Process& process, const ChildEnd& end) {
   const auto now = Clock::now();
   process.failed_starts = now - process.started < options_.failed_start ? process.failed_starts + 1 : 0;
   if (process.failed_starts >= options_.max_failed_starts) {
-    return fmt::format("{}, {} times in a row right after its start", what, process.failed_starts);
+    return fmt::format("{}, {} times in a row right after its start{}", what, process.failed_starts,
+                       process.last_line.empty() ? "" : ": " + without_log_head(process.last_line));
   }
   // Every image that comes meanwhile is lost, so who has worked for long is not waited for.
   if (now - process.started > options_.restart_delay_max) process.delay = milliseconds(0);

@@ -67,14 +67,17 @@ class Supervisor {
   int restarts() const { return restarts_; }
   // A process ended with kNotAll: not all of the input was played, or the run was not localized.
   bool not_all() const { return not_all_; }
+  // What those processes said last, as errors: "front_tracker: 75 of 150 images refused: ...".
+  const std::vector<std::string>& complaints() const { return complaints_; }
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Process {
     Supervised what;
-    std::optional<Child> child;  // while it runs
-    std::string partial;         // a line without its end
-    std::string last_line;       // before that
+    std::optional<Child> child;            // while it runs
+    std::string partial;                   // a line without its end
+    std::string last_line;                 // before that
+    std::vector<std::string> last_errors;  // the last lines, as far as they are errors
     Clock::time_point started, restart_at, asked;
     std::chrono::milliseconds delay{0};
     int failed_starts = 0;
@@ -85,6 +88,7 @@ class Supervisor {
   std::string start(Process& process);
   void read_output(std::chrono::milliseconds timeout);
   void drain(Process& process);
+  void take_line(Process& process, const std::string& line);
   std::string watch(bool* source_ended);
   void ask_to_reload() const;
   std::string await_finish(const std::atomic<bool>& stop);
@@ -100,6 +104,7 @@ class Supervisor {
   LineHandler on_line_;
   int restarts_ = 0;
   bool finishing_ = false, not_all_ = false;
+  std::vector<std::string> complaints_;
 };
 
 }  // namespace rumi::tool

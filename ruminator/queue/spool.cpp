@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <pwd.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +16,7 @@
 #include <map>
 #include <utility>
 
+#include "base/file_access.h"
 #include "base/log.h"
 #include "base/stage_clock.h"
 #include "base/whole_file.h"
@@ -33,6 +33,7 @@ constexpr const char* kTries = ".tries";
 constexpr const char* kWork = ".work";
 constexpr const char* kSubmap = ".submap";
 constexpr const char* kFailedFolder = "failed";
+constexpr size_t kMaxFailed = 100;              // windows that could not be rebuilt: who would look at more?
 constexpr size_t kMaxIds = 1000;                // empty files that only remember names
 constexpr std::chrono::hours kAbandonedAge{1};  // of temporary files: their writers have died
 
@@ -88,22 +89,9 @@ Spool::Spool(std::string folder, int64_t max_failed_bytes)
 
 namespace {
 
-std::string user_name(uid_t uid) {
-  const passwd* entry = getpwuid(uid);
-  return entry ? fmt::format("{} (uid {})", entry->pw_name, uid) : fmt::format("uid {}", uid);
-}
-
-// Whose the folder is, where that is the reason.
-std::string owner_note(const std::string& folder) {
-  struct stat info {};
-  const std::string there = exists(folder) ? folder : fs::absolute(folder).parent_path().string();
-  if (stat(there.c_str(), &info) != 0 || info.st_uid == geteuid()) return {};
-  return fmt::format("; {} belongs to {}, and this is {}", there, user_name(info.st_uid), user_name(geteuid()));
-}
-
 std::string unusable(const std::string& folder, const std::string& reason) {
   return fmt::format("{}: windows cannot be kept in it ({}{}); name another folder with --set ruminator.spool=FOLDER",
-                     folder, reason, owner_note(folder));
+                     folder, reason, note_on_owner(folder));
 }
 
 }  // namespace
@@ -286,7 +274,7 @@ void Spool::prune_failed() {
   }
   // The latest stays, even if it alone is too large: it may be nobody's window, and is not ours to destroy.
   const size_t left = max_failed_bytes_ > 0 ? 1 : 0;
-  while (total > max_failed_bytes_ && failures.size() > left) {
+  while (failures.size() > left && (total > max_failed_bytes_ || failures.size() > kMaxFailed)) {
     const auto oldest = std::min_element(failures.begin(), failures.end(),
                                          [](const auto& a, const auto& b) { return a.second.time < b.second.time; });
     for (const fs::path& path : oldest->second.files) remove_quietly(path);

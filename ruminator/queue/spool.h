@@ -8,7 +8,7 @@
 //   S-W.tries     a byte for each time that rebuilding has begun
 //   S-W.work/     while it is rebuilt
 //   S-W.submap    rebuilt: a submap_update_t that map_server has not acknowledged. The job is over from here on.
-//   failed/       jobs that could not be rebuilt, each with a .txt that says why and COLMAP's log
+//   failed/       jobs that could not be rebuilt (the last 100), each with a .txt that says why and COLMAP's log
 //
 // Every step is one rename or removal. So whenever a process dies, the files say what remains to be done. Several
 // ruminators may share a spool.
@@ -64,8 +64,8 @@ class Spool {
   std::string store_submap(JobName name, std::span<const uint8_t> submap);  // ends the job
   std::string read_submap(JobName name, std::vector<uint8_t>* submap) const;
   std::string complete(JobName name);  // map_server has it: nothing remains but the id
-  // Moves the job to failed/, then removes the oldest jobs there until the rest fit. This one stays, even alone, unless
-  // nothing is to be kept. Returns its new path, or an empty string.
+  // Moves the job to failed/, then removes the oldest jobs there until the rest fit, and 100 at most. This one stays,
+  // even alone, unless nothing is to be kept. Returns its new path, or an empty string.
   std::string fail(JobName name, const std::string& reason);
 
   std::string window_file(JobName name) const { return file(name, ".window"); }

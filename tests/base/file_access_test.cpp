@@ -37,6 +37,16 @@ TEST_F(FileAccess, WhatIsThereAndOpenToAllIsRead) {
   EXPECT_EQ(why("in/a.txt"), "");
 }
 
+TEST_F(FileAccess, NamesTheOwnerOfWhatIsSomebodyElses) {
+  if (geteuid() != 0) GTEST_SKIP() << "the folder is one's own";
+  EXPECT_EQ(note_on_owner(folder_.path()), "");
+  const auto note = [&](const char* name) {
+    return testing::as_ordinary_user([&] { return note_on_owner(folder_.path() / name); });
+  };
+  EXPECT_THAT(note("in"), AllOf(HasSubstr("/in belongs to root (uid 0), and this is "), HasSubstr("uid 65534")));
+  EXPECT_THAT(note("missing.db"), HasSubstr("; " + folder_.path().string() + " belongs to root")) << "its folder";
+}
+
 TEST_F(FileAccess, WhatIsMissingIsCalledMissing) {
   EXPECT_EQ(why("nothing"), "no such file or folder");
   EXPECT_EQ(why("in/a.txt/b"), "no such file or folder");

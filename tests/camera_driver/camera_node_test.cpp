@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include "base/exit_codes.h"
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
@@ -18,6 +17,7 @@ namespace {
 using namespace testing;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 class CameraNodeTest : public ::testing::Test {
  protected:
@@ -53,19 +53,28 @@ TEST_F(CameraNodeTest, KeepsTheRecordedPace) {
   EXPECT_THAT(node.status().detail, HasSubstr("5 of 5 images"));
 }
 
-TEST_F(CameraNodeTest, EndsWithAnotherCodeWhereImagesWereLeftOut) {
+TEST_F(CameraNodeTest, ComplainsWhereImagesWereLeftOut) {
   CameraNode whole(bus_, folder_.path().string(), options_);
   tick(whole, 7'000'000);
-  EXPECT_EQ(whole.exit_code(), 0);
+  EXPECT_THAT(whole.complaints(), IsEmpty());
   tick(whole, 9'000'000);
-  EXPECT_EQ(whole.exit_code(), 0);
+  whole.stop();
+  EXPECT_THAT(whole.complaints(), IsEmpty());
   write_file(folder_ / "rgb/2.png", "no image");
   CameraNode node(bus_, folder_.path().string(), options_);
   tick(node, 7'000'000);
-  EXPECT_EQ(node.exit_code(), 0) << "not at its end";
+  EXPECT_THAT(node.complaints(), IsEmpty()) << "not at its end";
   tick(node, 9'000'000);
   ASSERT_TRUE(node.done());
-  EXPECT_EQ(node.exit_code(), kNotAll);
+  EXPECT_THAT(node.complaints(), ElementsAre(HasSubstr("1 of 5 images (20 %) were left out")));
+}
+
+TEST_F(CameraNodeTest, SaysThatItWasEndedInTheMiddle) {
+  CameraNode node(bus_, folder_.path().string(), options_);
+  tick(node, 7'000'000);
+  tick(node, 7'100'000);
+  node.stop();
+  EXPECT_THAT(node.complaints(), ElementsAre(HasSubstr(" ended after 2 of 5 images, as somebody asked it to")));
 }
 
 TEST_F(CameraNodeTest, SpeedAndLiveStamps) {

@@ -4,11 +4,15 @@
 
 #include "bus/wire/image_stream.h"
 #include "tests/front_tracker/front_tracker_node_fixture.h"
+#include "tests/support/captured_log.h"
+#include "tests/support/count_of.h"
 
 namespace rumi::front_tracker {
 namespace {
 
 using testing::FrontTrackerNodeTest;
+using ::testing::HasSubstr;
+using testing::node_options;
 
 TEST_F(FrontTrackerNodeTest, AnImageThatCannotBeUsedBeginsNoSession) {
   const cv::Mat large(480, 640, CV_8U, cv::Scalar(9));
@@ -91,6 +95,65 @@ TEST_F(FrontTrackerNodeTest, ImagesWithoutANameAreOfTheirSessionsStream) {
   EXPECT_EQ(tracks_.front().stream, tracks_.front().session);
   EXPECT_EQ(tracks_.back().stream, tracks_.back().session);
   EXPECT_NE(tracks_.back().stream, tracks_.front().stream);
+}
+
+class NodeOnTheClock : public FrontTrackerNodeTest {
+ protected:
+  // At 30 Hz on the clock of the computer, whatever the time of the image.
+  void come(int64_t utime_us) {
+    bus_.set_now_us(now_us_ += kPeriod_us);
+    bus_.publish(channels::kCamera, image(utime_us, grey_));
+    bus_.dispatch();
+    tick();
+  }
+  static constexpr int64_t kPeriod_us = 33'333;
+  int64_t now_us_ = 1'700'000'000'000'000;
+};
+
+TEST_F(NodeOnTheClock, TimesThatStandOrAreSecondsBeginNoSessionAndAreToldOnce) {
+  for (const int64_t divisor : {int64_t{0}, int64_t{1'000'000}, int64_t{1000}}) {
+    node_ = std::make_unique<FrontTrackerNode>(bus_, node_options());
+    const testing::CapturedLog log;
+    for (int i = 0; i < 90; ++i) come(divisor == 0 ? 0 : now_us_ / divisor);
+    node_->finish();
+    EXPECT_TRUE(tracks_.empty());
+    EXPECT_FALSE(node_->tracker());
+    EXPECT_EQ(testing::count_of(log.text(), "utime must be microseconds since 1970"), 1u) << log.text();
+    EXPECT_EQ(node_->refused().of(RefusedImages::Kind::kNoTime), 90);
+  }
+}
+
+TEST_F(NodeOnTheClock, WhatBeginsFarFromTheClockLosesNoImage) {
+  for (int i = 0; i < 30; ++i) come(kPeriod_us * i);
+  EXPECT_EQ(tracks_.size(), 30u);
+  EXPECT_EQ(tracks_.front().utime, 0);
+  EXPECT_EQ(node_->refused().total(), 0);
+  EXPECT_EQ(tracks_.back().session, tracks_.front().session);
+}
+
+TEST_F(NodeOnTheClock, OneTimeInTwentyAnHourAheadIsLeftOutAndComplainedOf) {
+  for (int i = 1; i <= 60; ++i) come(now_us_ + (i % 20 == 0 ? 3'600'000'000 : 0));
+  node_->finish();
+  EXPECT_EQ(tracks_.size(), 57u);
+  EXPECT_EQ(tracks_.back().session, tracks_.front().session);
+  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("3 of 60 images refused: of a time far ahead")));
+}
+
+TEST_F(NodeOnTheClock, AClockThatIsSetForwardLosesNoImage) {
+  for (int i = 0; i < 20; ++i) come(now_us_);
+  for (int i = 0; i < 20; ++i) come(now_us_ + 3'600'000'000);
+  EXPECT_EQ(tracks_.size(), 40u);
+  EXPECT_EQ(node_->refused().total(), 0);
+}
+
+TEST_F(NodeOnTheClock, DoubledAndLateOnesAreComplainedOf) {
+  for (int i = 1; i <= 40; ++i) {
+    come(now_us_ - (i % 10 == 0 ? 70'000 : 0));
+    come(now_us_ - kPeriod_us);
+  }
+  EXPECT_EQ(tracks_.size(), 36u);
+  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("of 80 images refused: doubled")));
+  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("of 80 images refused: out of order")));
 }
 
 TEST_F(FrontTrackerNodeTest, SessionsBeginAfterThoseOfTheMapThatTheyComeInto) {

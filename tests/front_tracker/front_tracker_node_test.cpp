@@ -5,7 +5,6 @@
 
 #include <random>
 
-#include "base/exit_codes.h"
 #include "bus/wire/image_codec.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/front_tracker/front_tracker_node_fixture.h"
@@ -15,7 +14,9 @@ namespace rumi::front_tracker {
 namespace {
 
 using testing::FrontTrackerNodeTest;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::node_options;
 
 TEST_F(FrontTrackerNodeTest, AnImageWithoutCalibrationSaysWhatToDo) {
@@ -47,19 +48,23 @@ TEST_F(FrontTrackerNodeTest, SaysThatWhatComesOnTheCamerasChannelIsNoImageOrHasN
   MemoryBus bus;  // for it alone
   bus.set_now_us(1'000'000);
   FrontTrackerNode node(bus, node_options());
+  const testing::CapturedLog log;
   bus.publish(channels::kCamera, map_request_t());
   bus.publish(channels::kCamera, image(1'700'000'000'000'000'000, grey_));  // nanoseconds
+  bus.publish(channels::kCamera, image(-5, grey_));
   bus.dispatch();
-  const testing::CapturedLog log;
-  node.tick(11'000'000);
-  EXPECT_THAT(log.text(), HasSubstr("2 messages came on the camera's channel, and none is an image_t whose utime is "
-                                    "microseconds"));
+  EXPECT_THAT(log.text(), HasSubstr("it is no message of the type image_t"));
+  EXPECT_THAT(log.text(),
+              HasSubstr("its utime is 1700000000000000000, as nanoseconds would be: it must be microseconds"));
+  EXPECT_THAT(node.complaints(), ElementsAre(HasSubstr("1 of 3 images refused: no messages of the type image_t"),
+                                             HasSubstr("2 of 3 images refused: without a time")));
+  EXPECT_EQ(node.status().refused_images, 0) << "the bus counts them as undecodable";
 }
 
 TEST_F(FrontTrackerNodeTest, ImagesOfWhichNoneGetsAPoseAreNotAll) {
-  EXPECT_EQ(node_->exit_code(), 0) << "nothing came";
+  EXPECT_THAT(node_->complaints(), IsEmpty()) << "nothing came";
   give(image(1000, grey_));
-  EXPECT_EQ(node_->exit_code(), kNotAll);
+  EXPECT_THAT(node_->complaints(), ElementsAre(HasSubstr("none of 1 images got a pose")));
 }
 
 TEST_F(FrontTrackerNodeTest, ImagesOfAnotherSizeAreRefusedByNameOfBothSizes) {
@@ -85,7 +90,16 @@ TEST_F(FrontTrackerNodeTest, DamagedImagesAreCountedAndPassedOver) {
   give(lying);
   give(image(4000, grey_));
   EXPECT_EQ(tracks_.size(), 2u);
-  EXPECT_NE(node_->status().detail.find("2 images refused: image"), std::string::npos) << node_->status().detail;
+  const NodeStatus status = node_->status();
+  EXPECT_THAT(status.detail, HasSubstr("1 images refused: size, 1 images refused: damaged"));
+  EXPECT_EQ(status.refused_images, 2);
+  EXPECT_TRUE(status.degraded) << "since the last status";
+  EXPECT_FALSE(node_->status().degraded);
+  EXPECT_THAT(node_->complaints(),
+              ElementsAre(HasSubstr("1 of 4 images refused: not of the calibration's size (the first: it "
+                                    "is 100000x240 but"),
+                          HasSubstr("1 of 4 images refused: damaged (the first: corrupt JPEG"),
+                          HasSubstr("none of 2 images got a pose")));
 }
 
 TEST_F(FrontTrackerNodeTest, LargeImagesAreWorkedOnSmaller) {

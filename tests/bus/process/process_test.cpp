@@ -19,7 +19,7 @@ using testing::HasSubstr;
 class IdleNode : public Node {
  public:
   void tick(int64_t) override {}
-  NodeStatus status() override { return {"idle", degraded, 42, 1.5}; }
+  NodeStatus status() override { return {"idle", degraded, 42, 1.5, 3}; }
   bool degraded = false;
 };
 
@@ -45,6 +45,13 @@ TEST_F(StatusTest, OncePerSecondOfTheBusClock) {
   ASSERT_EQ(seen_.size(), 5u);
   EXPECT_EQ(seen_[1].utime, 6'000'000);
   EXPECT_EQ(seen_[1].started_utime, 5'000'000);
+}
+
+TEST_F(StatusTest, ImagesThatTheNodeRefusesAreDropped) {
+  bus_.subscribe_raw(channels::kCamera, {}, [](auto) { return true; });
+  tick(5'000'000);
+  for (const channel_count_t& channel : seen_.at(0).channels)
+    EXPECT_EQ(channel.dropped, channel.channel == channels::kCamera ? 3 : 0) << channel.channel;
 }
 
 TEST_F(StatusTest, AClockThatGoesBackDoesNotSilenceIt) {

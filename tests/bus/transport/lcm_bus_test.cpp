@@ -21,6 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using Clock = std::chrono::steady_clock;
 using testing::happens;
 using testing::kPatience;
@@ -239,6 +240,31 @@ TEST(LcmBusTest, WithoutARouteItSaysWhatToDo) {
   EXPECT_THAT(error, HasSubstr("sudo ip route add 239.255.76.99/32 dev lo"));
   EXPECT_EQ(LcmBus::open("nonsense://x", {}, &error), nullptr);
   EXPECT_THAT(error, HasSubstr("Expected an LCM URL"));
+}
+
+// LCM itself ends the process where a server of tcpq is missing, and memq and file reach nobody else.
+TEST(LcmBusTest, BusesThatAreNoneForSeveralProcessesAreRefusedByName) {
+  const auto why = [](const std::string& url) {
+    std::string error;
+    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
+    EXPECT_THAT(error, HasSubstr("the LCM URL " + url + " is not used: "));
+    EXPECT_THAT(error, HasSubstr("udpm://239.255.76.67:7667?ttl=0"));
+    EXPECT_THAT(error, Not(HasSubstr("route")));
+    return error;
+  };
+  for (const char* url : {"tcpq://127.0.0.1:7700", "tcpq://", "udp://239.255.76.67:7667", "239.255.76.67:7667"})
+    EXPECT_THAT(why(url), HasSubstr("only udpm:// is, multicast"));
+  EXPECT_THAT(why("memq://"), HasSubstr("lives within one process"));
+  EXPECT_THAT(why("file:///tmp/x.lcm?mode=w"), HasSubstr("a log file and no bus"));
+}
+
+TEST(LcmBusTest, AnAddressThatIsNoMulticastAddressIsRefusedByName) {
+  for (const char* address : {"10.0.0.5", "127.0.0.1", "192.168.1.255", "240.0.0.1", "localhost", "239.255.76"}) {
+    std::string error;
+    EXPECT_EQ(LcmBus::open(std::string("udpm://") + address + ":7667?ttl=0", {}, &error), nullptr);
+    EXPECT_THAT(error, HasSubstr(std::string(address) + " is no multicast address (224.0.0.0 to 239.255.255.255)"));
+    EXPECT_THAT(error, Not(HasSubstr("route")));
+  }
 }
 
 TEST(LcmBusTest, AUrlWithoutAPortIsRefusedAtOnce) {

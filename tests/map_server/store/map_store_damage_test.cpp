@@ -6,7 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "tests/map_server/store/stored_atlas.h"
+#include "tests/support/ordinary_user.h"
 
 namespace rumi::map_server {
 namespace {
@@ -24,7 +27,9 @@ using testing::update_atlas;
 
 TEST(MapStore, BadFilesAreNamedAndLeftAlone) {
   const TemporaryFolder folder;
-  EXPECT_THAT(open_error(folder / "absent/map.db"), HasSubstr("absent/map.db.lock"));
+  EXPECT_THAT(open_error(folder / "absent/map.db"),
+              AllOf(HasSubstr("cannot create map.db.lock in the folder " + (folder / "absent")),
+                    HasSubstr("make that folder, or name another file")));
   EXPECT_THAT(open_error(""), HasSubstr("map_server.database"));
 
   testing::write_file(folder / "text.db", std::string(5000, 'x'));
@@ -164,6 +169,16 @@ TEST(MapStore, FullDiskLosesNothingThatWasAccepted) {
   });
   if (result < 0) GTEST_SKIP() << "no user namespaces here: cannot mount a small disk";
   EXPECT_EQ(result, 0);
+}
+
+TEST(MapStore, AFolderOfSomebodyElseIsNamedWithItsOwner) {
+  const TemporaryFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
+  const std::string error = testing::as_ordinary_user([&] { return open_error(folder / "map.db"); });
+  if (geteuid() != 0) GTEST_SKIP() << "the folder is one's own";
+  EXPECT_THAT(error, AllOf(HasSubstr("in the folder " + folder.path().string() + ": Permission denied; "),
+                           HasSubstr(" belongs to root (uid 0), and this is "),
+                           HasSubstr("--set map_server.database=FILE, or start in a folder that you may write")));
 }
 
 TEST(MapStore, ReadOnlyFolderIsNamed) {

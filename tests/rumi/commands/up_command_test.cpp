@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "bus/process/process.h"
@@ -88,35 +89,79 @@ TEST_F(LiveTest, ImagesThatCameTooFastAreToldOf) {
   EXPECT_THAT(outcome.output, ContainsRegex("left out +of the [0-9]+ images that came [0-9]+ were dropped"));
 }
 
-// Publishes the images of the log as an own program would, at their pace, without their calibration.
-void publish_uncalibrated(const std::string& log_file) {
+// Publishes the images of the log as an own program would, at their pace. `change` is given each with its number.
+void publish(const std::string& log_file, const std::function<void(int, image_t*)>& change) {
   std::string error;
   const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
   ASSERT_TRUE(bus) << error;
   LogReader log(log_file);
-  while (const std::optional<LogEvent> event = log.next_on(channels::kCamera)) {
+  for (int i = 0; const std::optional<LogEvent> event = log.next_on(channels::kCamera); ++i) {
     image_t image;
     ASSERT_TRUE(Bus::decode(event->data, &image));
-    image.nmetadata = 0;
-    image.metadata.clear();
+    change(i, &image);
     bus->publish(channels::kCamera, image);
     std::this_thread::sleep_for(std::chrono::milliseconds(33));
   }
 }
 
+// A system without an input that is stopped when `images` have been published; what it says.
+Outcome up_beside(const fs::path& out, const std::string& flags, const std::function<void()>& images) {
+  const std::string said = out.string() + ".log", pid = out.string() + ".pid", code = out.string() + ".code";
+  shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags +
+        " --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" + out.string() +
+        "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" + out.string() + "' > '" + said +
+        "' 2>&1 & echo $! > '" + pid + "'; wait $!; echo $? > '" + code + "' ) > /dev/null 2>&1 & sleep 3");
+  images();
+  shell("kill -INT $(cat '" + pid + "'); while [ ! -s '" + code + "' ]; do sleep .1; done");
+  return {std::stoi(read_file(code)), read_file(said)};
+}
+
+TEST_F(LiveTest, ImagesThatAreRefusedAreSaidLastAndTimesThatStandBeginNothing) {
+  const fs::path log = work_->path() / "some.lcm";
+  ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' --duration 4 -o '" + log.string() + "'").exit_code,
+            0);
+  const Outcome outcome = up_beside(work_->path() / "other_size", "", [&] {
+    publish(log, [](int i, image_t* image) { image->width /= i < 60 ? 1 : 2; });
+  });
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output,
+              ContainsRegex("rumi up: front_tracker: 60 of 120 images refused: not of the calibration's size"));
+  const fs::path standing = work_->path() / "standing";
+  const Outcome without = up_beside(standing, "", [&] { publish(log, [](int, image_t* image) { image->utime = 0; }); });
+  EXPECT_EQ(without.exit_code, 3) << without.output;
+  EXPECT_THAT(without.output, HasSubstr("the times of the images stand (0): utime must be microseconds since 1970"));
+  EXPECT_THAT(without.output, HasSubstr("rumi up: front_tracker: 120 of 120 images refused: without a time"));
+  EXPECT_TRUE(fs::is_empty(standing.string() + "-spool/failed"));
+}
+
+TEST_F(LiveTest, ACameraDriverThatSomebodyEndsIsNoEndOfTheRecording) {
+  const fs::path out = work_->path() / "ended";
+  const Outcome outcome = up_and(out, "", "pkill -TERM -P $up -x camera_driver");
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+  EXPECT_THAT(outcome.output, ContainsRegex("rumi up: camera_driver: .* ended after [0-9]+ of 240 images"));
+  EXPECT_TRUE(fs::exists(out / "trajectory.txt"));
+}
+
+TEST_F(LiveTest, ADamagedMapIsToldInTheWordsOfMapServerAndNothingBegins) {
+  const fs::path out = work_->path() / "damaged";
+  testing::write_file(out.string() + "-live.db", std::string(5000, 'x'));
+  const Outcome outcome = shell(up(out, ""));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("-live.db is not an SQLite database; give another file or move it away"));
+  EXPECT_THAT(outcome.output, ::testing::Not(HasSubstr("a new one")));
+  EXPECT_THAT(outcome.output, ::testing::Not(HasSubstr("camera_driver|")));
+}
+
 TEST_F(LiveTest, ImagesFromElsewhereGetTheCalibrationOfTheCommandLine) {
-  const fs::path out = work_->path() / "elsewhere", log = work_->path() / "images.lcm",
-                 said = work_->path() / "elsewhere.log";
+  const fs::path out = work_->path() / "elsewhere", log = work_->path() / "images.lcm";
   ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' -o '" + log.string() + "'").exit_code, 0);
-  const std::string up = "$RUMI/rumi up '" RUMI_CONFIG "' --camera '" + (sequence_ / "calibration.yaml").string() +
-                         "' --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" +
-                         out.string() + "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" +
-                         out.string() + "'";
-  const Outcome begun = shell(up + " > '" + said.string() + "' 2>&1 & echo $!; sleep 3");
-  publish_uncalibrated(log);
-  const std::string pid = begun.output.substr(0, begun.output.find('\n'));
-  shell("kill -INT " + pid + "; while kill -0 " + pid + " 2> /dev/null; do sleep .1; done");
-  ASSERT_TRUE(fs::exists(out / "trajectory.txt")) << read_file(said);
+  const Outcome outcome = up_beside(out, "--camera '" + (sequence_ / "calibration.yaml").string() + "'", [&] {
+    publish(log, [](int, image_t* image) {
+      image->nmetadata = 0;
+      image->metadata.clear();
+    });
+  });
+  ASSERT_TRUE(fs::exists(out / "trajectory.txt")) << outcome.output;
   expect_tracked(out);
 }
 

@@ -81,6 +81,28 @@ TEST_F(SupervisorTest, RemembersThatTheSourceDidNotGiveAll) {
   EXPECT_FALSE(not_all_);
 }
 
+TEST_F(SupervisorTest, KeepsWhatThoseWhoDidNotGiveAllSaidLast) {
+  Supervised source = shell("camera",
+                            "echo '10:15:00 camera error early'; echo fine; "
+                            "echo '10:15:00.123 camera error 2 of 5 left out'; exit 3");
+  source.source = true;
+  Supervised server = shell("server",
+                            "trap 'echo \"10:15:01.000 server error no pose\" >&2; exit 3' TERM; while :; do "
+                            "sleep 0.05; done");
+  Supervisor supervisor({source, server}, quick(), [](const std::string&, const std::string&) {});
+  EXPECT_EQ(supervisor.run(stop_, at_once_, {}), "");
+  EXPECT_THAT(supervisor.complaints(), ::testing::ElementsAre("camera: 2 of 5 left out", "server: no pose"));
+}
+
+TEST_F(SupervisorTest, ASourceThatItEndsItselfHasGivenAllThatWasWanted) {
+  Supervised source = shell("camera",
+                            "trap 'echo \"10:15:01.000 camera error ended\"; exit 3' TERM; echo stop; while :; "
+                            "do sleep 0.05; done");
+  source.source = true;
+  EXPECT_EQ(run({source}), "");
+  EXPECT_FALSE(not_all_);
+}
+
 TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {
   const std::string script = "trap 'echo read; echo stop' USR2; echo ready; while :; do sleep 0.05; done";
   Supervised camera = shell("camera", script), other = shell("other", script);

@@ -193,6 +193,21 @@ TEST_F(SpoolTest, FailedJobsAreBoundedTheOldestGoFirst) {
   EXPECT_THAT(files("spool/failed"), IsEmpty());
 }
 
+TEST_F(SpoolTest, SmallFailedJobsAreBoundedInNumber) {
+  open();
+  for (int id = 1; id <= 150; ++id)
+    for (const char* suffix : {".window", ".txt"}) {
+      const std::string file = "failed/7-" + std::to_string(id) + suffix;
+      touch(file);
+      fs::last_write_time(folder_ / ("spool/" + file),
+                          fs::file_time_type::clock::now() - std::chrono::minutes(200 - id));
+    }
+  open();
+  EXPECT_EQ(files("spool/failed").size(), 2 * 100u);
+  EXPECT_FALSE(fs::exists(folder_ / "spool/failed/7-50.window"));
+  EXPECT_TRUE(fs::exists(folder_ / "spool/failed/7-51.window"));
+}
+
 TEST_F(SpoolTest, IdsAreForgottenWhenThereAreMany) {
   open();
   for (int id = 1; id <= 1200; ++id) touch("5-" + std::to_string(id) + ".id");
