@@ -38,23 +38,29 @@ fs::path without_slash(const std::string& input) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-std::optional<image_t> first_readable_image(FrameReader& reader) {
-  std::string ignored;
+// *problem is then what is wrong with the first one, if there are any.
+std::optional<image_t> first_readable_image(FrameReader& reader, std::string* problem) {
   std::optional<image_t> image;
-  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) image = reader.load(i, false, &ignored);
+  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) {
+    std::string error;
+    image = reader.load(i, false, &error);
+    if (problem->empty()) *problem = error;
+  }
   return image;
 }
 
 // The calibration in the metadata of the first readable image of a log or bag, or an empty string.
 std::string calibration_in_images(FrameReader& reader) {
-  const std::optional<image_t> image = first_readable_image(reader);
+  std::string ignored;
+  const std::optional<image_t> image = first_readable_image(reader, &ignored);
   return image ? metadata(*image, kCalibrationKey) : "";
 }
 
 // In a file that has the camera in several sizes the one of the first image that can be read.
 void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
   if (calibration->others.empty()) return;
-  if (const std::optional<image_t> image = first_readable_image(reader))
+  std::string ignored;
+  if (const std::optional<image_t> image = first_readable_image(reader, &ignored))
     choose_size(image->width, image->height, calibration);
 }
 
@@ -67,6 +73,15 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
   missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there{}", input,
                               candidates.front().string(), advice_on_known_camera(input, options.log_channel));
   return missing;
+}
+
+// Of the images that the calibration may be of.
+std::vector<cv::Size> sizes_of(const CameraFileResult& calibration) {
+  if (!calibration.ok()) return {};
+  std::vector<cv::Size> sizes = {{calibration.camera.width, calibration.camera.height}};
+  for (const CameraFileResult::Other& other : calibration.others)
+    sizes.emplace_back(other.camera.width, other.camera.height);
+  return sizes;
 }
 
 struct Opened {
@@ -210,10 +225,11 @@ Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
-  const bool log = is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file);
-  OpenedReader opened =
-      log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
-  return with_camera(file, std::move(opened), log, options);
+  if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
+    return with_camera(file, open_log(file, options.log_channel), /*may_bring_calibration=*/true, options);
+  const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
+  return with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
+                     /*may_bring_calibration=*/false, options);
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
@@ -232,6 +248,14 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);
+}
+
+// Images that cannot be read go before a missing calibration, which they may bring themselves.
+std::string why_not_playable(const std::string& input, const CameraOptions& options, const Opened& opened) {
+  std::string problem;
+  const bool is_missing = options.camera_file.empty() && !first_readable_image(*opened.reader.reader, &problem);
+  if (!is_missing || problem.empty()) return opened.camera.error;
+  return fmt::format("{}: none of its images can be used: {}", input, problem);
 }
 
 }  // namespace
@@ -258,7 +282,7 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
   Opened opened = open_any(input, options);
   if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
-  if (!opened.camera.ok()) return {nullptr, opened.camera.error};
+  if (!opened.camera.ok()) return {nullptr, why_not_playable(input, options, opened)};
   choose_size_of_images(*opened.reader.reader, &opened.camera);
   log_notes(opened.camera);
   const MaskPlaces places = places_of_masks(opened, options);

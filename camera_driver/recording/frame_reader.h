@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,8 +57,10 @@ struct OpenedReader {
 };
 
 // Times are those of the container, in the order of showing. `grey_range`: of pixels of 16 bits; without it that of the
-// recording is measured when the first one is met.
-OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range);
+// recording is measured when the first one is met. `wanted`: sizes of images, of which one is preferred where the file
+// has several streams.
+OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range,
+                        const std::vector<cv::Size>& wanted);
 // image_t messages on one channel.
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel);
 // The images of a topic of a ROS bag, a file or a folder; with the default of log_channel of the one that has some.
