@@ -2,7 +2,6 @@
 #include "camera_driver/open_source.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "base/file_access.h"
+#include "base/log.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -22,6 +22,8 @@
 #include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/own_output.h"
 #include "camera_driver/recording/recorded_source.h"
+#include "camera_driver/recording/recording_parts.h"
+#include "camera_driver/recording/tiff_pages.h"
 #include "camera_driver/v4l2/v4l2_source.h"
 
 namespace rumi::camera_driver {
@@ -88,6 +90,7 @@ struct Opened {
   OpenedReader reader;
   CameraFileResult camera;
   std::vector<fs::path> folders = {};  // of the recording, which may have masks
+  std::string note = {};               // of what lies beside it, to be logged
 };
 
 // Where masks are looked for: in the recording's folders, and beside a calibration that was found.
@@ -217,17 +220,27 @@ Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_cal
   return {std::move(opened), std::move(camera)};
 }
 
+// Of a file that is a part of a recording it is said that the next part is not played.
+Opened open_messages(const fs::path& path, OpenedReader opened, const CameraOptions& options) {
+  const std::optional<int64_t> last_us = opened.reader ? opened.reader->last_recorded_us() : std::nullopt;
+  Opened messages = with_camera(path, std::move(opened), /*may_bring_calibration=*/true, options);
+  std::error_code code;
+  if (last_us && fs::is_regular_file(path, code)) messages.note = note_on_next_part(path, *last_us);
+  return messages;
+}
+
 Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
-  return with_camera(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)),
-                     /*may_bring_calibration=*/true, options);
+  return open_messages(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)), options);
 }
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
-    return with_camera(file, open_log(file, options.log_channel), /*may_bring_calibration=*/true, options);
+    return open_messages(file, open_log(file, options.log_channel), options);
   const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
+  // FFmpeg would take it for a video of one image.
+  if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
   return with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
                      /*may_bring_calibration=*/false, options);
 }
@@ -245,6 +258,8 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_empty_file(path)) return refuse(std::string("is empty; ") + kWhatToGive);
   if (kind_of_bag(path.string()) != BagKind::kNone) return open_ros_bag(path, options);
   if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
+  if (const std::vector<fs::path> parts = parts_in(path); !parts.empty())
+    return open_messages(parts.front(), open_log_parts(parts, options.log_channel), options);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);
@@ -285,6 +300,7 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   if (!opened.camera.ok()) return {nullptr, why_not_playable(input, options, opened)};
   choose_size_of_images(*opened.reader.reader, &opened.camera);
   log_notes(opened.camera);
+  if (!opened.note.empty()) log_warning("{}: {}", input, opened.note);
   const MaskPlaces places = places_of_masks(opened, options);
   auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};
