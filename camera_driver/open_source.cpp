@@ -2,7 +2,6 @@
 #include "camera_driver/open_source.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "base/file_access.h"
+#include "base/log.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
@@ -22,6 +22,8 @@
 #include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/own_output.h"
 #include "camera_driver/recording/recorded_source.h"
+#include "camera_driver/recording/recording_parts.h"
+#include "camera_driver/recording/tiff_pages.h"
 #include "camera_driver/v4l2/v4l2_source.h"
 
 namespace rumi::camera_driver {
@@ -38,23 +40,29 @@ fs::path without_slash(const std::string& input) {
   return path.has_filename() ? path : path.parent_path();
 }
 
-std::optional<image_t> first_readable_image(FrameReader& reader) {
-  std::string ignored;
+// *problem is then what is wrong with the first one, if there are any.
+std::optional<image_t> first_readable_image(FrameReader& reader, std::string* problem) {
   std::optional<image_t> image;
-  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) image = reader.load(i, false, &ignored);
+  for (size_t i = 0; i < reader.utimes().size() && !image; ++i) {
+    std::string error;
+    image = reader.load(i, false, &error);
+    if (problem->empty()) *problem = error;
+  }
   return image;
 }
 
 // The calibration in the metadata of the first readable image of a log or bag, or an empty string.
 std::string calibration_in_images(FrameReader& reader) {
-  const std::optional<image_t> image = first_readable_image(reader);
+  std::string ignored;
+  const std::optional<image_t> image = first_readable_image(reader, &ignored);
   return image ? metadata(*image, kCalibrationKey) : "";
 }
 
 // In a file that has the camera in several sizes the one of the first image that can be read.
 void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
   if (calibration->others.empty()) return;
-  if (const std::optional<image_t> image = first_readable_image(reader))
+  std::string ignored;
+  if (const std::optional<image_t> image = first_readable_image(reader, &ignored))
     choose_size(image->width, image->height, calibration);
 }
 
@@ -69,10 +77,20 @@ CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs:
   return missing;
 }
 
+// Of the images that the calibration may be of.
+std::vector<cv::Size> sizes_of(const CameraFileResult& calibration) {
+  if (!calibration.ok()) return {};
+  std::vector<cv::Size> sizes = {{calibration.camera.width, calibration.camera.height}};
+  for (const CameraFileResult::Other& other : calibration.others)
+    sizes.emplace_back(other.camera.width, other.camera.height);
+  return sizes;
+}
+
 struct Opened {
   OpenedReader reader;
   CameraFileResult camera;
   std::vector<fs::path> folders = {};  // of the recording, which may have masks
+  std::string note = {};               // of what lies beside it, to be logged
 };
 
 // Where masks are looked for: in the recording's folders, and beside a calibration that was found.
@@ -202,18 +220,29 @@ Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_cal
   return {std::move(opened), std::move(camera)};
 }
 
+// Of a file that is a part of a recording it is said that the next part is not played.
+Opened open_messages(const fs::path& path, OpenedReader opened, const CameraOptions& options) {
+  const std::optional<int64_t> last_us = opened.reader ? opened.reader->last_recorded_us() : std::nullopt;
+  Opened messages = with_camera(path, std::move(opened), /*may_bring_calibration=*/true, options);
+  std::error_code code;
+  if (last_us && fs::is_regular_file(path, code)) messages.note = note_on_next_part(path, *last_us);
+  return messages;
+}
+
 Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
-  return with_camera(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)),
-                     /*may_bring_calibration=*/true, options);
+  return open_messages(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)), options);
 }
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
-  const bool log = is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file);
-  OpenedReader opened =
-      log ? open_log(file, options.log_channel) : open_video(file, parse_grey_range(options.grey_range));
-  return with_camera(file, std::move(opened), log, options);
+  if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
+    return open_messages(file, open_log(file, options.log_channel), options);
+  const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
+  // FFmpeg would take it for a video of one image.
+  if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
+  return with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
+                     /*may_bring_calibration=*/false, options);
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
@@ -229,9 +258,19 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (is_empty_file(path)) return refuse(std::string("is empty; ") + kWhatToGive);
   if (kind_of_bag(path.string()) != BagKind::kNone) return open_ros_bag(path, options);
   if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
+  if (const std::vector<fs::path> parts = parts_in(path); !parts.empty())
+    return open_messages(parts.front(), open_log_parts(parts, options.log_channel), options);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);
+}
+
+// Images that cannot be read go before a missing calibration, which they may bring themselves.
+std::string why_not_playable(const std::string& input, const CameraOptions& options, const Opened& opened) {
+  std::string problem;
+  const bool is_missing = options.camera_file.empty() && !first_readable_image(*opened.reader.reader, &problem);
+  if (!is_missing || problem.empty()) return opened.camera.error;
+  return fmt::format("{}: none of its images can be used: {}", input, problem);
 }
 
 }  // namespace
@@ -258,9 +297,10 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
   if (const std::string problem = check(options); !problem.empty()) return {nullptr, problem};
   Opened opened = open_any(input, options);
   if (!opened.reader.error.empty()) return {nullptr, opened.reader.error};
-  if (!opened.camera.ok()) return {nullptr, opened.camera.error};
+  if (!opened.camera.ok()) return {nullptr, why_not_playable(input, options, opened)};
   choose_size_of_images(*opened.reader.reader, &opened.camera);
   log_notes(opened.camera);
+  if (!opened.note.empty()) log_warning("{}: {}", input, opened.note);
   const MaskPlaces places = places_of_masks(opened, options);
   auto source = std::make_unique<RecordedSource>(input, std::move(opened.reader.reader), opened.camera, options);
   if (const std::string problem = source->start(); !problem.empty()) return {nullptr, problem};

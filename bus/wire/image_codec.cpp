@@ -60,15 +60,27 @@ image_t make_raw(int64_t utime_us, const cv::Mat& pixels, int32_t pixelformat) {
   return image;
 }
 
+// " (NV12)": most formats are the four letters that V4L2 has for them, others numbers of libbot.
+std::string name_of_format(int32_t format) {
+  constexpr int32_t kGray16 = 357, kRgb16 = 358;
+  if (format == kGray16) return " (GRAY of 16 bits)";
+  if (format == kRgb16) return " (RGB of 16 bits)";
+  std::string letters;
+  for (int i = 0; i < 4; ++i) letters += static_cast<char>(static_cast<uint32_t>(format) >> 8 * i & 0xff);
+  const bool are_letters = std::all_of(letters.begin(), letters.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  return are_letters ? fmt::format(" ({})", letters) : "";
+}
+
 }  // namespace
 
 // Nothing is read before all this holds: messages come from the network.
 std::string check_image(const image_t& image) {
   const int bytes = bytes_per_pixel(image.pixelformat);
   if (bytes < 0)
-    return fmt::format("pixelformat is {}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
-                       int{image_t::PIXEL_FORMAT_GRAY}, int{image_t::PIXEL_FORMAT_RGB},
-                       int{image_t::PIXEL_FORMAT_MJPEG}, int{image_t::PIXEL_FORMAT_YUYV});
+    return fmt::format("pixelformat is {}{}: supported are GRAY {}, RGB {}, MJPEG {} and YUYV {}", image.pixelformat,
+                       name_of_format(image.pixelformat), int{image_t::PIXEL_FORMAT_GRAY},
+                       int{image_t::PIXEL_FORMAT_RGB}, int{image_t::PIXEL_FORMAT_MJPEG},
+                       int{image_t::PIXEL_FORMAT_YUYV});
   if (image.width < 1 || image.width > kMaxSide)
     return fmt::format("width is {}: must be 1 to {}", image.width, kMaxSide);
   if (image.height < 1 || image.height > kMaxSide)

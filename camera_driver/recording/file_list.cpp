@@ -9,12 +9,14 @@
 #include <set>
 
 #include "base/natural_order.h"
+#include "camera_driver/recording/file_kind.h"
 #include "camera_driver/recording/file_name_times.h"
 #include "camera_driver/recording/folder_contents.h"
 #include "camera_driver/recording/image_choice.h"
 #include "camera_driver/recording/list_lines.h"
 #include "camera_driver/recording/odd_times.h"
 #include "camera_driver/recording/recording_masks.h"
+#include "camera_driver/recording/tiff_pages.h"
 #include "camera_driver/recording/time_unit.h"
 #include "camera_driver/recording/times_beside.h"
 
@@ -74,6 +76,21 @@ std::vector<ListLine> without_copies(FileList* list, std::vector<ListLine> lines
   return lines;
 }
 
+// HEIC, raw ones and the like among others; not those that lie beside a copy that is read (a.cr2, a.jpg).
+void count_pictures_not_read(FileList* list, const std::vector<ListLine>& lines) {
+  std::set<std::string> read;
+  for (const ListLine& line : lines) read.insert(fs::path(line.name).stem().string());
+  std::vector<std::string> names;
+  for (const std::string& name : pictures_not_read(list->source))
+    if (!read.contains(fs::path(name).stem().string()) && !is_no_camera(name)) names.push_back(name);
+  if (lines.empty() || names.empty()) return;
+  list->not_read = static_cast<int64_t>(names.size());
+  list->notes.push_back(fmt::format(
+      "{} of its pictures are of a kind that is not read (such as '{}') and are left out: convert them, as with "
+      "`mogrify -format png` of ImageMagick",
+      names.size(), printable(names.front())));
+}
+
 std::vector<ListLine> without_masks(std::vector<ListLine> lines) {
   std::vector<std::string> names = all(lines, &ListLine::name);
   std::sort(names.begin(), names.end());
@@ -110,10 +127,23 @@ void sort_by_time(std::vector<ListLine>* lines) {
   });
 }
 
+// How many times are negative, if they are more than the few that are wrong times.
+void refuse_negative_times(FileList* list, const std::vector<std::string>& times) {
+  std::vector<int64_t> utimes_us;
+  for (const std::string& time : times) {
+    const bool is_negative = time.starts_with('-') && parse_time_us(time.substr(1), TimeUnit::kSeconds);
+    utimes_us.push_back(is_negative ? -parse_time_us(time.substr(1), TimeUnit::kSeconds).value() : 0);
+  }
+  const std::string why = why_negative(utimes_us);
+  if (!why.empty() && list->error.empty())
+    list->error = fmt::format("{}: {}; give --rate HZ to make new times", list->source.string(), why);
+}
+
 // Turns the lines into entries with times.
 void understand(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
   std::vector<std::string> times = all(lines, &ListLine::time);
+  if (needs_times) refuse_negative_times(list, times);
   bool is_counter = false;
   for (const auto& mend : {give_decimals_their_zeros, continue_32_bits}) {
     std::string note = mend(&times);
@@ -164,7 +194,38 @@ FileList read_list(const fs::path& file, const fs::path& folder, const CameraOpt
   return list;
 }
 
+bool is_tiff_name(const std::string& name) {
+  const std::string extension = lower_extension(name);
+  return extension == ".tif" || extension == ".tiff";
+}
+
+// Of several files each may have several pages, as of colour and depth: the first one is played.
+void count_pages_not_read(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder) {
+  int64_t files = 0, pages = 0;
+  for (const ListLine& line : lines) {
+    const auto more = is_tiff_name(line.name) ? static_cast<int64_t>(pages_of_tiff(folder / line.name).size()) - 1 : 0;
+    if (more < 1) continue;
+    ++files;
+    pages += more;
+  }
+  if (files == 0) return;
+  list->not_read += pages;
+  list->notes.push_back(
+      fmt::format("{} of its TIFF files have several pages: the first page of each is played, {} further ones are left "
+                  "out; split them (`tiffsplit FILE`, or give one such file alone)",
+                  files, pages));
+}
+
 }  // namespace
+
+FileList list_pages(const fs::path& tiff) {
+  FileList list;
+  list.source = tiff;
+  for (const int page : pages_of_tiff(tiff)) list.entries.push_back({0, tiff, 0, page});
+  list.why_no_times = "the pages of a TIFF file have no times";
+  if (list.entries.empty()) list.error = tiff.string() + ": is no TIFF file, or broken";
+  return list;
+}
 
 FileList read_tum_list(const fs::path& rgb_txt, const CameraOptions& options) {
   const auto parse = [&options](const std::string& text, ListLine* line) -> std::string {
@@ -196,6 +257,7 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
     if (is_image_name(it->path())) lines.push_back({"", it->path().filename().string(), 0});
   if (code) list.error = fmt::format("{}: cannot be read: {}", folder.string(), code.message());
   lines = without_masks(without_copies(&list, lines, folder));
+  if (options.files.empty()) count_pictures_not_read(&list, lines);
   std::sort(lines.begin(), lines.end(),
             [](const ListLine& a, const ListLine& b) { return natural_less(a.name, b.name); });
   if (options.files.empty() && are_hexadecimal(all(lines, &ListLine::name)))
@@ -203,6 +265,15 @@ FileList list_image_folder(const fs::path& folder, const CameraOptions& options)
   else
     lines = choose(&list, lines, options.files);
   if (!list.error.empty() || lines.empty()) return list;
+  if (lines.size() == 1 && is_tiff_name(lines[0].name) && pages_of_tiff(folder / lines[0].name).size() > 1) {
+    FileList pages = list_pages(folder / lines[0].name);
+    pages.source = folder;
+    pages.notes = list.notes;
+    pages.notes.push_back(fmt::format("the {} pages of '{}' are played", pages.entries.size(), lines[0].name));
+    pages.not_read = list.not_read;
+    return pages;
+  }
+  count_pages_not_read(&list, lines, folder);
 
   constexpr double kMostHaveTimes = 0.9;
   const std::vector<std::string> names = all(lines, &ListLine::name);

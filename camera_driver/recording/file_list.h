@@ -15,14 +15,17 @@
 namespace rumi::camera_driver {
 
 struct FileList {
+  static constexpr int kWholeFile = -1;
   struct Entry {
     int64_t utime_us = 0;
     std::filesystem::path file;
-    int line = 0;  // in the list, 0 for a plain folder
+    int line = 0;           // in the list, 0 for a plain folder
+    int page = kWholeFile;  // of a TIFF file of several
   };
   std::vector<Entry> entries;      // in the order of the list
   std::filesystem::path source;    // the list, or the folder
   Malformed malformed;             // lines, names without a time among those that have one
+  int64_t not_read = 0;            // pictures of a kind that is not read, pages behind the first one
   std::string why_no_times;        // empty, or why the times of all entries are 0
   std::vector<std::string> notes;  // what the user should know of how it was read
   std::string error;               // empty, or file, what is wrong, and what to do
@@ -38,6 +41,9 @@ FileList read_tum_list(const std::filesystem::path& rgb_txt, const CameraOptions
 FileList read_euroc_list(const std::filesystem::path& data_csv, const CameraOptions& options);
 // All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
 FileList list_image_folder(const std::filesystem::path& folder, const CameraOptions& options);
+
+// The pages of a TIFF file, in their order.
+FileList list_pages(const std::filesystem::path& tiff);
 
 // `grey_range`: of images with 16 bits; without it that of the recording is measured when the first one is met.
 std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range);

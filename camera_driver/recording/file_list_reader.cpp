@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/log.h"
 #include "camera_driver/recording/exif.h"
 #include "camera_driver/recording/file_list.h"
@@ -20,6 +22,7 @@ class FileListReader : public FrameReader {
   std::string why_no_times() const override { return list_.why_no_times; }
   std::string where(size_t frame) const override {
     const FileList::Entry& entry = list_.entries[frame];
+    if (entry.page != FileList::kWholeFile) return fmt::format("{}: page {}", entry.file.string(), entry.page + 1);
     return entry.line == 0 ? entry.file.string() : fmt::format("{}:{}", list_.source.string(), entry.line);
   }
   fs::path file(size_t frame) const override { return list_.entries[frame].file; }
@@ -28,25 +31,41 @@ class FileListReader : public FrameReader {
     return fs::is_directory(list_.source, code) ? list_.source : list_.source.parent_path();
   }
   std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
-    const fs::path& file = list_.entries[frame].file;
-    std::optional<image_t> image = load_image_file(
-        file, colour, [this] { return range(); }, error);
-    if (!image) *error = file.string() + ": " + *error;
+    const auto& [time_us, file, line, page] = list_.entries[frame];
+    const auto range_of_all = [this] { return range(); };
+    std::optional<image_t> image = page == FileList::kWholeFile
+                                       ? load_image_file(file, colour, range_of_all, error)
+                                       : load_tiff_page(file, page, colour, range_of_all, error);
+    if (!image) *error = (page == FileList::kWholeFile ? file.string() : where(frame)) + ": " + *error;
     if (image && image->pixelformat == image_t::PIXEL_FORMAT_MJPEG)
       tell_orientation(file, exif_orientation(image->data));
     return image;
   }
   Malformed malformed() const override { return list_.malformed; }
+  int64_t missing_at_end() const override { return list_.not_read; }
   std::vector<std::string> notes() const override { return list_.notes; }
 
  private:
   GreyRange range() {
     if (range_) return *range_;
-    std::vector<fs::path> files;
-    for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
-    range_ = sample_grey_range(files);
+    range_ = list_.entries.front().page == FileList::kWholeFile ? range_of_files() : range_of_pages();
     tell_grey_range(list_.source.string(), *range_);
     return *range_;
+  }
+
+  GreyRange range_of_files() const {
+    std::vector<fs::path> files;
+    for (const FileList::Entry& entry : list_.entries) files.push_back(entry.file);
+    return sample_grey_range(files);
+  }
+  GreyRange range_of_pages() const {
+    GreyHistogram histogram;
+    const size_t count = std::min(list_.entries.size(), GreyHistogram::kMostImages);
+    for (size_t i = 0; i < count; ++i) {
+      const FileList::Entry& entry = list_.entries[i * list_.entries.size() / count];
+      histogram.add(grey_pixels_of_page(entry.file, entry.page));
+    }
+    return histogram.range();
   }
 
   // Images are tracked as they are stored.

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "base/natural_order.h"
 #include "bus/transport/log_file.h"
 #include "camera_driver/recording/file_kind.h"
 #include "camera_driver/recording/list_lines.h"
@@ -21,6 +22,21 @@ bool is_image_name(const fs::path& file) {
   static const std::set<std::string> kExtensions = {".jpg",  ".jpeg", ".png", ".bmp", ".tif",
                                                     ".tiff", ".pgm",  ".ppm", ".webp"};
   return kExtensions.contains(lower_extension(file)) && !file.filename().string().starts_with('.');
+}
+
+std::vector<std::string> pictures_not_read(const fs::path& folder) {
+  static const std::set<std::string> kExtensions = {".heic", ".heif", ".hif", ".avif", ".jxl", ".jp2", ".j2k", ".gif",
+                                                    ".dng",  ".cr2",  ".cr3", ".nef",  ".arw", ".raf", ".orf", ".rw2",
+                                                    ".pef",  ".srw",  ".tga", ".exr",  ".hdr", ".psd", ".raw", ".jls"};
+  std::vector<std::string> names;
+  std::error_code code, ignored;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
+    const bool is_hidden = it->path().filename().string().starts_with('.');
+    if (!is_hidden && kExtensions.contains(lower_extension(it->path())) && it->is_regular_file(ignored))
+      names.push_back(it->path().filename().string());
+  }
+  std::sort(names.begin(), names.end(), natural_less);
+  return names;
 }
 
 std::string other_files(const fs::path& folder) {
@@ -39,19 +55,28 @@ std::string other_files(const fs::path& folder) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-std::string recordings_in(const fs::path& folder) {
+std::vector<fs::path> recording_files(const fs::path& folder) {
   static const std::set<std::string> kExtensions = {".mp4",  ".mov",    ".mkv", ".avi",  ".webm", ".m4v",   ".mpg",
                                                     ".mpeg", ".ts",     ".mts", ".m2ts", ".wmv",  ".flv",   ".3gp",
                                                     ".h264", ".h265",   ".264", ".265",  ".ivf",  ".mjpeg", ".lcm",
                                                     ".log",  ".lcmlog", ".bag", ".db3",  ".mcap"};
-  std::vector<std::string> names;
+  std::vector<fs::path> files;
   std::error_code code, ignored;
   for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code)) {
-    const bool is_log = lower_extension(it->path()) != ".log" || is_lcm_log(it->path().string());
-    if (kExtensions.contains(lower_extension(it->path())) && it->is_regular_file(ignored) && is_log)
-      names.push_back(printable(it->path().filename().string()));
+    const std::string extension = lower_extension(it->path());
+    const bool is_number = extension.size() > 1 && extension.find_first_not_of("0123456789", 1) == std::string::npos;
+    if (!kExtensions.contains(extension) && !is_number) continue;
+    const bool may_be_other = extension == ".log" || is_number;
+    if (it->is_regular_file(ignored) && (!may_be_other || is_lcm_log(it->path().string()))) files.push_back(it->path());
   }
-  std::sort(names.begin(), names.end());
+  std::sort(files.begin(), files.end(),
+            [](const fs::path& a, const fs::path& b) { return natural_less(a.string(), b.string()); });
+  return files;
+}
+
+std::string recordings_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::path& file : recording_files(folder)) names.push_back(printable(file.filename().string()));
   constexpr size_t kMostNamed = 4;
   const size_t more = names.size() - std::min(names.size(), kMostNamed);
   names.resize(names.size() - more);

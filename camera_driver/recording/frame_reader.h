@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <opencv2/core/types.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,8 +44,10 @@ class FrameReader {
   virtual Malformed malformed() const { return {}; }
   // Images of other cameras among those of the one that is played: no frames.
   virtual int64_t of_other_cameras() const { return 0; }
-  // Images at the end that the recording should have, by its own header.
+  // Images that the recording should have, by its own header or list, mostly at the end.
   virtual int64_t missing_at_end() const { return 0; }
+  // When the last image was recorded, by the recorder's clock; nothing if it is not known.
+  virtual std::optional<int64_t> last_recorded_us() const { return std::nullopt; }
   // What the user should know of how the recording is read, a line each.
   virtual std::vector<std::string> notes() const { return {}; }
 };
@@ -56,10 +59,14 @@ struct OpenedReader {
 };
 
 // Times are those of the container, in the order of showing. `grey_range`: of pixels of 16 bits; without it that of the
-// recording is measured when the first one is met.
-OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range);
+// recording is measured when the first one is met. `wanted`: sizes of images, of which one is preferred where the file
+// has several streams.
+OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range,
+                        const std::vector<cv::Size>& wanted);
 // image_t messages on one channel.
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel);
+// The same of a log in parts.
+OpenedReader open_log_parts(const std::vector<std::filesystem::path>& files, const std::string& channel);
 // The images of a topic of a ROS bag, a file or a folder; with the default of log_channel of the one that has some.
 OpenedReader open_bag(const std::filesystem::path& path, const std::string& channel,
                       std::optional<GreyRange> grey_range);

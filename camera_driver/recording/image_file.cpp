@@ -61,13 +61,34 @@ bool looks_like_jpeg(const std::vector<uint8_t>& bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
 }
 
+// Whatever its name is: phones' programs call some of them .jpg.
+bool is_heic(const std::vector<uint8_t>& bytes) {
+  const std::string beginning(bytes.begin(),
+                              bytes.begin() + static_cast<ptrdiff_t>(std::min<size_t>(12, bytes.size())));
+  const std::string kind = beginning.size() == 12 ? beginning.substr(4) : "";
+  return kind == "ftypheic" || kind == "ftypheix" || kind == "ftypmif1" || kind == "ftyphevc";
+}
+
 // What is wrong with a file that OpenCV is to decode, or an empty string.
 std::string check_header(const std::vector<uint8_t>& bytes) {
   const std::optional<HeaderSize> size = size_in_header(bytes);
+  if (!size && is_heic(bytes))
+    return "is of the kind HEIC, which is not read: convert it, as with `mogrify -format jpg` of ImageMagick";
   if (!size) return "is corrupt, or not a JPEG, PNG, BMP, TIFF, PGM, PPM or WebP image";
   if (size->width < 1 || size->height < 1 || size->width > kMaxSide || size->height > kMaxSide)
     return fmt::format("has {} x {} pixels: must have 1 to {} a side", size->width, size->height, kMaxSide);
   return {};
+}
+
+cv::Mat if_usable(const cv::Mat& pixels, std::string* error) {
+  if (pixels.empty() || pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
+  *error = "has pixels that are neither of 8 nor of 16 bits without sign; convert it";
+  return {};
+}
+
+image_t to_image(cv::Mat pixels, const std::function<GreyRange()>& range) {
+  if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
+  return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
 }
 
 // 8 or 16 bits a channel; empty, and why in *error, if it cannot be had.
@@ -85,8 +106,20 @@ cv::Mat decode(const std::vector<uint8_t>& bytes, bool colour, std::string* erro
   if (pixels.empty()) *error = "is corrupt, or not an image";
   if (const int white = white_in_header(bytes); pixels.depth() == CV_8U && white < 255)
     pixels.convertTo(pixels, -1, 255.0 / white);
-  if (pixels.empty() || pixels.depth() == CV_8U || pixels.depth() == CV_16U) return pixels;
-  *error = "has pixels that are neither of 8 nor of 16 bits without sign; convert it";
+  return if_usable(pixels, error);
+}
+
+cv::Mat decode_page(const fs::path& file, int page, bool colour, std::string* error) {
+  std::vector<cv::Mat> pages;
+  try {
+    const DecoderMessages are_ours;
+    const int wanted = colour ? cv::IMREAD_ANYCOLOR : cv::IMREAD_GRAYSCALE;
+    cv::imreadmulti(file.string(), pages, page, 1, wanted | cv::IMREAD_ANYDEPTH);
+  } catch (const cv::Exception&) {
+    pages.clear();
+  }
+  if (pages.size() == 1 && !pages[0].empty()) return if_usable(pages[0], error);
+  *error = "is corrupt, or not an image";
   return {};
 }
 
@@ -122,10 +155,19 @@ std::optional<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour,
     bytes.resize(size.bytes);
     return wrap_jpeg(0, size.width, size.height, std::move(bytes));
   }
-  cv::Mat pixels = decode(bytes, colour, error);
-  if (pixels.empty()) return std::nullopt;
-  if (pixels.depth() == CV_16U) pixels = to_8_bit(pixels, range());
-  return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
+  const cv::Mat pixels = decode(bytes, colour, error);
+  return pixels.empty() ? std::nullopt : std::optional(to_image(pixels, range));
+}
+
+std::optional<image_t> load_tiff_page(const fs::path& file, int page, bool colour,
+                                      const std::function<GreyRange()>& range, std::string* error) {
+  const cv::Mat pixels = decode_page(file, page, colour, error);
+  return pixels.empty() ? std::nullopt : std::optional(to_image(pixels, range));
+}
+
+cv::Mat grey_pixels_of_page(const fs::path& file, int page) {
+  std::string ignored;
+  return decode_page(file, page, /*colour=*/false, &ignored);
 }
 
 }  // namespace rumi::camera_driver

@@ -25,6 +25,10 @@ std::optional<image_t> load_image_file(const std::filesystem::path& file, bool c
 // The same, of the bytes of such a file.
 std::optional<image_t> load_image_bytes(std::vector<uint8_t> bytes, bool colour,
                                         const std::function<GreyRange()>& range, std::string* error);
+// The same, of one page of a TIFF file, by its number in it.
+std::optional<image_t> load_tiff_page(const std::filesystem::path& file, int page, bool colour,
+                                      const std::function<GreyRange()>& range, std::string* error);
+cv::Mat grey_pixels_of_page(const std::filesystem::path& file, int page);
 // To find the range of a recording: empty for a JPEG, which has 8 bits, and for what cannot be read.
 cv::Mat grey_pixels_of_bytes(const std::vector<uint8_t>& bytes);
 

@@ -14,6 +14,7 @@
 #include "camera_driver/recording/channel_list.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/odd_times.h"
+#include "camera_driver/recording/recording_parts.h"
 #include "camera_driver/recording/time_unit.h"
 
 namespace rumi::camera_driver {
@@ -83,12 +84,14 @@ class LogFrameReader : public FrameReader {
     return notes;
   }
   int64_t of_other_cameras() const override { return other_cameras_; }
+  std::string why_no_times() const override { return why_no_times_; }
+  std::optional<int64_t> last_recorded_us() const override { return last_recorded_us_; }
   const std::string& damage() const { return damage_; }
 
  private:
   void read_all() {
     for (;;) {
-      while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(event->data);
+      while (const std::optional<LogEvent> event = log_.next_on(channel_, kHeadBytes)) add(*event);
       damage_ = log_.error();
       if (damage_.starts_with(file_ + ": ")) damage_.erase(0, file_.size() + 2);
       const int64_t from = log_.position();
@@ -107,19 +110,15 @@ class LogFrameReader : public FrameReader {
     damaged_bytes_ += std::max<int64_t>(0, to - from);
   }
 
-  void add(std::span<const uint8_t> head) {
+  void add(const LogEvent& event) {
+    const std::span<const uint8_t> head = event.data;
     const int64_t number = event_++;
-    if (begins_like_image(head)) {
-      const int64_t utime_us = big_endian(head.subspan(kHashBytes, kTimeBytes));
-      if (utime_us >= 0) {
-        utimes_.push_back(utime_us);
-        numbers_.push_back(number);
-        positions_.push_back(log_.position_of_last());
-        cameras_.push_back(camera_of_last(head));
-        return;
-      }
-    }
-    add_malformed(number);
+    if (!begins_like_image(head)) return add_malformed(number);
+    utimes_.push_back(big_endian(head.subspan(kHashBytes, kTimeBytes)));
+    numbers_.push_back(number);
+    positions_.push_back(log_.position_of_last());
+    cameras_.push_back(camera_of_last(head));
+    last_recorded_us_ = std::max(last_recorded_us_.value_or(event.utime_us), event.utime_us);
   }
 
   // By what the last image says of itself: its stream and calibration. Where it says nothing it is the camera before.
@@ -169,6 +168,8 @@ class LogFrameReader : public FrameReader {
 
   // They should be microseconds.
   void choose_unit() {
+    why_no_times_ = why_negative(utimes_);
+    if (!why_no_times_.empty()) return std::fill(utimes_.begin(), utimes_.end(), 0);
     std::vector<std::string> texts;
     texts.reserve(utimes_.size());
     for (const int64_t utime : utimes_) texts.push_back(std::to_string(utime));
@@ -186,7 +187,8 @@ class LogFrameReader : public FrameReader {
       malformed_.first = fmt::format("{}: image {}: is no image_t message, broken, or of no time", file_, number);
   }
 
-  std::string file_, channel_, unit_note_, counter_note_, cameras_note_;
+  std::string file_, channel_, unit_note_, counter_note_, cameras_note_, why_no_times_;
+  std::optional<int64_t> last_recorded_us_;
   std::string damage_;        // at the end
   std::string first_damage_;  // that was passed over
   int64_t damaged_places_ = 0, damaged_bytes_ = 0;
@@ -201,6 +203,61 @@ class LogFrameReader : public FrameReader {
   Malformed malformed_;
 };
 
+// One log behind the other.
+class LogParts : public FrameReader {
+ public:
+  void add(std::unique_ptr<FrameReader> part) {
+    begins_.push_back(utimes_.size());
+    utimes_.insert(utimes_.end(), part->utimes().begin(), part->utimes().end());
+    for (const std::string& note : part->notes()) add_note(note);
+    if (why_no_times_.empty()) why_no_times_ = part->why_no_times();
+    const Malformed more = part->malformed();
+    if (malformed_.count == 0) malformed_.first = more.first;
+    malformed_.count += more.count;
+    other_cameras_ += part->of_other_cameras();
+    parts_.push_back(std::move(part));
+  }
+  // What several parts say is said once.
+  void add_note(const std::string& note) {
+    if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+  }
+
+  const std::vector<int64_t>& utimes() const override { return utimes_; }
+  std::string why_no_times() const override { return why_no_times_; }
+  std::string where(size_t frame) const override {
+    const size_t part = part_of(frame);
+    return parts_[part]->where(frame - begins_[part]);
+  }
+  std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
+    const size_t part = part_of(frame);
+    return parts_[part]->load(frame - begins_[part], colour, error);
+  }
+  Malformed malformed() const override { return malformed_; }
+  int64_t of_other_cameras() const override { return other_cameras_; }
+  std::vector<std::string> notes() const override { return notes_; }
+
+ private:
+  size_t part_of(size_t frame) const {
+    return static_cast<size_t>(std::upper_bound(begins_.begin(), begins_.end(), frame) - begins_.begin()) - 1;
+  }
+
+  std::vector<std::unique_ptr<FrameReader>> parts_;
+  std::vector<size_t> begins_;  // of each, its first frame
+  std::vector<int64_t> utimes_;
+  std::string why_no_times_;
+  Malformed malformed_;
+  int64_t other_cameras_ = 0;
+  std::vector<std::string> notes_;
+};
+
+// That is the order of their numbers, but for `lcm-logger --rotate`, which gives the newest file the number 0.
+std::vector<std::filesystem::path> sorted_by_time(std::vector<std::filesystem::path> files) {
+  std::stable_sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return first_recorded_us(a).value_or(0) < first_recorded_us(b).value_or(0);
+  });
+  return files;
+}
+
 }  // namespace
 
 OpenedReader open_log(const std::filesystem::path& file, const std::string& channel) {
@@ -214,6 +271,28 @@ OpenedReader open_log(const std::filesystem::path& file, const std::string& chan
                                      : "",
                                  advice_on_channels_of(file.string()))};
   return {std::move(reader), ""};
+}
+
+OpenedReader open_log_parts(const std::vector<std::filesystem::path>& files, const std::string& channel) {
+  auto parts = std::make_unique<LogParts>();
+  std::vector<PartTimes> times;
+  std::string first_error;
+  for (const std::filesystem::path& file : sorted_by_time(files)) {
+    OpenedReader part = open_log(file, channel);
+    if (part.reader) {
+      times.push_back(
+          {file.filename().string(), first_recorded_us(file).value_or(0), part.reader->last_recorded_us().value_or(0)});
+      parts->add(std::move(part.reader));
+      continue;
+    }
+    if (first_error.empty()) first_error = part.error;
+    parts->add_note(part.error);
+  }
+  if (times.empty()) return {nullptr, first_error};
+  if (const std::string why = why_not_one_recording(times); !why.empty())
+    return {nullptr, fmt::format("{}: {}", files.front().parent_path().string(), why)};
+  parts->add_note(fmt::format("its {} files are played as one recording, in the order of their times", files.size()));
+  return {std::move(parts), ""};
 }
 
 }  // namespace rumi::camera_driver

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/odd_times.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -107,6 +109,16 @@ std::string continue_sorted_32_bits(std::vector<std::string>* times) {
   if (gap == sorted.end() || sorted.end() - gap < 3 || gap == sorted.begin()) return {};
   for (int64_t& number : *numbers) number += number <= *gap ? kWrap : 0;
   return are_microseconds(*numbers) ? take(*numbers, times) : "";
+}
+
+std::string why_negative(const std::vector<int64_t>& utimes_us) {
+  constexpr ptrdiff_t kFew = 4;
+  const auto is_negative = [](int64_t utime_us) { return utime_us < 0; };
+  const auto count = std::count_if(utimes_us.begin(), utimes_us.end(), is_negative);
+  if (count == 0 || (count <= kFew && count < static_cast<ptrdiff_t>(utimes_us.size()))) return {};
+  const int64_t first = *std::find_if(utimes_us.begin(), utimes_us.end(), is_negative);
+  return fmt::format("{} of its {} images have negative times (the first {:.6f} s)", count, utimes_us.size(),
+                     static_cast<double>(first) * 1e-6);
 }
 
 }  // namespace rumi::camera_driver

@@ -2,6 +2,7 @@
 // Repairs times that some programs write wrongly, and says so.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,8 @@ std::string give_decimals_their_zeros(std::vector<std::string>* times);
 std::string continue_32_bits(std::vector<std::string>* times);
 // The same in the order of the numbers: a gap of more than half of what 32 bits count.
 std::string continue_sorted_32_bits(std::vector<std::string>* times);
+
+// Empty, or that times are negative, with the first one: all of them, or more than the few that are wrong times.
+std::string why_negative(const std::vector<int64_t>& utimes_us);
 
 }  // namespace rumi::camera_driver

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/recording/video_decoder.h"
 
-#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "camera_driver/source/max_side.h"
 
 extern "C" {
-#include <libavutil/display.h>
 #include <libavutil/intreadwrite.h>
 #include <libavutil/pixdesc.h>
 }
@@ -15,23 +13,8 @@ extern "C" {
 namespace rumi::camera_driver {
 namespace {
 
-// How phones say that they were held upright. Null if the video does not.
-const int32_t* display_matrix(const AVStream& stream) {
-#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
-  const AVCodecParameters& parameters = *stream.codecpar;
-  const AVPacketSideData* data =
-      av_packet_side_data_get(parameters.coded_side_data, parameters.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
-  return data ? reinterpret_cast<const int32_t*>(data->data) : nullptr;
-#else
-  return reinterpret_cast<const int32_t*>(av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr));
-#endif
-}
-
 cv::Mat turned(const cv::Mat& pixels, const AVStream& stream) {
-  const int32_t* matrix = display_matrix(stream);
-  const double degrees = matrix ? av_display_rotation_get(matrix) : 0;  // counter-clockwise, -180 to 180
-  if (!std::isfinite(degrees)) return pixels;
-  const long quarters = (std::lround(degrees / 90) + 4) % 4;
+  const int quarters = quarter_turns(stream);
   if (quarters == 0) return pixels;
   cv::Mat out;
   cv::rotate(pixels, out,
@@ -63,8 +46,8 @@ cv::Mat deep_grey(const AVFrame& frame, const AVPixFmtDescriptor& format) {
 VideoDecoder::VideoDecoder(std::unique_ptr<VideoStream> stream, Codec codec)
     : stream_(std::move(stream)), codec_(std::move(codec)), frame_(av_frame_alloc()) {}
 
-std::unique_ptr<VideoDecoder> VideoDecoder::open(const std::filesystem::path& file) {
-  std::unique_ptr<VideoStream> stream = VideoStream::open(file);
+std::unique_ptr<VideoDecoder> VideoDecoder::open(const std::filesystem::path& file, int number) {
+  std::unique_ptr<VideoStream> stream = VideoStream::open(file, number);
   if (!stream) return nullptr;
   const AVCodec* codec = avcodec_find_decoder(stream->stream().codecpar->codec_id);
   if (!codec) return nullptr;
@@ -96,6 +79,14 @@ bool VideoDecoder::next() {
 
 bool VideoDecoder::is_damaged() const {
   return frame_->decode_error_flags != 0 || (frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0;
+}
+
+bool VideoDecoder::is_interlaced() const {
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 7, 100)
+  return (frame_->flags & AV_FRAME_FLAG_INTERLACED) != 0;
+#else
+  return frame_->interlaced_frame != 0;
+#endif
 }
 
 cv::Mat VideoDecoder::pixels(bool colour) {

@@ -20,14 +20,16 @@ namespace rumi::camera_driver {
 
 class VideoDecoder {
  public:
-  // Null if the file is no video, or this FFmpeg cannot decode it.
-  static std::unique_ptr<VideoDecoder> open(const std::filesystem::path& file);
+  // Null if the file has no such stream (see VideoStream), or this FFmpeg cannot decode it.
+  static std::unique_ptr<VideoDecoder> open(const std::filesystem::path& file, int stream);
 
   // To the next picture, in the order of showing. False after the last one; what cannot be decoded is passed over.
   bool next();
 
   // FFmpeg found the present picture damaged: it has guessed a part of it.
   bool is_damaged() const;
+  // The present picture says that its rows are of two moments in turn.
+  bool is_interlaced() const;
   // Of the present picture: its time of showing, as it is stored in its packet.
   std::optional<int64_t> stamp() const { return usable_time(frame_->pts); }
   // The same where only some packets have such a time: what FFmpeg makes of it.

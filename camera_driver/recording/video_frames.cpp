@@ -6,6 +6,7 @@
 #include "bus/wire/image_codec.h"
 #include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/recording/frame_reader.h"
+#include "camera_driver/recording/video_choice.h"
 #include "camera_driver/recording/video_decoder.h"
 #include "camera_driver/recording/video_times.h"
 
@@ -14,9 +15,15 @@ namespace {
 
 class VideoReader : public FrameReader {
  public:
-  VideoReader(std::string file, std::optional<GreyRange> range)
-      : file_(std::move(file)), times_(read_video_times(file_)), range_(range) {
-    if (!times_.utimes.empty()) begin();
+  VideoReader(std::string file, std::optional<GreyRange> range, const std::vector<cv::Size>& wanted)
+      : file_(std::move(file)),
+        choice_(choose_video_stream(file_, wanted)),
+        times_(read_video_times(file_, choice_.stream)),
+        range_(range) {
+    if (times_.utimes.empty()) return;
+    begin();
+    // Some files only say it in their pictures.
+    if (go_to(0).empty() && decoder_->is_interlaced()) choice_.is_interlaced = true;
   }
   bool opened() const { return decoder_ != nullptr; }
 
@@ -46,16 +53,15 @@ class VideoReader : public FrameReader {
     return are_fewer() && times_.ends_early ? times_.promised - times_.stored : 0;
   }
   std::vector<std::string> notes() const override {
-    std::vector<std::string> notes;
+    std::vector<std::string> notes = choice_.notes;
+    if (choice_.is_interlaced)
+      notes.push_back(
+          "is interlaced: each image is of two moments, in turn row by row; `ffmpeg -i FILE -vf bwdif OTHER` makes "
+          "images of one");
     if (are_fewer())
       notes.push_back(fmt::format("ends after {} of {}{} images that its header promises: the file {} cut off",
                                   times_.stored, times_.is_promise_by_length ? "about " : "", times_.promised,
                                   times_.ends_early ? "is" : "may be"));
-    if (times_.streams > 1)
-      notes.push_back(fmt::format(
-          "has {} streams of images: the best one is played; for another one take it out first, such as by ffmpeg -i "
-          "FILE -map 0:v:1 -c copy OTHER",
-          times_.streams));
     return notes;
   }
 
@@ -66,7 +72,7 @@ class VideoReader : public FrameReader {
     return static_cast<double>(times_.stored) < least * static_cast<double>(times_.promised) - 1;
   }
   void begin() {
-    decoder_ = VideoDecoder::open(file_);
+    decoder_ = VideoDecoder::open(file_, choice_.stream);
     is_at_.reset();
     next_ = 0;
   }
@@ -96,7 +102,7 @@ class VideoReader : public FrameReader {
     if (range_) return *range_;
     GreyHistogram histogram;
     const size_t step = std::max<size_t>(1, times_.utimes.size() / GreyHistogram::kMostImages);
-    const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file_);
+    const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file_, choice_.stream);
     for (size_t i = 0; decoder && decoder->next(); ++i)
       if (i % step == 0) histogram.add(decoder->pixels(/*colour=*/false));
     range_ = histogram.range();
@@ -105,6 +111,7 @@ class VideoReader : public FrameReader {
   }
 
   std::string file_;
+  VideoChoice choice_;
   VideoTimes times_;
   std::optional<GreyRange> range_;
   std::unique_ptr<VideoDecoder> decoder_;
@@ -115,8 +122,9 @@ class VideoReader : public FrameReader {
 
 }  // namespace
 
-OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range) {
-  auto reader = std::make_unique<VideoReader>(file.string(), grey_range);
+OpenedReader open_video(const std::filesystem::path& file, std::optional<GreyRange> grey_range,
+                        const std::vector<cv::Size>& wanted) {
+  auto reader = std::make_unique<VideoReader>(file.string(), grey_range, wanted);
   if (const std::string why = reader->opened() ? "" : why_no_video(file); !why.empty())
     return {nullptr, fmt::format("{}: {}", file.string(), why)};
   if (!reader->opened())

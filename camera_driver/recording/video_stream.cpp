@@ -3,26 +3,52 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "camera_driver/recording/library_messages.h"
 
-namespace rumi::camera_driver {
+extern "C" {
+#include <libavutil/display.h>
+}
 
-VideoStream::VideoStream(Format format, int index)
+namespace rumi::camera_driver {
+namespace {
+
+// Null if the video does not say how it was held.
+const int32_t* display_matrix(const AVStream& stream) {
+#if LIBAVFORMAT_VERSION_INT >= AV_VERSION_INT(60, 15, 100)
+  const AVCodecParameters& parameters = *stream.codecpar;
+  const AVPacketSideData* data =
+      av_packet_side_data_get(parameters.coded_side_data, parameters.nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+  return data ? reinterpret_cast<const int32_t*>(data->data) : nullptr;
+#else
+  return reinterpret_cast<const int32_t*>(av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, nullptr));
+#endif
+}
+
+}  // namespace
+
+VideoStream::VideoStream(VideoFormat format, int index)
     : format_(std::move(format)), index_(index), packet_(av_packet_alloc()) {}
 
-std::unique_ptr<VideoStream> VideoStream::open(const std::filesystem::path& file) {
+VideoFormat open_video_format(const std::filesystem::path& file) {
   log_what_ffmpeg_says();
   AVFormatContext* opened = nullptr;
   // "file:" so that a name with a colon is no protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;
-  Format format(opened);
+  VideoFormat format(opened);
   if (std::string_view(format->iformat->name) == "tty") return nullptr;  // any text
   if (avformat_find_stream_info(format.get(), nullptr) < 0) return nullptr;
-  const int index = av_find_best_stream(format.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-  if (index < 0) return nullptr;
-  return std::unique_ptr<VideoStream>(new VideoStream(std::move(format), index));
+  return format;
+}
+
+std::unique_ptr<VideoStream> VideoStream::open(const std::filesystem::path& file, int number) {
+  VideoFormat format = open_video_format(file);
+  const bool is_there = format && number >= 0 && static_cast<unsigned>(number) < format->nb_streams &&
+                        format->streams[number]->codecpar->codec_type == AVMEDIA_TYPE_VIDEO;
+  if (!is_there) return nullptr;
+  return std::unique_ptr<VideoStream>(new VideoStream(std::move(format), number));
 }
 
 const AVPacket* VideoStream::next() {
@@ -50,18 +76,17 @@ int64_t VideoStream::promised_us() const {
   return is_said ? format_->duration : 0;
 }
 
-int VideoStream::video_streams() const {
-  const auto is_video = [](const AVStream* stream) {
-    return stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO && !(stream->disposition & AV_DISPOSITION_ATTACHED_PIC);
-  };
-  return static_cast<int>(std::count_if(format_->streams, format_->streams + format_->nb_streams, is_video));
-}
-
 bool VideoStream::is_bare() const {
   static constexpr std::array<std::string_view, 11> kBare = {"h264", "hevc", "mjpeg", "mpegvideo", "m4v",      "h261",
                                                              "h263", "vc1",  "obu",   "dirac",     "cavsvideo"};
   const std::string_view name = format_->iformat->name;
   return name.ends_with("_pipe") || std::find(kBare.begin(), kBare.end(), name) != kBare.end();
+}
+
+int quarter_turns(const AVStream& stream) {
+  const int32_t* matrix = display_matrix(stream);
+  const double degrees = matrix ? av_display_rotation_get(matrix) : 0;  // counter-clockwise, -180 to 180
+  return std::isfinite(degrees) ? static_cast<int>((std::lround(degrees / 90) + 4) % 4) : 0;
 }
 
 std::optional<int64_t> usable_time(int64_t stored) {

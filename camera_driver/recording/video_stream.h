@@ -13,10 +13,17 @@ extern "C" {
 
 namespace rumi::camera_driver {
 
+struct CloseVideoFormat {
+  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
+};
+using VideoFormat = std::unique_ptr<AVFormatContext, CloseVideoFormat>;
+// Null if it is no video, or cannot be read.
+VideoFormat open_video_format(const std::filesystem::path& file);
+
 class VideoStream {
  public:
-  // The best video stream of the file. Null if there is none, or the file cannot be read.
-  static std::unique_ptr<VideoStream> open(const std::filesystem::path& file);
+  // Null if the file has no stream of images of that number, or cannot be read.
+  static std::unique_ptr<VideoStream> open(const std::filesystem::path& file, int number);
 
   // The next packet, valid until the next call; null after the last one.
   const AVPacket* next();
@@ -26,27 +33,25 @@ class VideoStream {
   int64_t promised_us() const;
   // The end of what was read so far, of all streams.
   int64_t end_us() const { return end_us_; }
-  int video_streams() const;  // in the file; pictures of the cover are none
   // It has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
   bool is_bare() const;
 
  private:
-  struct CloseFormat {
-    void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
-  };
   struct FreePacket {
     void operator()(AVPacket* packet) const { av_packet_free(&packet); }
   };
-  using Format = std::unique_ptr<AVFormatContext, CloseFormat>;
+  VideoStream(VideoFormat format, int index);
 
-  VideoStream(Format format, int index);
-
-  Format format_;
   void note_end();
+
+  VideoFormat format_;
   int index_;
   int64_t end_us_ = 0;
   std::unique_ptr<AVPacket, FreePacket> packet_;
 };
+
+// How often its pictures are turned by 90 degrees counter-clockwise to be upright, 0 to 3: phones say so.
+int quarter_turns(const AVStream& stream);
 
 // Of a packet or a picture, in the unit of its stream; nothing if there is none.
 std::optional<int64_t> usable_time(int64_t stored);

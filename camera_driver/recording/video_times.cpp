@@ -11,19 +11,27 @@
 namespace rumi::camera_driver {
 namespace {
 
-// The order of showing differs from that of decoding by a few frames. Farther back the clock began anew: that stays.
-void sort_as_shown(std::vector<int64_t>* stamps, int64_t began_anew) {
-  auto begin = stamps->begin();
+struct PacketTimes {
+  int64_t shown = 0, decoded = 0;
+};
+
+// The order of showing differs from that of decoding, by more than a second where the recorder paused. Times of
+// decoding rise: where they go back by so much the clock began anew, and that stays.
+std::vector<int64_t> sorted_as_shown(const std::vector<PacketTimes>& packets, int64_t began_anew) {
+  std::vector<int64_t> stamps;
+  size_t begin = 0;
   int64_t latest = INT64_MIN / 2;
-  for (auto it = stamps->begin(); it != stamps->end(); ++it) {
-    if (it != begin && *it < latest - began_anew) {
-      std::sort(begin, it);
-      begin = it;
-      latest = *it;
+  for (const PacketTimes& packet : packets) {
+    if (packet.decoded < latest - began_anew) {
+      std::sort(stamps.begin() + static_cast<std::ptrdiff_t>(begin), stamps.end());
+      begin = stamps.size();
+      latest = packet.decoded;
     }
-    latest = std::max(latest, *it);
+    latest = std::max(latest, packet.decoded);
+    stamps.push_back(packet.shown);
   }
-  std::sort(begin, stamps->end());
+  std::sort(stamps.begin() + static_cast<std::ptrdiff_t>(begin), stamps.end());
+  return stamps;
 }
 
 constexpr double kFarthest = 1e18;  // of a time, in any unit
@@ -49,9 +57,9 @@ bool fill_gaps(const std::vector<std::optional<int64_t>>& stamps, std::vector<in
 }
 
 // Of the pictures as the decoder gives them, which is the order of showing. False if they have no times.
-bool stamps_by_decoding(const std::filesystem::path& file, std::vector<int64_t>* stamps) {
+bool stamps_by_decoding(const std::filesystem::path& file, int stream, std::vector<int64_t>* stamps) {
   std::vector<std::optional<int64_t>> likely;
-  const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file);
+  const std::unique_ptr<VideoDecoder> decoder = VideoDecoder::open(file, stream);
   while (decoder && decoder->next()) likely.push_back(decoder->likely_stamp());
   return fill_gaps(likely, stamps);
 }
@@ -70,16 +78,18 @@ std::vector<int64_t> in_microseconds(const std::vector<int64_t>& stamps, AVRatio
 
 }  // namespace
 
-VideoTimes read_video_times(const std::filesystem::path& file) {
+VideoTimes read_video_times(const std::filesystem::path& file, int stream) {
   VideoTimes times;
-  const std::unique_ptr<VideoStream> video = VideoStream::open(file);
+  const std::unique_ptr<VideoStream> video = VideoStream::open(file, stream);
   if (!video) return times;
   int64_t shown = 0;
+  std::vector<PacketTimes> packets;
   while (const AVPacket* packet = video->next()) {
     ++times.stored;
     if ((packet->flags & AV_PKT_FLAG_DISCARD) != 0) continue;
     ++shown;
-    if (const std::optional<int64_t> stamp = usable_time(packet->pts)) times.stamps.push_back(*stamp);
+    if (const std::optional<int64_t> stamp = usable_time(packet->pts))
+      packets.push_back({*stamp, usable_time(packet->dts).value_or(*stamp)});
   }
   times.promised = std::max<int64_t>(0, video->stream().nb_frames);
   if (const int64_t promised_us = video->promised_us(); promised_us > 0 && video->end_us() > 0) {
@@ -92,21 +102,18 @@ VideoTimes read_video_times(const std::filesystem::path& file) {
       av_rescale_q(std::max<int64_t>(0, video->stream().duration), video->stream().time_base, AVRational{1, 1'000'000});
   times.ends_early =
       times.is_promise_by_length || static_cast<double>(video->end_us()) < kEarly * static_cast<double>(length_us);
-  times.streams = video->video_streams();
   if (shown == 0) return times;
   const AVRational unit = video->stream().time_base;
   if (video->is_bare()) {
-    times.stamps.clear();
     times.utimes.assign(static_cast<size_t>(shown), 0);
-  } else if (static_cast<int64_t>(times.stamps.size()) == shown) {
-    sort_as_shown(&times.stamps, av_rescale_q(1, AVRational{1, 1}, unit));
+  } else if (static_cast<int64_t>(packets.size()) == shown) {
+    times.stamps = sorted_as_shown(packets, av_rescale_q(1, AVRational{1, 1}, unit));
     times.utimes = in_microseconds(times.stamps, unit);
     times.has_times = true;
   } else {
     std::vector<int64_t> likely;
-    times.has_times = stamps_by_decoding(file, &likely);
+    times.has_times = stamps_by_decoding(file, stream, &likely);
     times.utimes = in_microseconds(likely, unit);
-    times.stamps.clear();
   }
   return times;
 }

@@ -16,10 +16,9 @@ struct VideoTimes {
   int64_t promised = 0;         // by the header; 0: it does not say
   bool is_promise_by_length = false;  // counted from how long the file should be
   bool ends_early = false;            // before its stream does, by the header
-  int streams = 0;                    // of video in the file
 };
 
-// Of the best video stream. Decodes it only if the packets do not tell all times. Empty if the file cannot be read.
-VideoTimes read_video_times(const std::filesystem::path& file);
+// Of one stream of the file. Decodes it only if the packets do not tell all times. Empty if the file cannot be read.
+VideoTimes read_video_times(const std::filesystem::path& file, int stream);
 
 }  // namespace rumi::camera_driver

@@ -50,6 +50,10 @@ std::string why_no_map(const std::string& recording, const camera_driver::Camera
   const Camera& camera = opened.source->camera();
   if (const std::string few = camera_driver::too_few_pixels(camera.width, camera.height); !few.empty())
     return nothing + few;
+  constexpr int64_t kLeastImages = 3;
+  if (const int64_t images = opened.source->total(); images > 0 && images < kLeastImages)
+    return fmt::format("{}{} {}: a map needs at least {}, from different places", nothing, images,
+                       images == 1 ? "image" : "images", kLeastImages);
   const std::vector<Look> looks = look_at(*opened.source);
   if (looks.empty()) return nothing + "none can be decoded";
   const auto of_all = [&looks](double Look::*member) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <vector>
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -20,7 +21,10 @@ struct VideoOptions {
   AVCodecID codec = AV_CODEC_ID_H264;
   AVPixelFormat pixels = AV_PIX_FMT_YUV420P;  // or GRAY16LE, of 1000 + 100 a frame
   int width = 64, height = 48;
-  int step_us = 40'000;  // from frame to frame
+  int step_us = 40'000;                   // from frame to frame
+  int pause_before = 0, pause_steps = 0;  // the times of this frame and of those behind it are so much later
+  bool is_interlaced = false;
+  AVRational pixel_shape = {0, 1};  // width to height; not said
 };
 
 inline void fill(AVFrame* frame, int i) {
@@ -50,7 +54,9 @@ inline bool write_video(const std::filesystem::path& file, const VideoOptions& o
   encoder->pix_fmt = options.pixels;
   encoder->time_base = {options.step_us, 1'000'000};
   encoder->max_b_frames = options.b_frames;
-  encoder->gop_size = 12;
+  encoder->gop_size = options.pause_steps > 0 ? 250 : 12;
+  encoder->sample_aspect_ratio = options.pixel_shape;
+  if (options.is_interlaced) encoder->flags |= AV_CODEC_FLAG_INTERLACED_DCT | AV_CODEC_FLAG_INTERLACED_ME;
   if (format->oformat->flags & AVFMT_GLOBALHEADER) encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   AVStream* stream = avformat_new_stream(format, nullptr);
   bool ok = avcodec_open2(encoder, codec, nullptr) >= 0 &&
@@ -75,7 +81,12 @@ inline bool write_video(const std::filesystem::path& file, const VideoOptions& o
   for (int i = 0; ok && i < options.frames; ++i) {
     ok = av_frame_get_buffer(frame, 0) >= 0;
     if (ok) fill(frame, i);
-    frame->pts = i;
+    frame->pts = i + (i >= options.pause_before ? options.pause_steps : 0);
+#if LIBAVUTIL_VERSION_INT >= AV_VERSION_INT(58, 7, 100)
+    if (options.is_interlaced) frame->flags |= AV_FRAME_FLAG_INTERLACED | AV_FRAME_FLAG_TOP_FIELD_FIRST;
+#else
+    frame->interlaced_frame = frame->top_field_first = options.is_interlaced ? 1 : 0;
+#endif
     ok = ok && avcodec_send_frame(encoder, frame) >= 0;
     drain();
     for (AVBufferRef*& buffer : frame->buf) av_buffer_unref(&buffer);
@@ -88,6 +99,37 @@ inline bool write_video(const std::filesystem::path& file, const VideoOptions& o
   avcodec_free_context(&encoder);
   avio_closep(&format->pb);
   avformat_free_context(format);
+  return ok;
+}
+
+// The streams of these videos in one file, packet by packet. False if this FFmpeg cannot.
+inline bool join_videos(const std::vector<std::filesystem::path>& videos, const std::filesystem::path& joined) {
+  AVFormatContext* out = nullptr;
+  if (avformat_alloc_output_context2(&out, nullptr, nullptr, joined.c_str()) < 0) return false;
+  std::vector<AVFormatContext*> in(videos.size(), nullptr);
+  bool ok = true;
+  for (size_t i = 0; ok && i < videos.size(); ++i) {
+    ok = avformat_open_input(&in[i], videos[i].c_str(), nullptr, nullptr) >= 0 &&
+         avformat_find_stream_info(in[i], nullptr) >= 0;
+    AVStream* stream = ok ? avformat_new_stream(out, nullptr) : nullptr;
+    ok = stream && avcodec_parameters_copy(stream->codecpar, in[i]->streams[0]->codecpar) >= 0;
+    if (ok) stream->codecpar->codec_tag = 0;
+    if (ok) stream->time_base = in[i]->streams[0]->time_base;
+  }
+  ok = ok && avio_open(&out->pb, joined.c_str(), AVIO_FLAG_WRITE) >= 0 && avformat_write_header(out, nullptr) >= 0;
+  AVPacket* packet = av_packet_alloc();
+  for (size_t i = 0; ok && i < in.size(); ++i)
+    while (av_read_frame(in[i], packet) >= 0) {
+      av_packet_rescale_ts(packet, in[i]->streams[0]->time_base, out->streams[i]->time_base);
+      packet->stream_index = static_cast<int>(i);
+      packet->pos = -1;
+      ok = ok && av_interleaved_write_frame(out, packet) >= 0;
+    }
+  ok = ok && av_write_trailer(out) >= 0;
+  av_packet_free(&packet);
+  for (AVFormatContext*& one : in) avformat_close_input(&one);
+  avio_closep(&out->pb);
+  avformat_free_context(out);
   return ok;
 }
 

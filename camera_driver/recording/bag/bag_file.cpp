@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "camera_driver/recording/file_kind.h"
+#include "camera_driver/recording/recording_parts.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -37,7 +38,10 @@ BagKind kind_of_bag(const std::string& path) {
   std::error_code ignored;
   if (!fs::is_directory(path, ignored)) return kind_of_file(path);
   const std::string metadata = beginning_of(fs::path(path) / "metadata.yaml", 1000);
-  return metadata.find("rosbag2_bagfile_information") == std::string::npos ? BagKind::kNone : BagKind::kFolder;
+  if (metadata.find("rosbag2_bagfile_information") != std::string::npos) return BagKind::kFolder;
+  const std::vector<fs::path> parts = parts_in(path);
+  const bool are_bags = !parts.empty() && kind_of_file(parts.front()) != BagKind::kNone;
+  return are_bags ? BagKind::kFolder : BagKind::kNone;
 }
 
 std::unique_ptr<BagFile> open_bag_file(const std::string& path) {

@@ -54,9 +54,11 @@ struct BagDamage {
 class BagFile {
  public:
   virtual ~BagFile() = default;
-  // Calls `visit` for each message in the order in which they are stored; damage is passed over. Messages of
-  // connections that are known to be of no type that is read need not be visited, but are counted. Once.
-  virtual void scan(const std::function<void(const BagMessage&)>& visit) = 0;
+  // Calls `visit` for each message in the order in which they are stored, until it returns false; damage is passed
+  // over. Messages of connections that are known to be of no type that is read need not be visited, but are counted.
+  // Once.
+  using Visit = std::function<bool(const BagMessage&)>;
+  virtual void scan(const Visit& visit) = 0;
   // After scan(): those that were found.
   virtual const std::map<uint32_t, BagConnection>& connections() const = 0;
   virtual const std::map<uint32_t, int64_t>& other_messages() const = 0;  // those that were not visited
@@ -65,11 +67,13 @@ class BagFile {
   // Why nothing of it can be read; empty if that is not known.
   virtual std::string refusal() const { return {}; }
   virtual std::vector<std::string> notes() const { return {}; }
+  // Where some of its files are missing: messages of a topic that should be there and are not; `found` are.
+  virtual int64_t missing_messages(const std::string& /*topic*/, int64_t /*found*/) const { return 0; }
   virtual bool read(const BagPlace& place, std::vector<uint8_t>* bytes) = 0;
 };
 
 enum class BagKind { kNone, kRos1, kMcap, kSqlite, kFolder };
-// By the beginning of a file, else by its name; a folder by its metadata.yaml.
+// By the beginning of a file, else by its name; a folder by its metadata.yaml, or the parts that are in it.
 BagKind kind_of_bag(const std::string& path);
 std::unique_ptr<BagFile> open_ros1_bag(const std::string& file);
 std::unique_ptr<BagFile> open_mcap_file(const std::string& file);

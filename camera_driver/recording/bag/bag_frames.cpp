@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 
 #include "bus/transport/bus.h"
 #include "bus/wire/image_codec.h"
@@ -11,6 +13,7 @@
 #include "camera_driver/recording/dataset_folder.h"
 #include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/recording/image_file.h"
+#include "camera_driver/recording/odd_times.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -47,6 +50,9 @@ class BagFrames : public FrameReader {
   Malformed malformed() const override { return malformed_; }
   std::vector<std::string> notes() const override { return notes_; }
   std::string why_no_calibration() const override { return why_no_calibration_; }
+  std::string why_no_times() const override { return why_no_times_; }
+  int64_t missing_at_end() const override { return bag_->missing_messages(topic_.name, found_); }
+  std::optional<int64_t> last_recorded_us() const override { return last_recorded_us_; }
   void set_why_no_calibration(const std::string& why) { why_no_calibration_ = why; }
   void add_note(const std::string& note) {
     if (!note.empty()) notes_.push_back(note);
@@ -68,11 +74,19 @@ class BagFrames : public FrameReader {
       constexpr int64_t kPerMicrosecond = 1000;
       return ((has_stamps ? entry.stamp_ns : entry.time_ns) + kPerMicrosecond / 2) / kPerMicrosecond;
     };
+    for (const BagEntry& entry : messages)
+      last_recorded_us_ = std::max(last_recorded_us_.value_or(entry.time_ns / 1000), entry.time_ns / 1000);
+    found_ = static_cast<int64_t>(messages.size());
+    for (const BagEntry& entry : messages) utimes_.push_back(utime_of(entry));
+    why_no_times_ = why_negative(utimes_);
+    if (!why_no_times_.empty()) std::fill(utimes_.begin(), utimes_.end(), 0);
+    if (!why_no_times_.empty()) return;
     const auto good_end = std::remove_if(messages.begin(), messages.end(),
                                          [&](const BagEntry& entry) { return !plausible_utime(utime_of(entry)); });
     malformed_.count = messages.end() - good_end;
     if (malformed_.count > 0) malformed_.first = fmt::format("{}: an image of {} is of no time", path_, topic_.name);
     messages.erase(good_end, messages.end());
+    utimes_.clear();
     for (const BagEntry& entry : messages) utimes_.push_back(utime_of(entry));
   }
 
@@ -109,9 +123,28 @@ class BagFrames : public FrameReader {
     }
     return std::vector<uint8_t>(image.data.begin(), image.data.end());
   }
+  // "h264" and others; empty for an image.
+  std::string video_in(Bytes message, const std::vector<uint8_t>& file) const {
+    static constexpr std::array kFormats = {"h264", "h265", "hevc", "avc", "av1", "vp8", "vp9", "mpeg4", "theora"};
+    RosCompressedImage image;
+    parse(message, topic_.kind.encoding, &image);
+    std::string format = image.format;
+    std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
+    for (const char* one : kFormats)
+      if (format.find(one) != std::string::npos) return one;
+    // What H.264 and H.265 begin each of their units with.
+    static constexpr std::array<uint8_t, 4> kBegin = {0, 0, 0, 1};
+    const bool begins_so = file.size() > 4 && (std::equal(kBegin.begin(), kBegin.end(), file.begin()) ||
+                                               std::equal(kBegin.begin() + 1, kBegin.end(), file.begin()));
+    return begins_so ? "H.264 or H.265" : "";
+  }
   std::optional<image_t> load_compressed(Bytes message, bool colour, std::string* error) {
     std::optional<std::vector<uint8_t>> file = file_in(message, error);
     if (!file) return std::nullopt;
+    if (const std::string video = video_in(message, *file); !video.empty()) {
+      *error = fmt::format("is a packet of a video ({}), which is not read: {}", video, kHowToUnpackVideos);
+      return std::nullopt;
+    }
     return load_image_bytes(
         std::move(*file), colour, [this] { return range(); }, error);
   }
@@ -139,6 +172,9 @@ class BagFrames : public FrameReader {
   std::string calibration_;  // empty: the bag has none
   std::optional<GreyRange> range_;
   std::vector<int64_t> utimes_;
+  std::string why_no_times_;
+  int64_t found_ = 0;
+  std::optional<int64_t> last_recorded_us_;
   Malformed malformed_;
   std::vector<std::string> notes_;
   std::string why_no_calibration_;

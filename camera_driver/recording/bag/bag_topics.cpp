@@ -76,14 +76,29 @@ bool are_of_one_rig(const std::string& first, const std::string& second) {
   });
 }
 
+// Packets of a video, as ROS and Foxglove store them. Empty if there are none.
+std::string advice_on_videos(const BagTopics& topics) {
+  static const std::vector<std::string> kTypes = {"foxglove_msgs/CompressedVideo", "foxglove.CompressedVideo",
+                                                  "ffmpeg_image_transport_msgs/FFMPEGPacket",
+                                                  "theora_image_transport/Packet"};
+  for (const auto& [topic, other] : topics.others)
+    for (const std::string& type : kTypes)
+      if (other.first.ends_with(type))
+        return fmt::format("; {} has packets of a video, which are not read: {}", topic, kHowToUnpackVideos);
+  return {};
+}
+
 std::string why_no_images(const BagTopics& topics) {
   Counts counts = counts_of(topics.calibrations);
   for (const BagTopic& topic : topics.transforms)
     counts.emplace_back(fmt::format("{} [{}]", topic.name, topic.kind.type), topic.messages.size());
   for (const auto& [topic, other] : topics.others)
     counts.emplace_back(fmt::format("{} [{}]", topic, other.first), other.second);
-  return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage); it {}",
-                     counts.empty() ? "is empty" : "has messages on " + list_of_channels(counts));
+  const std::string what = !counts.empty()     ? "it has messages on " + list_of_channels(counts)
+                           : topics.is_damaged ? "nothing in it can be read"
+                                               : "it is empty";
+  return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage); {}{}", what,
+                     advice_on_videos(topics));
 }
 
 }  // namespace
@@ -105,8 +120,10 @@ BagTopics read_topics(BagFile& bag) {
     const bool is_known = connection != bag.connections().end();
     const RosEncoding encoding = is_known ? connection->second.encoding : RosEncoding::kRos1;
     entries.push_back({message.place, message.connection, stamp_of(bag, message, encoding), message.time_ns});
+    return true;
   });
   BagTopics topics;
+  topics.is_damaged = bag.damage().places > 0 || !bag.damage().at_end.empty();
   topics.images = topics_of(bag.connections(), entries, &BagConnection::has_images);
   topics.calibrations = topics_of(bag.connections(), entries, &BagConnection::has_calibration);
   topics.transforms = topics_of(bag.connections(), entries, &BagConnection::has_transforms);

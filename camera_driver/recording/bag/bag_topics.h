@@ -17,6 +17,10 @@ struct BagEntry {
   int64_t time_ns = 0;   // of the recording
 };
 
+// Images that are packets of a video need those before them.
+inline constexpr const char* kHowToUnpackVideos =
+    "let ROS write images (`ros2 run image_transport republish` while the bag is played) and record these";
+
 struct BagTopic {
   std::string name;
   BagConnection kind;
@@ -30,6 +34,7 @@ bool read_message(BagFile& bag, const BagPlace& place, std::vector<uint8_t>* mes
 struct BagTopics {
   std::vector<BagTopic> images, calibrations, transforms;         // none is empty; images that are no depth first
   std::map<std::string, std::pair<std::string, int64_t>> others;  // topic: type and messages
+  bool is_damaged = false;                                        // so there may have been more
 };
 BagTopics read_topics(BagFile& bag);
 

@@ -97,7 +97,11 @@ class Unpacking {
       const State state = stream_->step(&in, &left);
       const size_t put = piece.size() - left.size();
       result_.stored_bytes += static_cast<int64_t>(before - in.size());
-      if (state == State::kDamaged || result_.bytes.size() + put > kMostBytes) return State::kDamaged;
+      if (state == State::kDamaged) return state;
+      if (result_.bytes.size() + put > kMostBytes) {
+        result_.bytes.clear();
+        return State::kDamaged;
+      }
       result_.bytes.insert(result_.bytes.end(), piece.begin(), piece.begin() + static_cast<ptrdiff_t>(put));
       if (state == State::kEnded) return state;
       const bool may_have_more = left.empty();
@@ -136,7 +140,6 @@ Decompressed decompress(ByteSource& source, int64_t at, int64_t stored_bytes, Co
   Decompressed& result = unpacking.result();
   result.is_whole = state == State::kEnded;
   result.is_cut_off = state == State::kGoesOn;
-  if (state == State::kDamaged) result.bytes.clear();
   return std::move(result);
 }
 

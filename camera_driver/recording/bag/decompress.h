@@ -18,7 +18,7 @@ enum class Compression { kNone, kBz2, kLz4, kZstd };
 std::optional<Compression> compression_named(const std::string& name);
 
 struct Decompressed {
-  std::vector<uint8_t> bytes;  // of a stream that was cut off: those before; of a damaged one: none
+  std::vector<uint8_t> bytes;  // of a stream that was cut off or is damaged: those before
   bool is_whole = false;       // up to the mark of its end
   bool is_cut_off = false;     // good, but without that mark
   int64_t stored_bytes = 0;    // that it took

@@ -17,15 +17,15 @@ uint32_t crc_of(std::span<const uint8_t> bytes) {
 
 }  // namespace
 
-void RecordBag::scan(const std::function<void(const BagMessage&)>& visit) {
+void RecordBag::scan(const Visit& visit) {
   visit_ = visit;
   const int64_t size = bytes_.size();
   int64_t at = begin(bytes_), last = 0;
   if (at == kNoRecord) {
     at = find_record(bytes_, 0);
-    count_damage(0, at, "it does not begin as a bag does");
+    count_damage(0, at, at, "it does not begin as a bag does");
   }
-  while (at < size) {
+  while (at < size && !is_enough_) {
     const int64_t next = take(bytes_, at, BagPlace::kInFile);
     if (next > at) {
       last = at;
@@ -35,13 +35,14 @@ void RecordBag::scan(const std::function<void(const BagMessage&)>& visit) {
     // The last record's length may be what is wrong.
     int64_t found = find_record(bytes_, (next == kNoEnd ? at : last) + 1);
     if (found == at) found = find_record(bytes_, at + 1);
-    count_damage(found < at ? last : at, found, "no whole record begins here");
+    const int64_t from = found < at ? last : at;
+    count_damage(from, found, found - from, "no whole record begins here");
     last = at = found;
   }
   visit_ = nullptr;
 }
 
-void RecordBag::count_damage(int64_t from, int64_t to, const std::string& what) {
+void RecordBag::count_damage(int64_t from, int64_t to, int64_t lost, const std::string& what) {
   if (to >= bytes_.size()) {
     damage_.at_end = fmt::format(
         "the {} bytes from byte {} on are no whole record: the file was cut off, or is still being recorded",
@@ -50,7 +51,7 @@ void RecordBag::count_damage(int64_t from, int64_t to, const std::string& what) 
   }
   if (damage_.places++ == 0)
     damage_.first = fmt::format("{}: at byte {}: {}; it goes on at byte {}", name_, from, what, to);
-  damage_.bytes += std::max<int64_t>(0, to - from);
+  damage_.bytes += std::max<int64_t>(0, lost);
 }
 
 int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression compression, uint32_t crc) {
@@ -59,7 +60,7 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
   const bool has_length = stored_bytes > 0 && stored_bytes <= rest;
   const int64_t length = has_length ? stored_bytes : rest;
   Decompressed chunk = decompress(bytes_, at, length, compression);
-  if (crc != kNoCrc && chunk.is_whole && crc != crc_of(chunk.bytes)) chunk = {};
+  const bool is_garbled = crc != kNoCrc && chunk.is_whole && crc != crc_of(chunk.bytes);
   const bool ends_file = !has_length && chunk.is_cut_off;
   const int64_t next = ends_file        ? bytes_.size()
                        : has_length     ? at + stored_bytes
@@ -71,12 +72,19 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
   open_bytes_ = std::move(chunk.bytes);
   MemoryBytes memory(open_bytes_);
   int64_t inside = 0;
-  for (int64_t end = memory.size(); inside < end;) {
+  for (int64_t end = memory.size(); inside < end && !is_enough_;) {
     const int64_t after = take(memory, inside, number);
     if (after <= inside) break;
     inside = after;
   }
-  if (next != kNoEnd && (!chunk.is_whole || inside < memory.size())) count_damage(at, next, "a chunk is broken");
+  if (next == kNoEnd || is_enough_) return next;
+  // What stands before the damage is good, as that of a file that was cut off.
+  const double taken = memory.size() == 0 ? 0 : static_cast<double>(inside) / static_cast<double>(memory.size());
+  const auto lost = length - static_cast<int64_t>(taken * static_cast<double>(std::min(length, chunk.stored_bytes)));
+  if (!chunk.is_whole || inside < memory.size())
+    count_damage(at, next, lost, "a chunk is broken");
+  else if (is_garbled)
+    count_damage(at, next, 0, "the checksum of a chunk is wrong, so some of it may be damaged");
   return next;
 }
 
@@ -87,7 +95,7 @@ void RecordBag::take_message(ByteSource& source, BagMessage* message) {
     return;
   }
   const auto count = static_cast<size_t>(std::min<int64_t>(message->place.bytes, kHeadBytes));
-  if (source.read(message->place.at, {message->head.data(), count})) visit_(*message);
+  if (source.read(message->place.at, {message->head.data(), count})) is_enough_ = !visit_(*message);
 }
 
 bool RecordBag::read(const BagPlace& place, std::vector<uint8_t>* bytes) {

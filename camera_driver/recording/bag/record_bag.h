@@ -4,7 +4,6 @@
 // is not compressed is read as if there were no chunk.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "camera_driver/recording/bag/bag_file.h"
@@ -16,7 +15,7 @@ class RecordBag : public BagFile {
  public:
   explicit RecordBag(std::string file) : name_(std::move(file)), bytes_(name_) {}
 
-  void scan(const std::function<void(const BagMessage&)>& visit) override;
+  void scan(const Visit& visit) override;
   const std::map<uint32_t, BagConnection>& connections() const override { return connections_; }
   const std::map<uint32_t, int64_t>& other_messages() const override { return other_messages_; }
   const BagDamage& damage() const override { return damage_; }
@@ -48,11 +47,13 @@ class RecordBag : public BagFile {
     int64_t at, stored_bytes;
     Compression compression;
   };
-  void count_damage(int64_t from, int64_t to, const std::string& what);
+  // `lost`: of the bytes from `from` to `to`.
+  void count_damage(int64_t from, int64_t to, int64_t lost, const std::string& what);
 
   std::string name_;
   FileBytes bytes_;
-  std::function<void(const BagMessage&)> visit_;
+  Visit visit_;
+  bool is_enough_ = false;  // it has returned false
   std::map<uint32_t, BagConnection> connections_;
   std::map<uint32_t, int64_t> other_messages_;
   BagDamage damage_;

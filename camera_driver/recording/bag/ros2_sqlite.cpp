@@ -56,7 +56,7 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  void scan(const std::function<void(const BagMessage&)>& visit) override {
+  void scan(const Visit& visit) override {
     if (!refusal_.empty()) return;
     Blob blob(database_);
     // Rows are numbered one by one: those of a page that is broken are passed over in growing steps.
@@ -105,8 +105,7 @@ class Ros2Sqlite : public BagFile {
   }
 
   // All rows behind `from`; *last becomes the last one. What ended it before the end, or nothing.
-  std::optional<std::string> scan_from(int64_t from, const std::function<void(const BagMessage&)>& visit, Blob* blob,
-                                       int64_t* last) {
+  std::optional<std::string> scan_from(int64_t from, const Visit& visit, Blob* blob, int64_t* last) {
     try {
       Statement select(database_, "SELECT rowid, topic_id, timestamp FROM messages WHERE rowid > ? ORDER BY rowid");
       select.bind(from);
@@ -115,7 +114,7 @@ class Ros2Sqlite : public BagFile {
         BagMessage message;
         message.connection = static_cast<uint32_t>(select.integer(1));
         message.time_ns = select.integer(2);
-        take(*last, &message, visit, blob);
+        if (!take(*last, &message, visit, blob)) break;
       }
       return std::nullopt;
     } catch (const SqliteError& error) {
@@ -123,17 +122,18 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  void take(int64_t row, BagMessage* message, const std::function<void(const BagMessage&)>& visit, Blob* blob) {
+  // False if that is enough.
+  bool take(int64_t row, BagMessage* message, const Visit& visit, Blob* blob) {
     const auto known = connections_.find(message->connection);
     if (known != connections_.end() && !known->second.is_read()) {
       ++other_messages_[message->connection];
-      return;
+      return true;
     }
-    if (!blob->go_to(row)) return count_damage(fmt::format("message {} cannot be read", row));
-    message->place = {0, BagPlace::kInFile, row, blob->size()};
-    if (!blob->read(message->head.data(), std::min<int>(kHeadBytes, blob->size())))
-      return count_damage(fmt::format("message {} cannot be read", row));
-    visit(*message);
+    const bool is_there = blob->go_to(row);
+    message->place = {0, BagPlace::kInFile, row, is_there ? blob->size() : 0};
+    if (is_there && blob->read(message->head.data(), std::min<int>(kHeadBytes, blob->size()))) return visit(*message);
+    count_damage(fmt::format("message {} cannot be read", row));
+    return true;
   }
 
   void count_damage(const std::string& what) {

@@ -27,8 +27,8 @@ class BagWriter {
   Ros ros_;
 };
 
-// Messages are collected up to this size, and written with an index.
-inline constexpr size_t kChunkBytes = size_t{4} << 20;
+// Messages are collected up to this size, and written with an index: damage costs no more than what is in one chunk.
+inline constexpr size_t kChunkBytes = size_t{768} << 10;  // as rosbag does it
 
 // For ROS 2 and Foxglove: mcap.dev/spec, chunks compressed by zstd, messages in CDR.
 std::unique_ptr<BagWriter> write_mcap_file(const std::string& file);

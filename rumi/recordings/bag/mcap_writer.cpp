@@ -71,6 +71,7 @@ class McapWriter : public BagWriter {
   }
 
   void write(const std::string& topic, const std::string& type, int64_t time_ns, const std::string& message) override {
+    if (chunk_.size() + message.size() > kChunkBytes) end_chunk();
     const uint16_t channel = channel_of(topic, type);
     const auto utime_ns = static_cast<uint64_t>(time_ns);
     index_[channel].emplace_back(utime_ns, chunk_.size());
@@ -82,7 +83,6 @@ class McapWriter : public BagWriter {
     chunk_ += record(kMessage, content.append(message));
     chunk_span_.add(utime_ns);
     span_.add(utime_ns);
-    if (chunk_.size() >= kChunkBytes) end_chunk();
   }
 
   std::string problem() const override { return file_.problem(); }

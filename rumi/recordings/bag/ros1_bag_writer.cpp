@@ -66,12 +66,12 @@ class Ros1BagWriter : public BagWriter {
   }
 
   void write(const std::string& topic, const std::string& type, int64_t time_ns, const std::string& message) override {
+    if (chunk_.size() + message.size() > kChunkBytes) end_chunk();
     const uint32_t connection = connection_of(topic, type);
     put_entry(time_ns, static_cast<uint32_t>(chunk_.size()), &index_[connection]);
     chunk_ += record(kMessage, {{"conn", bytes_of(connection)}, {"time", time_of(time_ns)}}, message);
     first_ns_ = std::min(first_ns_, time_ns);
     last_ns_ = std::max(last_ns_, time_ns);
-    if (chunk_.size() >= kChunkBytes) end_chunk();
   }
 
   std::string problem() const override { return file_.problem(); }

@@ -50,6 +50,24 @@ TEST_F(VideoTimesTest, AreThoseOfShowingWhateverTheOrderOfDecoding) {
   }
 }
 
+// The first image behind the pause is decoded before those that are shown before the pause.
+TEST_F(VideoTimesTest, RiseThroughAPauseWithImagesInAnotherOrderOfDecoding) {
+  for (const char* name : {"v.mp4", "v.mkv", "v.ts"}) {
+    for (const int before : {7, 8, 9, 10}) {
+      VideoOptions options;
+      options.container = name == std::string("v.mp4") ? "mp4" : name == std::string("v.mkv") ? "matroska" : "mpegts";
+      options.b_frames = 3;
+      options.pause_before = before;
+      options.pause_steps = 500;
+      write(name, options);
+      std::vector<int64_t> expected;
+      for (int i = 0; i < options.frames; ++i)
+        expected.push_back((i + (i >= before ? options.pause_steps : 0)) * options.step_us);
+      EXPECT_EQ(play(folder_ / name), expected) << name << " " << before;
+    }
+  }
+}
+
 TEST_F(VideoTimesTest, WithoutThemARateIsAskedFor) {
   VideoOptions options;
   options.container = "h264";
@@ -70,15 +88,15 @@ TEST_F(VideoTimesTest, OfBareImagesOneAfterTheOtherAreNone) {
     jpegs.append(jpeg.begin(), jpeg.end());
   }
   testing::write_file(folder_ / "v.mjpeg", jpegs);
-  const VideoTimes times = read_video_times(folder_ / "v.mjpeg");
+  const VideoTimes times = read_video_times(folder_ / "v.mjpeg", 0);
   EXPECT_EQ(times.utimes.size(), 30u);
   EXPECT_FALSE(times.has_times);
 }
 
 TEST_F(VideoTimesTest, OfNoVideoAreNone) {
   testing::write_file(folder_ / "garbage.mp4", std::string(5000, 'g'));
-  EXPECT_TRUE(read_video_times(folder_ / "garbage.mp4").utimes.empty());
-  EXPECT_TRUE(read_video_times(folder_ / "missing.mp4").utimes.empty());
+  EXPECT_TRUE(read_video_times(folder_ / "garbage.mp4", 0).utimes.empty());
+  EXPECT_TRUE(read_video_times(folder_ / "missing.mp4", 0).utimes.empty());
 }
 
 }  // namespace

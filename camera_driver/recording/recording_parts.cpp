@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera_driver/recording/recording_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/natural_order.h"
+#include "bus/transport/log_file.h"
+#include "camera_driver/recording/bag/bag_file.h"
+#include "camera_driver/recording/folder_contents.h"
+#include "camera_driver/recording/list_lines.h"
+
+namespace rumi::camera_driver {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A recorder that splits loses less than this; one that was started again has mostly paused for longer.
+constexpr int64_t kLongestGapUs = 60'000'000, kMostOverlapUs = 1'000'000;
+
+bool goes_on(int64_t last_us, int64_t first_us) {
+  return first_us >= last_us - kMostOverlapUs && first_us <= last_us + kLongestGapUs;
+}
+
+// "walk_#.bag" of "walk_12.bag".
+std::string form_of(const fs::path& file) {
+  std::string form;
+  for (const char c : file.filename().string()) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (!is_digit)
+      form += c;
+    else if (!form.ends_with('#'))
+      form += '#';
+  }
+  return form;
+}
+
+enum class PartKind { kNone, kLog, kRos1, kMcap, kSqlite };
+
+PartKind kind_of(const fs::path& file) {
+  if (is_lcm_log(file.string())) return PartKind::kLog;
+  switch (kind_of_bag(file.string())) {
+    case BagKind::kRos1:
+      return PartKind::kRos1;
+    case BagKind::kMcap:
+      return PartKind::kMcap;
+    case BagKind::kSqlite:
+      return PartKind::kSqlite;
+    default:
+      return PartKind::kNone;
+  }
+}
+
+bool are_alike(const fs::path& a, const fs::path& b) { return form_of(a) == form_of(b) && kind_of(a) == kind_of(b); }
+
+bool has_images_or_list(const fs::path& folder) {
+  std::error_code code;
+  for (fs::directory_iterator it(folder, code), end; !code && it != end; it.increment(code))
+    if (is_image_name(it->path()) || it->path().filename() == "rgb.txt" || it->path().filename() == "data.csv")
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::vector<fs::path> parts_in(const fs::path& folder) {
+  std::vector<fs::path> files = recording_files(folder);
+  const bool are_parts = files.size() > 1 && kind_of(files.front()) != PartKind::kNone && !has_images_or_list(folder) &&
+                         std::all_of(files.begin(), files.end(),
+                                     [&files](const fs::path& file) { return are_alike(file, files.front()); });
+  return are_parts ? files : std::vector<fs::path>();
+}
+
+std::string why_not_one_recording(const std::vector<PartTimes>& parts) {
+  for (size_t i = 1; i < parts.size(); ++i) {
+    const PartTimes &before = parts[i - 1], &part = parts[i];
+    if (goes_on(before.last_us, part.first_us)) continue;
+    return fmt::format(
+        "its files are no parts of one recording: {} was begun {:.1f} s {} the end of {}; give one of the files",
+        printable(part.name), std::abs(static_cast<double>(part.first_us - before.last_us)) * 1e-6,
+        part.first_us < before.last_us ? "before" : "after", printable(before.name));
+  }
+  return {};
+}
+
+std::string note_on_next_part(const fs::path& file, int64_t last_us) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  const std::vector<fs::path> files = recording_files(folder);
+  const auto at = std::find(files.begin(), files.end(), folder / file.filename());
+  if (at == files.end()) return {};
+  // The one before, too: `lcm-logger --rotate` gives the newest file the number 0.
+  for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, std::ptrdiff_t{-1}}) {
+    const bool is_there = step < 0 ? at != files.begin() : std::next(at) != files.end();
+    if (!is_there || !are_alike(*(at + step), file)) continue;
+    const std::optional<int64_t> first_us = first_recorded_us(*(at + step));
+    if (first_us && goes_on(last_us, *first_us))
+      return fmt::format("{} beside it goes on where it ends, and is not played: give their folder to play both",
+                         printable((at + step)->filename().string()));
+  }
+  return {};
+}
+
+std::optional<int64_t> first_recorded_us(const fs::path& file) {
+  if (is_lcm_log(file.string())) {
+    const std::optional<LogEvent> event = LogReader(file.string()).next_head(0);
+    return event ? std::optional(event->utime_us) : std::nullopt;
+  }
+  if (kind_of(file) == PartKind::kNone) return std::nullopt;
+  std::optional<int64_t> first_us;
+  open_bag_file(file.string())->scan([&first_us](const BagMessage& message) {
+    first_us = message.time_ns / 1000;
+    return false;
+  });
+  return first_us;
+}
+
+}  // namespace rumi::camera_driver

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings that their recorder split into files: walk_0.bag and walk_1.bag, walk.lcm.00 and walk.lcm.01.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rumi::camera_driver {
+
+// From when to when a part was recorded, by the recorder's clock.
+struct PartTimes {
+  std::string name;
+  int64_t first_us = 0, last_us = 0;
+};
+
+// The files of a folder that may be parts of one recording, by their numbers: all of its recordings are lcm logs, or
+// all are bags of one kind, and their names differ in numbers only. Empty if there are not two, and where the folder
+// has images or a list of them.
+std::vector<std::filesystem::path> parts_in(const std::filesystem::path& folder);
+// Empty, or which of them does not begin where the one before ends, and what to do: they are recordings by themselves.
+std::string why_not_one_recording(const std::vector<PartTimes>& parts);
+// "walk_1.db3 beside it goes on where it ends ...": of a file of a recording that ends at last_us. Empty if none does.
+std::string note_on_next_part(const std::filesystem::path& file, int64_t last_us);
+
+// When the first message of an lcm log or bag was recorded; nothing if there is none.
+std::optional<int64_t> first_recorded_us(const std::filesystem::path& file);
+
+}  // namespace rumi::camera_driver
