@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/exceptions.h>
 
+#include <cstring>
 #include <filesystem>
 #include <new>
 
@@ -38,6 +39,9 @@ std::string file_reason(const std::filesystem::filesystem_error& error) {
   return files.empty() ? reason : fmt::format("{}: {}", files, reason);
 }
 
+// What libfmt says of any file that it prints to: "cannot write to file: No space left on device".
+constexpr const char* kNotPrinted = "cannot write to file: ";
+
 }  // namespace
 
 std::string reason_of(const std::exception& thrown) {
@@ -47,6 +51,7 @@ std::string reason_of(const std::exception& thrown) {
   if (const auto* yaml = dynamic_cast<const YAML::Exception*>(&thrown))
     return yaml->mark.is_null() ? "YAML that cannot be read: " + yaml->msg
                                 : fmt::format("YAML that cannot be read: line {}: {}", yaml->mark.line + 1, yaml->msg);
+  if (text.starts_with(kNotPrinted)) return "cannot write: " + text.substr(std::strlen(kNotPrinted));
   if (text.starts_with("[json.exception.")) return json_reason(text);
   if (text.starts_with("OpenCV(")) return opencv_reason(text);
   return text.empty() ? "no reason given" : text;
