@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/account_limits.h"
+
 namespace rumi {
 
 Database::Database(const std::string& file) : Database(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE) {}
@@ -43,7 +45,12 @@ void Database::copy_from(Database& other) {
   if (step != SQLITE_DONE) throw SqliteError(step & 0xff, sqlite3_errstr(step));
 }
 
-void Database::fail(int code) const { throw SqliteError(code & 0xff, sqlite3_errmsg(db_)); }
+void Database::fail(int code) const {
+  const int reason = sqlite3_system_errno(db_);
+  // "disk I/O error" hides why.
+  if ((code & 0xff) == SQLITE_IOERR && reason != 0) throw SqliteError(code & 0xff, write_error_text(reason));
+  throw SqliteError(code & 0xff, sqlite3_errmsg(db_));
+}
 
 void Database::execute(const std::string& sql) {
   const int code = sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr);

@@ -7,7 +7,8 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
+
+#include "base/account_limits.h"
 
 namespace rumi {
 
@@ -23,7 +24,7 @@ std::string flush_stdout() {
   static int reason = 0;
   if (std::fflush(stdout) != 0 && reason == 0) reason = errno;
   if (reason == 0 && std::ferror(stdout) != 0) reason = EIO;
-  return reason == 0 ? "" : fmt::format("cannot write: {}", std::strerror(reason));
+  return reason == 0 ? "" : fmt::format("cannot write: {}", write_error_text(reason));
 }
 
 }  // namespace rumi
