@@ -25,6 +25,8 @@ std::string write_error_text(int error) {
   return most ? fmt::format("{}: no file may have more than {:.1f} MB here (ulimit -f)", text, 1e-6 * *most) : text;
 }
 
+bool may_be_too_large() { return limit_of(RLIMIT_FSIZE).has_value(); }
+
 std::string no_memory_text(const std::string& what) {
   const std::optional<double> most = limit_of(RLIMIT_AS);
   return most ? fmt::format("{}: a program may have {:.0f} MB here (ulimit -v)", what, 1e-6 * *most) : what;

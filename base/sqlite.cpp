@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/sqlite.h"
 
+#include <cerrno>
 #include <utility>
 
 #include "base/account_limits.h"
@@ -46,9 +47,11 @@ void Database::copy_from(Database& other) {
 }
 
 void Database::fail(int code) const {
-  const int reason = sqlite3_system_errno(db_);
-  // "disk I/O error" hides why.
-  if ((code & 0xff) == SQLITE_IOERR && reason != 0) throw SqliteError(code & 0xff, write_error_text(reason));
+  // "disk I/O error" hides why, and where it rolled back meanwhile SQLite does not know any more.
+  if ((code & 0xff) == SQLITE_IOERR) {
+    const int reason = sqlite3_system_errno(db_);
+    if (reason != 0 || may_be_too_large()) throw SqliteError(code & 0xff, write_error_text(reason ? reason : EFBIG));
+  }
   throw SqliteError(code & 0xff, sqlite3_errmsg(db_));
 }
 

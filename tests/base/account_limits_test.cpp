@@ -30,7 +30,9 @@ std::string under_limit(__rlimit_resource_t resource, rlim_t most, const std::fu
   const pid_t child = fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit limit{most, RLIM_INFINITY};
+    rlimit limit{};
+    getrlimit(resource, &limit);
+    limit.rlim_cur = most;
     setrlimit(resource, &limit);
     const std::string said = work();
     _exit(write(ends[1], said.data(), said.size()) == static_cast<ssize_t>(said.size()) ? 0 : 1);
