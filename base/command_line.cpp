@@ -11,8 +11,10 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <sstream>
 
 #include "base/nearest_word.h"
+#include "base/standard_output.h"
 
 namespace rumi {
 
@@ -68,6 +70,7 @@ Flag& Flag::one_of(const std::vector<std::string>& values) {
 CommandLine::CommandLine(const std::string& summary, const std::string& program)
     : own_(std::make_unique<CLI::App>(summary, program)), app_(own_.get()) {
   std::signal(SIGXFSZ, SIG_IGN);
+  hold_standard_streams();
 }
 CommandLine::CommandLine(CLI::App* command) : app_(command) {}
 CommandLine::~CommandLine() = default;
@@ -197,7 +200,9 @@ CommandLine::Result CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::Success& e) {
-    app_->exit(e);
+    std::ostringstream text;
+    app_->exit(e, text);
+    fmt::print("{}", text.str());  // which tells why it cannot be written
     return {.done = true, .error = ""};
   } catch (const CLI::ParseError& e) {
     const std::string word = misspelt(argc, argv);

@@ -46,7 +46,7 @@ class Flag {
 class CommandLine {
  public:
   // From now on what would exceed a limit of the size of files (`ulimit -f`) is an error of that file, as on a full
-  // disk, and not the end of the program.
+  // disk, and not the end of the program; a standard stream that is closed is held (standard_output.h).
   CommandLine(const std::string& summary, const std::string& program);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;

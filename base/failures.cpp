@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <yaml-cpp/exceptions.h>
 
+#include <cstring>
 #include <filesystem>
 #include <new>
 
+#include "base/account_limits.h"
 #include "base/log.h"
 
 namespace rumi {
@@ -21,6 +23,7 @@ std::string opencv_reason(const std::string& text) {
   const size_t error = text.find("error: (");
   const size_t begin = error == std::string::npos ? error : text.find(") ", error);
   if (begin == std::string::npos) return text;
+  if (text.find("Failed to allocate") != std::string::npos) return no_memory_text();
   const std::string reason = text.substr(begin + 2, text.find(" in function", begin) - begin - 2);
   return "OpenCV cannot work on an image: " + reason;
 }
@@ -38,17 +41,22 @@ std::string file_reason(const std::filesystem::filesystem_error& error) {
   return files.empty() ? reason : fmt::format("{}: {}", files, reason);
 }
 
+// What libfmt says of any file that it prints to: "cannot write to file: No space left on device".
+constexpr const char* kNotPrinted = "cannot write to file: ";
+
 }  // namespace
 
 std::string reason_of(const std::exception& thrown) {
   if (const auto* file = dynamic_cast<const std::filesystem::filesystem_error*>(&thrown)) return file_reason(*file);
-  if (dynamic_cast<const std::bad_alloc*>(&thrown)) return "there is not enough memory";
+  if (dynamic_cast<const std::bad_alloc*>(&thrown)) return no_memory_text();
   const std::string text = thrown.what();
   if (const auto* yaml = dynamic_cast<const YAML::Exception*>(&thrown))
     return yaml->mark.is_null() ? "YAML that cannot be read: " + yaml->msg
                                 : fmt::format("YAML that cannot be read: line {}: {}", yaml->mark.line + 1, yaml->msg);
+  if (text.starts_with(kNotPrinted)) return "cannot write: " + text.substr(std::strlen(kNotPrinted));
   if (text.starts_with("[json.exception.")) return json_reason(text);
   if (text.starts_with("OpenCV(")) return opencv_reason(text);
+  if (text.starts_with("pthread_create has failed")) return no_thread_text();  // TBB, for OpenCV
   return text.empty() ? "no reason given" : text;
 }
 

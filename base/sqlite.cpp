@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/sqlite.h"
 
+#include <cerrno>
 #include <utility>
+
+#include "base/account_limits.h"
 
 namespace rumi {
 
@@ -43,7 +46,14 @@ void Database::copy_from(Database& other) {
   if (step != SQLITE_DONE) throw SqliteError(step & 0xff, sqlite3_errstr(step));
 }
 
-void Database::fail(int code) const { throw SqliteError(code & 0xff, sqlite3_errmsg(db_)); }
+void Database::fail(int code) const {
+  // "disk I/O error" hides why, and where it rolled back meanwhile SQLite does not know any more.
+  if ((code & 0xff) == SQLITE_IOERR) {
+    const int reason = sqlite3_system_errno(db_);
+    if (reason != 0 || may_be_too_large()) throw SqliteError(code & 0xff, write_error_text(reason ? reason : EFBIG));
+  }
+  throw SqliteError(code & 0xff, sqlite3_errmsg(db_));
+}
 
 void Database::execute(const std::string& sql) {
   const int code = sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr);

@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 
+#include "base/account_limits.h"
 #include "base/process_name.h"
 
 namespace rumi {
@@ -25,7 +25,7 @@ bool sync_path(const std::string& path, int flags) {
 }
 
 std::string problem_with(const std::string& file) {
-  return fmt::format("cannot write {}: {}", file, std::strerror(errno));
+  return fmt::format("cannot write {}: {}", file, write_error_text(errno));
 }
 
 }  // namespace

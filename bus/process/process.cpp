@@ -8,6 +8,7 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <utility>
@@ -20,6 +21,7 @@
 #include "base/log.h"
 #include "base/process_name.h"
 #include "base/stage_clock.h"
+#include "base/standard_output.h"
 #include "bus/process/only_one.h"
 #include "bus/process/safe_node.h"
 #include "bus/transport/lcm_bus.h"
@@ -182,9 +184,7 @@ int complain(const Node& node) {
   return complaints.empty() ? static_cast<int>(kOk) : kNotAll;
 }
 
-}  // namespace
-
-int run_process(int argc, char** argv, const ProcessDescription& description) {
+int run(int argc, char** argv, const ProcessDescription& description) {
   catch_finish_signal();
   if (description.on_reload) catch_reload_signal();
   CommandLine app(description.summary, description.name);
@@ -231,6 +231,21 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     log_error("{}", reason_of(e));
     return kFailure;
   }
+}
+
+}  // namespace
+
+int run_process(int argc, char** argv, const ProcessDescription& description) {
+  std::string problem;
+  try {
+    const int exit_code = run(argc, argv, description);
+    problem = flush_stdout();  // of --help, --list and the like
+    if (problem.empty()) return exit_code;
+  } catch (const std::exception& e) {
+    problem = reason_of(e);
+  }
+  std::fputs(fmt::format("{}: {}\n", description.name, problem).c_str(), stderr);
+  return kFailure;
 }
 
 StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include "base/account_limits.h"
 
 namespace rumi {
 namespace {
@@ -160,13 +161,13 @@ bool LogWriter::write(int64_t utime_us, const std::string& channel, std::span<co
   event.data = const_cast<uint8_t*>(data.data());  // LCM only reads it
   errno = 0;
   if (log_->writeEvent(&event) == 0) return true;
-  error_ = fmt::format("{}: cannot be written ({})", name_, std::strerror(errno));
+  error_ = fmt::format("{}: cannot be written ({})", name_, write_error_text(errno));
   return false;
 }
 
 bool LogWriter::close() {
   if (log_ && std::fflush(log_->getFilePtr()) != 0 && error_.empty())
-    error_ = fmt::format("{}: cannot be written ({})", name_, std::strerror(errno));
+    error_ = fmt::format("{}: cannot be written ({})", name_, write_error_text(errno));
   log_.reset();
   return error_.empty();
 }

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "base/log.h"
+#include "base/standard_output.h"
 #include "base/whole_file.h"
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
@@ -121,7 +122,7 @@ void calibrate_from(const Arguments& arguments, const ViewCollector& collector) 
   if (collector.counts().taken == 0) fail_if(why_no_views(collector, source));
   if (!arguments.quiet)
     fmt::print("{}: {}\n{}", source, collector.counts().to_string(), collector.coverage().to_text());
-  std::fflush(stdout);
+  flush_stdout();
   if (!arguments.picture.empty()) fail_if(viewer_offscreen::write_png(draw_coverage(collector), arguments.picture));
   const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
   const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),

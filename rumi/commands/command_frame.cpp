@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "base/failures.h"
+#include "base/standard_output.h"
 
 namespace rumi::tool {
 
@@ -31,13 +32,15 @@ std::string check_writable(const std::string& file) {
 }
 
 void complain(const std::string& name, const std::string& what) {
-  std::fflush(stdout);
+  flush_stdout();
   std::fputs(("rumi " + name + ": " + what + "\n").c_str(), stderr);
 }
 
 int run_command(const std::string& name, const std::function<int()>& work) {
   try {
-    return work();
+    const int exit_code = work();
+    fail_if(flush_stdout());
+    return exit_code;
   } catch (const std::exception& e) {
     complain(name, reason_of(e));
     return dynamic_cast<const WrongOptions*>(&e) ? 2 : 1;

@@ -33,7 +33,8 @@ std::string check_writable(const std::string& file);
 // Says "rumi NAME: what" on stderr, behind what went to stdout. Does not throw where nobody reads it any more.
 void complain(const std::string& name, const std::string& what);
 
-// Returns what `work` returns, or the exit code for what it throws.
+// Returns what `work` returns, or the exit code for what it throws. What was printed and could not be written is an
+// error of every command.
 int run_command(const std::string& name, const std::function<int()>& work);
 
 // If the user calls `command`, `run` is run with its arguments. It returns the exit code, or nothing, which is 0.

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/log.h"
+#include "base/standard_output.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
 #include "rumi/commands/command_frame.h"
@@ -87,7 +88,7 @@ class Demo {
 
   void say(const std::string& what) {
     fmt::print("{}/4 {}\n", ++step_, what);
-    std::fflush(stdout);
+    flush_stdout();
   }
 
   void render() {

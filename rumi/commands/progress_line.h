@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <string>
 
 #include "base/log.h"
 
@@ -27,7 +28,7 @@ class ProgressLine {
       return;
     if (!terminal_ && 20 * (done - told_) < total) return;
     if (terminal_)
-      fmt::print(stderr, "\r{}\x1b[K", make_text());
+      say(fmt::format("\r{}\x1b[K", make_text()));
     else
       log_info("{}", make_text());
     last_ = Clock::now();
@@ -36,13 +37,15 @@ class ProgressLine {
   }
   // Takes the line away.
   void erase() {
-    if (shown_) fmt::print(stderr, "\r\x1b[K");
+    if (shown_) say("\r\x1b[K");
     shown_ = false;
   }
   double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
 
  private:
   using Clock = std::chrono::steady_clock;
+  // Not by fmt::print, which throws where nobody reads any more: a terminal that was closed.
+  static void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
   bool show_, terminal_ = isatty(STDERR_FILENO) != 0, shown_ = false;
   Clock::time_point begin_ = Clock::now(), last_ = begin_;
   int64_t told_ = 0;

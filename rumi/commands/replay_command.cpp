@@ -16,6 +16,7 @@
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/run/all_options.h"
+#include "rumi/run/stop_signals.h"
 
 namespace rumi::tool {
 namespace {
@@ -52,6 +53,7 @@ int replay(Arguments& arguments) {
   start_logging("rumi", arguments.verbose, arguments.quiet);
   tell_of_database(run.options.map_server);
   run.options_yaml = table.to_yaml(OptionTable::Which::kAll);
+  run.stop = &listen_to_stop_signals();
   ProgressLine line(!arguments.quiet);
   run.on_progress = [&line](const ReplayProgress& progress) {
     line.update(progress.frames, progress.total, [&] {
@@ -66,8 +68,12 @@ int replay(Arguments& arguments) {
     print_summary(outcome.counts, outcome.notes, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);
   }
+  if (outcome.stopped)
+    complain("replay",
+             fmt::format("ended by {} after {}{} images; {} has what there was by then", what_stopped(), outcome.images,
+                         outcome.total < 0 ? "" : fmt::format(" of {}", outcome.total), run.out));
   for (const std::string& complaint : outcome.complaints) complain("replay", complaint);
-  return outcome.complaints.empty() ? 0 : kNotAll;
+  return outcome.complaints.empty() && !outcome.stopped ? 0 : kNotAll;
 }
 
 }  // namespace

@@ -17,6 +17,7 @@
 #include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/reserved_space.h"
+#include "rumi/outputs/run_picture.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/run/metered_bus.h"
@@ -93,14 +94,15 @@ class WindowOutput {
 
 // All that differs from run to run is under cpu_ms_per_frame, cpu_ms_per_frame_by_stage, cpu_s, wall_s and
 // peak_rss_mb.
-ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, double run_cpu_s,
-                        double wall_s) {
+ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutput& windows, bool stopped,
+                        double run_cpu_s, double wall_s) {
   const int64_t frames = replay.progress().frames;
   ordered_json run{{"finished", true},
                    {"command", "replay"},
                    {"input", what.input},
                    {"options", options_to_json(what.options_yaml)},
                    {"images", frames}};
+  if (stopped) run["stopped_early"] = true;
   const camera_driver::SkippedFrames skipped = replay.skipped();
   run["skipped_images"] = {{"malformed", skipped.malformed},       {"duplicate", skipped.duplicate},
                            {"out_of_order", skipped.out_of_order}, {"unreadable", skipped.unreadable},
@@ -134,6 +136,9 @@ ordered_json run_record(const ReplayRun& what, Replay& replay, const WindowOutpu
 std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows, const ReplayRun& run) {
   const std::string& out = run.out;
   std::vector<std::string> missing = {replay.close_log(), windows.finish()};
+  // First what all else can be made of again.
+  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string());
+  missing.push_back(no_map);
   map_server::LandmarkColours colours;
   if (run.colours_of_videos || replay.recording().plays_few_quickly()) {
     const std::string thrown =
@@ -144,7 +149,7 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   for (const std::string& problem :
        write_run_outputs(replay.atlas(), out, replay.earlier_sessions(), colours, {camera.width, camera.height}))
     missing.push_back(problem);
-  missing.push_back(replay.store().write_copy((fs::path(out) / "map.db").string()));
+  if (no_map.empty()) missing.push_back(draw_run_picture(out));
   std::erase(missing, "");
   return missing;
 }
@@ -170,13 +175,15 @@ std::string check_log(const ReplayRun& run) {
 
 // Everything up to the end of the input, and what follows from it.
 void play(const ReplayRun& run, Replay* replay, ReplayOutcome* outcome) {
-  while (replay->step()) {
+  const auto asked_to_stop = [&run] { return run.stop && *run.stop; };
+  while (!asked_to_stop() && replay->step()) {
     const ReplayProgress progress = replay->progress();
     if (progress.frames == 1) outcome->begin_us = progress.utime_us;
     if (run.on_progress) run.on_progress(progress);
   }
   if (const std::string unfinished = replay->finish(); !unfinished.empty())
     outcome->warning = "not everything could be handed on at the end: " + unfinished;
+  outcome->stopped = asked_to_stop();
 }
 
 std::vector<std::string> what_is_left_out(Replay& replay, const WindowOutput& windows) {
@@ -219,7 +226,9 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   AllOptions options = run.options;
   options.viewer_offscreen.output = run.out;
   options.ruminator.scratch = run.out;
-  Replay replay(options, run.input, windows.hooks());
+  ReplayHooks hooks = windows.hooks();
+  hooks.stop = run.stop;
+  Replay replay(options, run.input, hooks);
   std::string& error = outcome.error;
   ReservedSpace reserved;
   if (!run.log.empty()) error = check_log(run);
@@ -234,7 +243,8 @@ ReplayOutcome run_replay(const ReplayRun& run) {
     reserved.release();
     const std::vector<std::string> missing = write_everything(replay, windows, run);
     outcome.wall_s = seconds_since(begin);
-    ordered_json record = run_record(run, replay, windows, process_cpu_s() - begin_cpu_s, outcome.wall_s);
+    ordered_json record =
+        run_record(run, replay, windows, outcome.stopped, process_cpu_s() - begin_cpu_s, outcome.wall_s);
     const std::string all_missing = note_missing(missing, run.out, &record);
     error = write_run_json(run.out, record);
     if (error.empty()) error = all_missing;
@@ -245,8 +255,10 @@ ReplayOutcome run_replay(const ReplayRun& run) {
   outcome.left_out = what_is_left_out(replay, windows);
   outcome.windows = windows.rows();
   outcome.images = replay.progress().frames;
+  outcome.total = replay.progress().total;
   outcome.complaints = replay.skipped().complaints(replay.decoded());
   if (const std::string& doubt = replay.calibration_doubt(); !doubt.empty()) outcome.complaints.push_back(doubt);
+  if (outcome.stopped) return outcome;  // of a part of a recording nobody expects a whole map
   if (const std::string why = why_no_pose(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   if (const std::string why = why_not_whole(run, outcome); !why.empty()) outcome.complaints.push_back(why);
   return outcome;

@@ -2,6 +2,7 @@
 // A replay from its options to its folder of outputs.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -20,20 +21,23 @@ struct ReplayRun {
   AllOptions options = {};
   std::string options_yaml = {};   // as the user asked for them, for run.json
   bool colours_of_videos = false;  // in map.ply; a video is decoded once more for them
-  bool is_only_one = true;         // in this process: then the peak of its memory is this run's
+  // Ends the recording where it becomes true; what there is is written. Null: nothing does.
+  const std::atomic<bool>* stop = nullptr;
+  bool is_only_one = true;  // in this process: then the peak of its memory is this run's
   std::function<void(const ReplayProgress&)> on_progress = {};  // after every image
 };
 
 struct ReplayOutcome {
   std::string error;                    // empty: all is written
   std::string warning;                  // what did not go as it should, though all is written
+  bool stopped = false;                 // by ReplayRun::stop
   std::vector<std::string> complaints;  // why not all of the recording is in the result, though it was computed
   AtlasCounts counts;
   std::vector<std::string> notes;     // see print_summary()
   std::vector<std::string> left_out;  // what the map lacks and why, a line each
   std::vector<WindowRow> windows;     // in the order in which they were rebuilt
-  int64_t images = 0;
-  int64_t begin_us = 0;  // of the first image
+  int64_t images = 0, total = -1;     // played, and in the recording (-1: nobody knows)
+  int64_t begin_us = 0;               // of the first image
   double wall_s = 0;
 };
 

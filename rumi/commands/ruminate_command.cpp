@@ -15,6 +15,7 @@
 #include "base/json_text.h"
 #include "base/log.h"
 #include "base/scratch_folder.h"
+#include "base/standard_output.h"
 #include "base/whole_file.h"
 #include "bus/process/process.h"
 #include "bus/transport/bus.h"
@@ -115,7 +116,7 @@ class Ruminate {
     rows_.push_back(make_window_row(name, read.job.window, result, truth_));
     const WindowRow& row = rows_.back();
     fmt::print("{}\n", arguments_.json ? json_text(to_json(row)) : window_table_line(row, !truth_.empty()));
-    std::fflush(stdout);
+    flush_stdout();
     if (!result.submap) return false;
     if (arguments_.out.empty()) return true;
     const std::string error = write_results(arguments_, name, *result.submap);

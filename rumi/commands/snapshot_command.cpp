@@ -16,6 +16,7 @@
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/masks.h"
 #include "rumi/outputs/output_folder.h"
+#include "rumi/outputs/run_picture.h"
 #include "rumi/outputs/run_record.h"
 #include "rumi/outputs/run_summary.h"
 #include "rumi/outputs/snapshot.h"
@@ -158,7 +159,8 @@ void take_snapshot(Arguments& arguments) {
   const OfRecording seen = look_at_recording(arguments, atlas, &missing);
   for (const std::string& problem : write_run_outputs(atlas, arguments.out, before, seen.colours, seen.image_size))
     missing.push_back(problem);
-  if (!copy_problem.empty()) missing.push_back(copy_problem);
+  const std::string no_picture = copy_problem.empty() ? draw_run_picture(arguments.out) : copy_problem;
+  if (!no_picture.empty()) missing.push_back(no_picture);
   const RunMasks masks = masks_of(atlas, before);
   nlohmann::ordered_json run = run_record(arguments, counts, masks, processes);
   const std::string all_missing = note_missing(missing, arguments.out, &run);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "base/json_text.h"
+#include "base/standard_output.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/live_status.h"
@@ -31,7 +32,7 @@ void print(const LiveStatus& status, const Arguments& arguments) {
   constexpr const char* kClearScreen = "\x1B[H\x1B[2J";
   if (arguments.follow && !arguments.json && isatty(STDOUT_FILENO)) fmt::print("{}", kClearScreen);
   fmt::print("{}", arguments.json ? json_text(status.to_json(), arguments.follow ? -1 : 2) + "\n" : status.to_text());
-  std::fflush(stdout);
+  flush_stdout();
 }
 
 void tell(const Arguments& arguments) {
@@ -42,7 +43,7 @@ void tell(const Arguments& arguments) {
     fail_if(
         fmt::format("nothing is heard on {}; is Rumi running, with the same --lcm-url and prefix?", arguments.lcm_url));
   print(status, arguments);
-  while (arguments.follow && std::fflush(stdout) == 0) {
+  while (arguments.follow && flush_stdout().empty()) {
     listen(*bus, kRefresh);
     print(status, arguments);
   }

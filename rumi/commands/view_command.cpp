@@ -17,7 +17,7 @@ namespace rumi::tool {
 namespace {
 
 struct Arguments {
-  std::string map, out, groundtruth, view = "all";
+  std::string map, out, groundtruth, title, view = "all";
   TruthOptions truth;
 };
 
@@ -30,7 +30,7 @@ const std::map<std::string, std::optional<viewer_offscreen::ViewKind>> kViews = 
 
 void view(const Arguments& arguments) {
   const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
-  AtlasPicture shown = make_picture(atlas, arguments.map);
+  AtlasPicture shown = make_picture(atlas, arguments.title.empty() ? arguments.map : arguments.title);
   viewer_offscreen::MapPicture& picture = shown.picture;
   if (!arguments.groundtruth.empty()) {
     const TruthFile truth = read_groundtruth(arguments.groundtruth, arguments.truth);
@@ -57,6 +57,7 @@ void add_view_command(CommandLine& app, std::function<int()>* chosen) {
                    "the truth counts images at this rate, Hz, see `rumi evaluate`; 0: it has times")
       ->not_negative()
       ->show_default();
+  command->add_option("--title", arguments->title, "above the picture (MAP)")->type_name("TEXT");
   command->add_option("--view", arguments->view, "all, or one that fills the picture: oblique, top, side, follow")
       ->one_of({"all", "oblique", "top", "side", "follow"})
       ->show_default();

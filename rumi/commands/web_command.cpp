@@ -9,6 +9,7 @@
 
 #include "base/failures.h"
 #include "base/log.h"
+#include "base/standard_output.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/program_folder.h"
@@ -47,7 +48,7 @@ void serve(const Arguments& arguments) {
       std::make_unique<WebNode>(*bus, PageFiles(page_folder_of(own_folder())), bus_name,
                                 [&](const std::string& event, const std::string& data) { server.tell(event, data); });
   fmt::print("http://127.0.0.1:{} shows the system on this bus; Ctrl-C ends it\n", server.port());
-  std::fflush(stdout);
+  flush_stdout();
   Failures failures("a step");
   while (!g_stop) {
     bus->dispatch(kWaitMs);

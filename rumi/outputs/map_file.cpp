@@ -8,14 +8,12 @@
 #include <set>
 #include <stdexcept>
 
-#include "base/failures.h"
 #include "base/file_access.h"
 #include "base/scratch_folder.h"
 #include "base/temporary_folder.h"
 #include "base/whole_file.h"
 #include "bus/transport/log_file.h"
 #include "rumi/outputs/masks.h"
-#include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
 
@@ -75,13 +73,6 @@ std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const
   std::vector<std::string> problems = map_server::write_outputs(atlas, folder, after, colours);
   for (const std::string& problem : write_masks(masks_of(atlas, after), folder, image_size))
     problems.push_back(problem);
-  const std::string picture = (fs::path(folder) / "trajectory.png").string();
-  std::string problem;
-  const std::string thrown = thrown_by([&] {
-    problem = viewer_offscreen::write_png(viewer_offscreen::draw_map(make_picture(atlas, "Rumi").picture), picture);
-  });
-  if (!thrown.empty()) problem = fmt::format("cannot write {}: {}", picture, thrown);
-  if (!problem.empty()) problems.push_back(problem);
   return problems;
 }
 

@@ -38,8 +38,8 @@ struct AtlasPicture {
 };
 AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title);
 
-// trajectory.txt, submaps/, frames.csv, masks (of sessions `after` that one), map.ply and trajectory.png (of all). What
-// can be written is written; returns what could not, a line each. image_size: that of the masks, see write_masks().
+// trajectory.txt, submaps/, frames.csv, masks (of sessions `after` that one) and map.ply (of all). What can be written
+// is written; returns what could not, a line each. image_size: that of the masks, see write_masks().
 std::vector<std::string> write_run_outputs(const map_server::Atlas& atlas, const std::string& folder,
                                            int64_t after = map_server::kNoSession,
                                            const map_server::LandmarkColours& colours = {},

@@ -11,6 +11,7 @@
 #include <set>
 #include <span>
 
+#include "base/account_limits.h"
 #include "base/exit_codes.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/camera_file.h"
@@ -40,7 +41,8 @@ std::string write_file(const fs::path& file, std::span<const uint8_t> bytes) {
   stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   stream.close();
   if (stream) return {};
-  return fmt::format("{}: cannot be written: {}", file.string(), errno != 0 ? std::strerror(errno) : "unknown reason");
+  return fmt::format("{}: cannot be written: {}", file.string(),
+                     errno != 0 ? write_error_text(errno) : "unknown reason");
 }
 
 std::string write_text(const fs::path& file, const std::string& text) {

@@ -57,6 +57,10 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   ruminator_hooks.on_job = hooks.on_window;
   ruminator_hooks.on_built = hooks.on_rebuilt;
   if (ruminator.rebuild) ruminator_hooks.use(ruminator::colmap_builder(ruminator.build));
+  if (hooks.stop && ruminator.rebuild)
+    ruminator_hooks.builder = [build = ruminator_hooks.builder, stop = hooks.stop](
+                                  const auto& job, const std::string& folder, const auto& progress,
+                                  const std::atomic<bool>&) { return build(job, folder, progress, *stop); };
   add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks);
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // In a replay the clock does not tell one session from another: every folder of images begins at 0.

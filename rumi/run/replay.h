@@ -3,6 +3,7 @@
 // same result to the bit however fast that is.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -43,6 +44,7 @@ struct ReplayProgress {
 struct ReplayHooks {
   std::function<void(const ruminator::WindowJob&)> on_window;  // every window, complete
   std::function<void(const ruminator::RuminationWindow&, const ruminator::BuildResult&)> on_rebuilt;
+  const std::atomic<bool>* stop = nullptr;  // calls off the rebuilding of windows where it becomes true; may be null
 };
 
 class Replay {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/account_limits.h"
 #include "base/failures.h"
 #include "bus/wire/camera_file.h"
 #include "rumi/synth/sequence_renderer.h"
@@ -24,7 +25,7 @@ std::string write_file(const fs::path& file, const char* data, size_t size) {
   std::ofstream out(file, std::ios::binary);
   out.write(data, static_cast<std::streamsize>(size));
   out.close();
-  return out ? std::string() : fmt::format("{}: cannot be written: {}", file.string(), std::strerror(errno));
+  return out ? std::string() : fmt::format("{}: cannot be written: {}", file.string(), write_error_text(errno));
 }
 
 std::string write_file(const fs::path& file, const std::string& text) {

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include "base/account_limits.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -29,7 +30,7 @@ class Writer {
   }
   std::string finish() {
     out_.close();
-    return out_ ? "" : fmt::format("{}: cannot be written: {}", name_, std::strerror(errno));
+    return out_ ? "" : fmt::format("{}: cannot be written: {}", name_, write_error_text(errno));
   }
 
  private:

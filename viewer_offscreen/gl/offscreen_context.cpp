@@ -3,9 +3,14 @@
 
 #include <array>
 #include <cstdlib>
+#include <future>
+#include <opencv2/core/utility.hpp>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <vector>
 
+#include "base/account_limits.h"
 #include "viewer_offscreen/gl/gl.h"
 #include "viewer_offscreen/gl/gl_platform.h"
 
@@ -24,7 +29,37 @@ struct OffscreenContext::Handle {
 
 namespace {
 
+// Mesa's llvmpipe waits for ever for a thread that it cannot have (a limit of processes, or of memory). Without any it
+// draws the same, and pictures of our size as fast. Whoever has set the variable knows why.
+void draw_without_threads() {
+  static const int once = setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);
+  (void)once;
+}
+
+bool can_have_threads(int count) {
+  std::vector<std::thread> threads;
+  std::promise<void> end;
+  const std::shared_future<void> ended = end.get_future();
+  bool all = true;
+  try {
+    for (int i = 0; i < count; ++i) threads.emplace_back([ended] { ended.wait(); });
+  } catch (const std::system_error&) {
+    all = false;
+  }
+  end.set_value();
+  for (std::thread& thread : threads) thread.join();
+  return all;
+}
+
+// OpenCV, with which a picture is made ready, throws in the same plight.
+void spare_threads_of_opencv() {
+  static const bool can = can_have_threads(cv::getNumThreads());
+  if (!can) cv::setNumThreads(1);
+}
+
 std::unique_ptr<GlPlatform> open_platform() {
+  draw_without_threads();
+  spare_threads_of_opencv();
   const char* variable = std::getenv("RUMI_OPENGL");
   const std::string wanted = variable ? variable : "";
   if (wanted == "osmesa") return open_osmesa();
@@ -56,6 +91,9 @@ void load_functions(const GlPlatform& platform) {
 
 void check_complete() {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  // Of a buffer that was just asked for.
+  if (status == GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT)
+    throw std::runtime_error("OpenGL gives no image to draw into: " + no_memory_text());
   if (status != GL_FRAMEBUFFER_COMPLETE)
     throw std::runtime_error("OpenGL framebuffer is incomplete, status " + std::to_string(status));
 }

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <stdexcept>
+#include <string>
 
+#include "base/account_limits.h"
 #include "viewer_offscreen/gl/gl_platform.h"
 
 namespace rumi::viewer_offscreen {
@@ -19,13 +21,27 @@ using MakeCurrent = GLboolean (*)(Context, void* buffer, GLenum type, GLsizei wi
 using DestroyContext = void (*)(Context);
 using GetProcAddress = GlPlatform::Function (*)(const char* name);
 
+constexpr const char* kLibrary = "libOSMesa.so.8";
+
+// It may be there and not fit into the memory, or lack another library: only the loader knows, and tells in words of
+// the last one that it was asked for.
+std::string why_not_loaded() {
+  void* const again = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
+  const char* said = again ? nullptr : dlerror();
+  const std::string text = said ? said : "no reason given", name = kLibrary;
+  const auto says = [&text](const char* part) { return text.find(part) != std::string::npos; };
+  if (says("map segment") || says("allocate memory"))
+    return name + " cannot be loaded: " + no_memory_text("not enough memory to map it");
+  return says(kLibrary) && says("No such file") ? name + " is not installed" : name + " cannot be loaded: " + text;
+}
+
 class Osmesa : public GlPlatform {
  public:
   Osmesa() {
     // Never unloaded: its renderer leaves threads and thread-local data behind.
-    for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6"})
+    for (const char* name : {kLibrary, "libOSMesa.so.6"})
       if (!library_) library_ = dlopen(name, RTLD_NOW | RTLD_LOCAL);
-    if (!library_) throw std::runtime_error("libOSMesa.so.8 is not installed");
+    if (!library_) throw std::runtime_error(why_not_loaded());
     load("OSMesaMakeCurrent", &make_current_);
     load("OSMesaDestroyContext", &destroy_);
     load("OSMesaGetProcAddress", &get_proc_address_);

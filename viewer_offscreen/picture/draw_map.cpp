@@ -9,6 +9,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/account_limits.h"
 #include "viewer_offscreen/picture/renderer.h"
 
 namespace rumi::viewer_offscreen {
@@ -30,7 +31,7 @@ std::string write_png(const cv::Mat& picture, const std::string& file) {
   out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   out.close();
   if (!out || std::rename(unfinished.c_str(), file.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
+    const std::string reason = write_error_text(errno);
     std::remove(unfinished.c_str());
     return fmt::format("{}: cannot be written: {}", file, reason);
   }

@@ -184,7 +184,7 @@ TEST_F(MapFileTest, SaysWhatIsWrongWithTheFile) {
 TEST_F(MapFileTest, OutputsAreWhatTheAtlasHolds) {
   const map_server::Atlas atlas = make_test_atlas();
   EXPECT_THAT(write_run_outputs(atlas, folder_.string()), IsEmpty());
-  for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply", "trajectory.png"}) {
+  for (const char* name : {"trajectory.txt", "submaps/001.txt", "frames.csv", "map.ply"}) {
     EXPECT_TRUE(fs::exists(folder_ / name)) << name;
   }
   const AtlasCounts counts = count(atlas);

@@ -62,7 +62,7 @@ TEST(RunOutputs, WhatFitsIsWrittenAndWhatDoesNotIsNamed) {
   const std::vector<std::string> missing = write_run_outputs(make_test_atlas(), folder.path().string());
   ASSERT_EQ(missing.size(), 1);
   EXPECT_THAT(missing[0], HasSubstr("map.ply"));
-  EXPECT_TRUE(fs::exists(folder / "trajectory.png"));
+  EXPECT_TRUE(fs::exists(folder / "trajectory.txt"));
   nlohmann::ordered_json run;
   EXPECT_THAT(note_missing(missing, "out", &run),
               AllOf(HasSubstr("map.ply"), HasSubstr("what could be written is in out")));

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Long work that ends early when the user asks for it, and keeps what is done.
+#pragma once
+
+#include <atomic>
+#include <string>
+
+namespace rumi::tool {
+
+// From now on Ctrl-C, SIGTERM, a closed terminal (SIGHUP) and the soft limit of CPU time (SIGXCPU) set what is
+// returned. Who presses Ctrl-C (or sends SIGTERM) twice waits for nobody: the process ends at once.
+const std::atomic<bool>& listen_to_stop_signals();
+
+// What asked for the end: "Ctrl-C", "SIGTERM", ...; empty if nothing did.
+std::string what_stopped();
+
+}  // namespace rumi::tool
