@@ -4,6 +4,7 @@
 
 #include "base/cpu_clock.h"
 #include "bus/transport/bus.h"
+#include "bus/transport/handler.h"
 
 namespace rumi::tool {
 
@@ -29,9 +30,9 @@ class MeteredBus : public Bus {
     return bus_.publish_raw(channel, data);
   }
   void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override {
-    bus_.subscribe_raw(channel, queue, [cpu_s = cpu_s_, handler = std::move(handler)](std::span<const uint8_t> data) {
-      const CpuTimer timer(cpu_s);
-      return handler(data);
+    bus_.subscribe_raw(channel, queue, [this, channel, handler = std::move(handler)](std::span<const uint8_t> data) {
+      const CpuTimer timer(cpu_s_);
+      return handle_safely(handler, channel, data, now_us(), &broken_handlers());
     });
   }
   int dispatch(int timeout_ms) override { return bus_.dispatch(timeout_ms); }

@@ -34,7 +34,7 @@ NodeType* Replay::add(const std::string& name, const Arguments&... arguments) {
   component->bus = std::make_unique<MeteredBus>(bus_, &component->cpu_s);
   auto node = std::make_unique<NodeType>(*component->bus, arguments...);
   NodeType* result = node.get();
-  component->node = std::make_unique<SafeNode>(std::move(node));
+  component->node = std::make_unique<SafeNode>(std::move(node), &component->bus->broken_handlers());
   components_.push_back(std::move(component));
   return result;
 }
@@ -155,8 +155,9 @@ ReplayProgress Replay::progress() {
 std::vector<std::string> Replay::broken() const {
   std::vector<std::string> lines;
   for (const auto& component : components_)
-    if (component->node->failures().count() > 0)
-      lines.push_back(component->name + ": " + component->node->failures().text());
+    for (const Failures* failures :
+         std::initializer_list<const Failures*>{&component->node->failures(), &component->bus->broken_handlers()})
+      if (failures->count() > 0) lines.push_back(component->name + ": " + failures->text());
   return lines;
 }
 
