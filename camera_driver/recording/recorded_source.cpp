@@ -200,6 +200,16 @@ void RecordedSource::play_again(const std::set<int64_t>& utimes_us) {
   reported_ = true;
 }
 
+std::filesystem::path RecordedSource::image_folder() const {
+  std::filesystem::path folder = reader_->file(0).parent_path();
+  for (size_t frame = 1; frame < reader_->utimes().size() && !folder.empty(); ++frame) {
+    const std::filesystem::path inner = reader_->file(frame).parent_path();
+    while (!folder.empty() && inner != folder && inner.lexically_relative(folder).string().starts_with(".."))
+      folder = folder.has_relative_path() ? folder.parent_path() : "";
+  }
+  return folder;
+}
+
 int64_t RecordedSource::new_time(const OrderedFrame& frame) {
   const int64_t index = taken_++;
   const OrderedFrame& first = frames_.front();

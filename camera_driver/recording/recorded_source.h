@@ -30,6 +30,8 @@ class RecordedSource : public ImageSource {
   const SkippedFrames& skipped() const override { return skipped_; }
   void play_again(const std::set<int64_t>& utimes_us) override;
   bool plays_few_quickly() const override { return reader_->loads_any_frame_alone(); }
+  std::filesystem::path file_of_last() const override { return reader_->file(fetched_); }
+  std::filesystem::path image_folder() const override;
 
  private:
   std::string plan();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
@@ -67,6 +68,10 @@ class ImageSource {
   virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
   // Whether playing few images again costs little: a video is decoded from its beginning on.
   virtual bool plays_few_quickly() const { return true; }
+  // The file of the image that was handed out last, and the deepest folder that has all images of the recording; empty
+  // where images have no files.
+  virtual std::filesystem::path file_of_last() const { return {}; }
+  virtual std::filesystem::path image_folder() const { return {}; }
   // A camera's controls are from now on these.
   virtual void set_controls(const CameraControls& /*controls*/) {}
 };

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <utility>
@@ -116,29 +117,60 @@ void add_point(const MapModel& map, const MapModel::Point& point, const Landmark
   }
 }
 
-// COLMAP knows an image by its name. The times of several recordings may be the same.
-std::string image_name(const ImageId& image, bool of_several_streams) {
-  const std::string name = seconds_text(image.utime_us) + ".jpg";
-  return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
-}
-
-ColmapExport make_model(const Atlas& atlas, const LandmarkColours& colours) {
+MapModel joined(const Atlas& atlas) {
   std::map<SubmapKey, PlacedSubmap> placed;
   for (const auto& [key, owner] : atlas.submaps())
     if (owner.in_map) placed[key] = {&owner.submap, owner.placement};
-  const MapModel map = join(placed, kSameKeypointPx);
+  return join(placed, kSameKeypointPx);
+}
+
+std::vector<ImageId> images_of(const MapModel& map) {
+  std::vector<ImageId> images;
+  for (const MapModel::View& view : map.views) images.push_back(view.image);
+  return images;
+}
+
+// From pixels of the tracked image to those of its file, which is larger where max_image_side made it smaller.
+class ToFile {
+ public:
+  ToFile(const Camera& tracked, const ImageFile* file) {
+    if (!file) return;
+    x_ = static_cast<double>(file->width) / tracked.width;
+    y_ = static_cast<double>(file->height) / tracked.height;
+    width_ = file->width, height_ = file->height;
+  }
+  // In COLMAP's pixels.
+  Eigen::Vector2d operator()(const Eigen::Vector2d& pixel) const {
+    return (pixel.array() + kPixelShift) * Eigen::Array2d(x_, y_);
+  }
+  Camera operator()(Camera camera) const {
+    if (width_ == 0) return camera;
+    const Eigen::Vector2d centre = (*this)({camera.cx, camera.cy});
+    camera.cx = centre.x() - kPixelShift, camera.cy = centre.y() - kPixelShift;
+    camera.fx *= x_, camera.fy *= y_;
+    camera.width = width_, camera.height = height_;
+    return camera;
+  }
+
+ private:
+  double x_ = 1, y_ = 1;
+  int width_ = 0, height_ = 0;
+};
+
+ColmapExport make_model(const Atlas& atlas, const LandmarkColours& colours, const ImageFiles& files) {
+  const MapModel map = joined(atlas);
+  const std::vector<ImageId> images = images_of(map);
   ColmapExport model;
-  const bool of_several_streams = std::any_of(map.views.begin(), map.views.end(), [&](const MapModel::View& view) {
-    return view.image.stream != map.views.front().image.stream;
-  });
   for (const MapModel::View& view : map.views) {
+    const auto file = files.find(view.image);
+    const ToFile to_file(view.camera, file == files.end() ? nullptr : &file->second);
     ExportedImage& image = model.images.emplace_back();
     image.id = static_cast<uint32_t>(model.images.size());
-    image.camera = camera_id(view.camera, &model);
+    image.camera = camera_id(to_file(view.camera), &model);
     image.cam_from_map = view.cam_from_map;
-    image.name = image_name(view.image, of_several_streams);
+    image.name = file == files.end() ? colmap_name(view.image, images) : file->second.name;
     for (const Keypoint& keypoint : view.features->keypoints)
-      image.points.emplace_back(keypoint.pixel.cast<double>().array() + kPixelShift, kNoPoint);
+      image.points.emplace_back(to_file(keypoint.pixel.cast<double>()), kNoPoint);
   }
   for (const MapModel::Point& point : map.points) add_point(map, point, colours, &model);
   return model;
@@ -226,21 +258,38 @@ std::string write_binary(const ColmapExport& model, const fs::path& folder) {
 }
 
 std::string with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
-                        std::string (*write)(const ColmapExport&, const fs::path&)) {
+                        const ImageFiles& files, std::string (*write)(const ColmapExport&, const fs::path&)) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return fmt::format("cannot create {}: {}", folder, error.message());
-  return write(make_model(atlas, colours), folder);
+  return write(make_model(atlas, colours, files), folder);
 }
 
 }  // namespace
 
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours) {
-  return with_folder(folder, atlas, colours, write_text);
+std::vector<ImageId> colmap_images(const Atlas& atlas) { return images_of(joined(atlas)); }
+
+// COLMAP knows an image by its name. The times of several recordings may be the same.
+std::string colmap_name(const ImageId& image, const std::vector<ImageId>& images) {
+  const std::string name = seconds_text(image.utime_us) + ".jpg";
+  const bool of_several_streams =
+      std::any_of(images.begin(), images.end(), [&](const ImageId& other) { return other.stream != image.stream; });
+  return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
 }
 
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours) {
-  return with_folder(folder, atlas, colours, write_binary);
+std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                              const ImageFiles& files) {
+  // There a name ends at the first space.
+  for (const auto& [image, file] : files)
+    if (file.name.find(' ') != std::string::npos)
+      return fmt::format("'{}' has a space, which no name in COLMAP's text may have: give --format colmap-bin",
+                         file.name);
+  return with_folder(folder, atlas, colours, files, write_text);
+}
+
+std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                                const ImageFiles& files) {
+  return with_folder(folder, atlas, colours, files, write_binary);
 }
 
 }  // namespace rumi::map_server

@@ -2,11 +2,13 @@
 // rumi evaluate OUT [--groundtruth F]: how good the outputs of a run are.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 
 #include "base/json_text.h"
+#include "base/number_text.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/run_evaluation.h"
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
 struct Arguments {
-  std::string out, groundtruth;
+  std::string out, groundtruth, truth_shift = "0";
   bool json = false;
   TruthOptions truth;
   MetricOptions metrics;
@@ -90,8 +92,19 @@ void choose_truth(Arguments& arguments) {
       rate.is_number() && rate.get<double>() > 0 ? rate.get<double>() : found.frames_per_second;
 }
 
+// What is wrong, or an empty string.
+std::string read_shift(Arguments& arguments) {
+  arguments.truth.shift_s.reset();
+  if (arguments.truth_shift == "auto") return {};
+  arguments.truth.shift_s = parse_number<double>(without_plus(arguments.truth_shift));
+  constexpr double kLongest = 1e9;  // two clocks may count from anywhere
+  if (arguments.truth.shift_s && std::abs(*arguments.truth.shift_s) <= kLongest) return {};
+  return fmt::format("--truth-shift is '{}': must be a number of seconds, or auto", arguments.truth_shift);
+}
+
 void evaluate(Arguments& arguments) {
   RunEvaluation evaluation;
+  refuse_if(read_shift(arguments));
   choose_truth(arguments);
   fail_if(evaluate_folder(arguments.out, arguments.groundtruth, arguments.truth, arguments.metrics, &evaluation,
                           read_truth));
@@ -129,6 +142,12 @@ void add_evaluate_command(CommandLine& app, std::function<int()>* chosen) {
           "the truth's first column counts images at this rate, Hz (ICL-NUIM), or there are no times (KITTI); 0: "
           "there are")
       ->not_negative()
+      ->show_default();
+  command
+      ->add_option("--truth-shift", arguments->truth_shift,
+                   "added to the times of the truth, whose clock may be another one, s; auto: what makes the error "
+                   "half as large or less, if anything clearly does")
+      ->type_name("SECONDS")
       ->show_default();
   command
       ->add_option("--max-time-difference", arguments->metrics.max_time_difference_s,

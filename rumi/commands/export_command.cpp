@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // rumi export and rumi import: recordings to and from the formats of other programs.
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "base/log.h"
@@ -10,6 +11,7 @@
 #include "rumi/commands/recording_options.h"
 #include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/import_log.h"
+#include "rumi/run/stop_signals.h"
 
 namespace rumi::tool {
 namespace {
@@ -24,6 +26,7 @@ template <class Options, int (*work)(const Options&)>
 int run(Arguments<Options>& arguments) {
   load_recording_options(arguments.settings, &arguments.options.camera);
   start_logging("rumi", false, false);
+  if constexpr (std::is_same_v<Options, ExportOptions>) arguments.options.stop = &listen_to_stop_signals();
   return work(arguments.options);
 }
 

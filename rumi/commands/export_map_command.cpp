@@ -14,6 +14,7 @@
 #include "map_server/outputs/writers.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
+#include "rumi/outputs/colmap_images.h"
 #include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/map_file.h"
 
@@ -29,9 +30,9 @@ struct Arguments {
 };
 
 std::string write_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
-                      const std::string& out, const std::string& format) {
-  if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours);
-  if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours);
+                      const map_server::ImageFiles& files, const std::string& out, const std::string& format) {
+  if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours, files);
+  if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours, files);
   std::error_code error;
   fs::create_directories(out, error);
   if (error) return fmt::format("{}: cannot be made: {}", out, error.message());
@@ -39,12 +40,9 @@ std::string write_map(const map_server::Atlas& atlas, const map_server::Landmark
   return map_server::write_trajectory_tum(atlas, (fs::path(out) / "trajectory.txt").string());
 }
 
-// Throws what is wrong with the recording.
-map_server::LandmarkColours colours_from(const Arguments& arguments, const map_server::Atlas& atlas) {
-  start_logging("rumi", false, false);
-  const camera_driver::OpenedSource recording = camera_driver::open_recording(arguments.images, arguments.camera);
-  fail_if(recording.error);
-  const SeenColours seen = landmark_colours(atlas, *recording.source);
+map_server::LandmarkColours colours_from(const Arguments& arguments, const map_server::Atlas& atlas,
+                                         camera_driver::ImageSource& recording) {
+  const SeenColours seen = landmark_colours(atlas, recording);
   if (seen.seen == 0 && seen.keyframes > 0)
     fail_if(
         fmt::format("{}: has none of the {} images that {} was made of: is it of another recording, or of other times "
@@ -54,6 +52,20 @@ map_server::LandmarkColours colours_from(const Arguments& arguments, const map_s
       "{}: {} of the {} images of keyframes; landmarks that none of them shows have the colour of their submap\n",
       arguments.images, seen.seen, seen.keyframes);
   return seen.colours;
+}
+
+// Says where COLMAP finds the images.
+map_server::ImageFiles files_from(const Arguments& arguments, const map_server::Atlas& atlas,
+                                  camera_driver::ImageSource& recording) {
+  const ColmapImages images = find_colmap_images(atlas, recording, arguments.out);
+  fmt::print("{} {}: for COLMAP --image_path {}\n",
+             images.are_written ? "the recording has no files of images: those of the keyframes were written into"
+                                : "images are named by their files in",
+             images.folder, images.folder);
+  if (const int64_t seen = static_cast<int64_t>(images.files.size()); seen < images.keyframes)
+    complain("export-map", fmt::format("{} of the {} images of the map are not in {}: their names are their times",
+                                       images.keyframes - seen, images.keyframes, arguments.images));
+  return images.files;
 }
 
 // Throws WrongOptions.
@@ -71,10 +83,22 @@ void read_options(Arguments& arguments) {
 void export_map(Arguments& arguments) {
   read_options(arguments);
   const map_server::Atlas atlas = load_map(map_database_at(arguments.map));
+  const bool for_colmap = arguments.format.starts_with("colmap");
   map_server::LandmarkColours colours;
-  if (!arguments.images.empty()) colours = colours_from(arguments, atlas);
-  fail_if(write_map(atlas, colours, arguments.out, arguments.format));
+  map_server::ImageFiles files;
+  if (!arguments.images.empty()) {
+    start_logging("rumi", false, false);
+    const camera_driver::OpenedSource recording = camera_driver::open_recording(arguments.images, arguments.camera);
+    fail_if(recording.error);
+    colours = colours_from(arguments, atlas, *recording.source);
+    if (for_colmap) files = files_from(arguments, atlas, *recording.source);
+  }
+  fail_if(write_map(atlas, colours, files, arguments.out, arguments.format));
   fmt::print("{} written to {}\n", arguments.format, arguments.out);
+  if (for_colmap && arguments.images.empty())
+    fmt::print(
+        "the names of images are their times, and no files: with --images RECORDING they are those that COLMAP "
+        "finds\n");
 }
 
 }  // namespace
@@ -92,9 +116,11 @@ void add_export_map_command(CommandLine& app, std::function<int()>* chosen) {
       ->required()
       ->one_of({"colmap-text", "colmap-bin", "ply", "tum"});
   command
-      ->add_option("--images", arguments->images,
-                   "the recording that the map was made of: landmarks get the colours of its images (without: a colour "
-                   "for each submap); where it was played with --rate, give that again, with --every and --start")
+      ->add_option(
+          "--images", arguments->images,
+          "the recording that the map was made of: landmarks get the colours of its images (without: a colour "
+          "for each submap), and COLMAP's images the names of its files (of a video, log or bag they are "
+          "written into FOLDER/images); where it was played with --rate, give that again, with --every and --start")
       ->type_name("RECORDING");
   camera_driver::add_flags(*command, {"--camera", "--every", "--start", "--rate", "--log-channel"},
                            &arguments->settings);

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "rumi/evaluation/truth_shift.h"
 #include "slam/numeric/median.h"
 
 namespace rumi::tool {
@@ -121,6 +122,27 @@ std::string doubt_about_unit(const std::vector<TimedPose>& truth) {
       speed);
 }
 
+// As asked for; otherwise tells where a shift would do much better.
+void shift_truth(const TruthOptions& asked, const std::vector<TimedPose>& map, const MetricOptions& options,
+                 TruthFile* truth, RunEvaluation* evaluation) {
+  evaluation->truth_shift_s = asked.shift_s.value_or(0);
+  truth->poses = shifted(std::move(truth->poses), evaluation->truth_shift_s);
+  if (const std::optional<TruthShift> better = find_truth_shift(map, truth->poses, options)) {
+    const double seconds = evaluation->truth_shift_s + better->seconds;
+    if (asked.shift_s)
+      return truth->notes.push_back(
+          fmt::format("the truth seems to be {}: ATE {:.4f} m if it is shifted by {:+.2f} s (--truth-shift {:.2f})",
+                      better->seconds < 0 ? "late" : "early", better->ate_rmse_m, seconds, seconds));
+    truth->poses = shifted(std::move(truth->poses), better->seconds);
+    evaluation->truth_shift_s = seconds;
+  } else if (!asked.shift_s) {
+    truth->notes.push_back(
+        "--truth-shift auto: no shift makes the error half as large, or the path is too even to tell: not shifted");
+  }
+  if (evaluation->truth_shift_s != 0)
+    truth->notes.push_back(fmt::format("the truth is shifted by {:+.2f} s", evaluation->truth_shift_s));
+}
+
 }  // namespace
 
 std::string evaluate_folder(const std::string& folder, const std::string& groundtruth,
@@ -138,6 +160,7 @@ std::string evaluate_folder(const std::string& folder, const std::string& ground
   if (!truth.ok()) return truth.error;
   MetricOptions metric_options = asked_metrics;
   metric_options.truth_has_rotations = truth.has_rotations;
+  shift_truth(truth_options, map.poses, metric_options, &truth, evaluation);
 
   std::vector<fs::path> files;
   std::error_code no_folder;
@@ -216,6 +239,7 @@ ordered_json to_json(const RunEvaluation& evaluation) {
       {"cpu_ms_per_frame", evaluation.cpu_ms_per_frame},
       {"images_with_truth", run.frames_with_truth},
       {"truth_has_rotations", evaluation.truth_has_rotations},
+      {"truth_shift_s", evaluation.truth_shift_s},
       {"notes", evaluation.notes},
       {"reason", run.map.reason},
   };

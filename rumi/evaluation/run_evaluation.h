@@ -26,6 +26,7 @@ struct RunEvaluation {
   Honesty honesty;  // of the deviations in frames.csv
   std::vector<TimedPose> truth;
   bool truth_has_rotations = true;
+  double truth_shift_s = 0;                 // that was added to its times
   std::vector<std::string> notes;           // on the truth: what was decided, or left out
   nlohmann::ordered_json cpu_ms_per_frame;  // by component, from run.json; null if it is not there
 };

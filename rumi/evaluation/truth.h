@@ -24,6 +24,8 @@ struct TruthOptions {
   double frames_per_second = 0;
   // Helps to tell units of time, and numbers of images from times.
   std::optional<RunTimes> run = {};
+  // Added to all times by evaluate_folder(), s. Nothing: that of find_truth_shift(), if there is one.
+  std::optional<double> shift_s = 0;
 };
 
 struct TruthFile {

@@ -6,7 +6,7 @@
 
 namespace rumi::tool {
 
-// An lcm log; the time of an event is that of its image.
+// An lcm log; the time of an event is that of its image. It has its name once it is whole.
 class LogSink : public ImageSink {
  public:
   LogSink(const std::string& file, std::string channel);
@@ -16,7 +16,7 @@ class LogSink : public ImageSink {
   std::string content() const override;
 
  private:
-  std::string file_, channel_;
+  std::string file_, temporary_, channel_;
   LogWriter log_;
   bool is_whole_ = false;
 };

@@ -23,11 +23,11 @@ int fail(const std::string& problem) {
   return 1;
 }
 
-int64_t write_all(camera_driver::ImageSource& source, ImageSink& sink) {
+int64_t write_all(camera_driver::ImageSource& source, ImageSink& sink, const std::atomic<bool>* stop) {
   constexpr std::chrono::seconds kProgress{5};
   auto last = std::chrono::steady_clock::now();
   int64_t count = 0;
-  while (const std::optional<image_t> image = source.next()) {
+  while (const std::optional<image_t> image = stop && *stop ? std::nullopt : source.next()) {
     if (!sink.write(*image)) return count;
     ++count;
     if (const auto now = std::chrono::steady_clock::now(); now - last > kProgress) {
@@ -82,7 +82,8 @@ int run_export(const ExportOptions& options) {
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.input, options.camera);
   if (!opened.ok()) return fail(opened.error);
   const std::unique_ptr<ImageSink> sink = open_sink(options, std::move(poses));
-  const int64_t count = write_all(*opened.source, *sink);
+  const int64_t count = write_all(*opened.source, *sink, options.stop);
+  if (options.stop && *options.stop) return fail(options.file + ": was called off; nothing was written");
   if (const std::string problem = sink->close(); !problem.empty()) return fail(problem + "; nothing was written");
   fmt::print("{}: {} {}\n", options.file, count, sink->content());
   const std::vector<std::string> complaints = opened.source->skipped().complaints(count);

@@ -3,6 +3,7 @@
 // poses of a run.
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "camera_driver/options.h"
@@ -15,6 +16,7 @@ struct ExportOptions {
   std::string channel;  // of the images; empty: kLcmChannel, or kImageTopic in a bag
   std::string poses;    // of a bag: a run's folder, or a file of poses; empty: none
   camera_driver::CameraOptions camera;
+  const std::atomic<bool>* stop = nullptr;  // ends it where it becomes true: then nothing is written; may be null
 };
 
 inline constexpr const char* kLcmChannel = "CAMERA";

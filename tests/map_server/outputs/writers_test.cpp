@@ -285,6 +285,33 @@ TEST(ColmapModel, TextFollowsItsConventions) {
   EXPECT_EQ(cloud.size(), 1 + 40);  // not the unseen one
 }
 
+// The tracked images were half as large as their files.
+TEST(ColmapModel, AFileIsNamedAndMeasuredInItsOwnPixels) {
+  const TemporaryFolder folder;
+  Atlas atlas;
+  update_atlas(&atlas, wall_submap(testing::test_camera()));
+  ImageFiles files;
+  for (const ImageId& image : colmap_images(atlas))
+    if (image.utime_us == 1'000'000) files[image] = {"left/one.png", 1280, 960};
+  ASSERT_EQ(files.size(), 1u);
+  ASSERT_EQ(write_colmap_text(atlas, folder / "model", {}, files), "");
+  const auto cameras = lines(read_file(folder / "model/cameras.txt"));
+  EXPECT_THAT(cameras[1], ::testing::StartsWith("1 OPENCV 1280 960 1050.5 1049.5 640 480 "));
+  EXPECT_THAT(cameras[2], ::testing::StartsWith("2 OPENCV 640 480 525.25 524.75 320 240 "));
+  const auto images = lines(read_file(folder / "model/images.txt"));
+  EXPECT_EQ(images[1], "1 1 0 0 0 0 0 0 1 left/one.png");
+  std::istringstream points(images[2]);
+  double x = 0, y = 0;
+  points >> x >> y;
+  const Eigen::Vector2d pixel = *testing::test_camera().project({-0.7, -0.4, 3});
+  EXPECT_NEAR(x, 2 * (pixel.x() + 0.5), 1e-4);
+  EXPECT_NEAR(y, 2 * (pixel.y() + 0.5), 1e-4);
+
+  files.begin()->second.name = "my image.png";
+  EXPECT_THAT(write_colmap_text(atlas, folder / "model", {}, files), HasSubstr("give --format colmap-bin"));
+  EXPECT_EQ(write_colmap_binary(atlas, folder / "model", {}, files), "");
+}
+
 TEST(ColmapModel, LensDecidesTheModel) {
   Camera with_k3 = testing::test_camera();
   with_k3.k3 = 0.01;

@@ -3,6 +3,7 @@
 // names the file, option or value that is wrong, and what to do.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <unistd.h>
 
 #include <cstring>
 
@@ -310,6 +311,7 @@ TEST_F(Messages, OfOptions) {
        1,
        {"has no port from 1 to 65535", "udpm://239.255.76.67:7667?ttl=0"}},
       {"rumi up good.yaml tum --sped 2", 2, {"--sped: there is no such flag; did you mean --speed?"}},
+      {"rumi evaluate tum --truth-shift soon", 2, {"--truth-shift is 'soon'", "seconds, or auto"}},
       {"rumi evaluate tum --groundtruth a --groundtruth-rate -1", 2, {"--groundtruth-rate: '-1' must be"}},
       {"rumi calibrate tum -o a.yaml --every 0", 2, {"--every", "1"}},
       {"rumi calibrate tum -o a.yaml --board 9x7", 2, {"9x7", "charuco:"}},
@@ -345,6 +347,24 @@ TEST_F(Messages, OfOptions) {
   for (const char* command : {"rumi up good.yaml tum", "camera_driver tum"})
     lines.push_back(fmt::format("{} --speed 0", command));
   for (const std::string& line : lines) cases.push_back({line.c_str(), 2, {": expected ", "camera_driver."}});
+  tell(cases);
+}
+
+// A full disk takes little output without a word until the program has ended.
+TEST_F(Messages, OfWhatCannotBePrinted) {
+  if (access("/dev/full", W_OK) != 0) GTEST_SKIP() << "SKIPPED: no /dev/full here";
+  static std::vector<std::string> lines;
+  std::vector<Case> cases;
+  const auto commands = {"rumi --help",          "rumi --version",
+                         "rumi replay --help",   "rumi config",
+                         "camera_driver --list", "rumi camera_driver --help",
+                         "map_server --version", "front_tracker --help-expert"};
+  lines.reserve(commands.size());
+  for (const char* command : commands) {
+    lines.push_back(fmt::format("{} >/dev/full", command));
+    cases.push_back({lines.back().c_str(), 1, {"cannot write: No space left on device"}});
+  }
+  cases.push_back({"rumi --version >&-", 1, {"cannot write"}});
   tell(cases);
 }
 

@@ -31,6 +31,84 @@ TEST_F(ReplayTest, TracksARenderedRoomTheSameToTheBitEveryTime) {
   EXPECT_TRUE(fs::exists(first / "evaluation.png"));
 }
 
+// Starts a replay into `out`, and sends it the signals as soon as it is at work.
+std::string interrupted(const fs::path& sequence, const fs::path& out, const std::string& kill) {
+  return "$RUMI/rumi replay '" + sequence.string() + "' -o '" + out.string() + "' & pid=$!; while [ ! -f '" +
+         (out / "run.json").string() + "' ]; do kill -0 $pid || exit 99; done; " + kill + "; wait $pid";
+}
+
+TEST_F(ReplayTest, CtrlCEndsItThereAndWhatThereIsIsWritten) {
+  for (const char* signal : {"INT", "TERM"}) {
+    const fs::path out = work_->path() / (std::string("interrupted_") + signal);
+    const Outcome outcome = shell(interrupted(sequence_, out, std::string("kill -") + signal + " $pid"));
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
+    EXPECT_THAT(outcome.output, HasSubstr("rumi replay: ended by "));
+    EXPECT_THAT(outcome.output, HasSubstr(" of 240 images; "));
+    for (const char* name : {"trajectory.txt", "frames.csv", "map.db", "map.ply", "trajectory.png"})
+      EXPECT_TRUE(fs::exists(out / name)) << name;
+    const auto run = read_json_file(out / "run.json");
+    EXPECT_EQ(run["finished"], true);
+    EXPECT_EQ(run["stopped_early"], true);
+    EXPECT_LT(run["images"], 240);
+    EXPECT_EQ(shell("$RUMI/rumi report '" + out.string() + "'").exit_code, 0);
+  }
+}
+
+TEST_F(ReplayTest, WhoAsksTwiceWaitsForNobody) {
+  const fs::path out = work_->path() / "interrupted_twice";
+  const Outcome outcome = shell(interrupted(sequence_, out, "kill -TERM $pid; kill -INT $pid"));
+  EXPECT_THAT(outcome.exit_code, ::testing::AnyOf(130, 143)) << outcome.output;
+  EXPECT_FALSE(fs::exists(out / "map.db"));
+}
+
+TEST_F(ReplayTest, WithoutAPictureAllElseIsKept) {
+  const fs::path out = work_->path() / "no_picture";
+  const Outcome outcome = shell("RUMI_OPENGL=none $RUMI/rumi replay -q --duration 1 '" + sequence_.string() + "' -o '" +
+                                out.string() + "'");
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("there is no picture "));
+  EXPECT_THAT(outcome.output, HasSubstr("RUMI_OPENGL is 'none'"));
+  for (const char* name : {"trajectory.txt", "frames.csv", "map.db", "map.ply"})
+    EXPECT_TRUE(fs::exists(out / name)) << name;
+  EXPECT_FALSE(fs::exists(out / "trajectory.png"));
+  EXPECT_EQ(read_json_file(out / "run.json")["missing"].size(), 1);
+}
+
+// COLMAP finds the images of a folder by their names, and those of a log where they were written.
+TEST_F(ReplayTest, ColmapFindsTheImagesOfAModel) {
+  const fs::path out = work_->path() / "for_colmap", log = work_->path() / "for_colmap.lcm";
+  ASSERT_EQ(replay(sequence_, out, "--duration 3 --set image.max_image_side=500").exit_code, 0);
+  ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' -o '" + log.string() + "'").exit_code, 0);
+  ASSERT_EQ(replay(log, out.string() + "_log", "--duration 3").exit_code, 0);
+  struct {
+    std::string map, images, image_folder;
+  } cases[] = {{out.string(), sequence_.string(), (sequence_ / "rgb").string()},
+               {out.string() + "_log", log.string(), out.string() + "_log_model/images"}};
+  for (const auto& [map, images, image_folder] : cases) {
+    const std::string model = map + "_model", undistorted = map + "_undistorted";
+    const Outcome exported =
+        shell("$RUMI/rumi export-map '" + map + "' -o '" + model + "' --format colmap-text --images '" + images + "'");
+    ASSERT_EQ(exported.exit_code, 0) << exported.output;
+    EXPECT_THAT(exported.output, HasSubstr("--image_path " + image_folder + "\n"));
+    std::istringstream lines(read_file(fs::path(model) / "images.txt"));
+    int64_t count = 0;
+    for (std::string line, points; std::getline(lines, line);) {
+      if (line.starts_with("#")) continue;
+      EXPECT_TRUE(fs::exists(fs::path(image_folder) / line.substr(line.rfind(' ') + 1))) << line;
+      std::getline(lines, points);
+      ++count;
+    }
+    ASSERT_GE(count, 3);
+    if (shell("command -v colmap").exit_code != 0) continue;
+    const Outcome colmap = shell("QT_QPA_PLATFORM=offscreen colmap image_undistorter --image_path '" + image_folder +
+                                 "' --input_path '" + model + "' --output_path '" + undistorted + "'");
+    EXPECT_EQ(colmap.exit_code, 0) << colmap.output;
+    EXPECT_EQ(std::distance(fs::directory_iterator(fs::path(undistorted) / "images"), {}), count) << colmap.output;
+    const Outcome analyzed = shell("QT_QPA_PLATFORM=offscreen colmap model_analyzer --path '" + model + "'");
+    EXPECT_THAT(analyzed.output, HasSubstr("Registered images: " + std::to_string(count)));
+  }
+}
+
 TEST_F(ReplayTest, TheLogOfARunCanBeReplayedToTheSameResult) {
   const fs::path first = work_->path() / "recorded", second = work_->path() / "from_log",
                  log = work_->path() / "bus.lcm";

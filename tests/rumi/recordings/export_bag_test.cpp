@@ -205,5 +205,17 @@ TEST(ExportNames, OtherFormatsSayWhatToGive) {
   EXPECT_THAT(error_of("a.lcm"), HasSubstr("--poses are written into bags only"));
 }
 
+TEST(Export, ThatIsCalledOffLeavesNothing) {
+  const testing::TemporaryFolder folder;
+  testing::write_tum(folder.path() / "data", 3);
+  const std::atomic<bool> stop = true;
+  for (const char* name : {"a.lcm", "a.mcap", "a.bag"}) {
+    ExportOptions options{folder / "data", folder / name, "", "", {}};
+    options.stop = &stop;
+    EXPECT_EQ(run_export(options), 1) << name;
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "the recording alone";
+}
+
 }  // namespace
 }  // namespace rumi::tool

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What other programs need of a COLMAP model's images: where they are.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "camera_driver/source/image_source.h"
+#include "map_server/outputs/colmap_export.h"
+
+namespace rumi::tool {
+
+struct ColmapImages {
+  map_server::ImageFiles files;  // those that the recording has
+  std::string folder;            // that their names are relative to: for COLMAP's --image_path
+  int64_t keyframes = 0;         // of the served map
+  bool are_written = false;      // the recording has no files: they were made
+};
+
+// Plays the keyframes of the served map again. Where the recording has files these are named, relative to the deepest
+// folder that has all of its images; of a video, a log or a bag each image is written as FOLDER/images/TIME.jpg. Throws
+// std::runtime_error where one cannot be written.
+ColmapImages find_colmap_images(const map_server::Atlas& atlas, camera_driver::ImageSource& recording,
+                                const std::string& folder);
+
+}  // namespace rumi::tool
