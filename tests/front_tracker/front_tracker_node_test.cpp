@@ -13,8 +13,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-using testing::FrontTrackerNodeTest;
 using ::testing::ElementsAre;
+using testing::FrontTrackerNodeTest;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::node_options;
