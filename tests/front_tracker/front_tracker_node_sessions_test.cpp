@@ -108,13 +108,14 @@ class NodeOnTheClock : public FrontTrackerNodeTest {
     bus_.dispatch();
     tick();
   }
-  void expect_nothing_begins(const std::function<int64_t(int64_t now_us)>& utime_us) {
+  void expect_nothing_begins(const std::function<int64_t(int64_t now_us)>& utime_us, const std::string& what) {
     const testing::CapturedLog log;
     for (int i = 0; i < 90; ++i) come(utime_us(now_us_));
     node_->finish();
     EXPECT_TRUE(tracks_.empty());
     EXPECT_FALSE(node_->tracker());
     EXPECT_EQ(testing::count_of(log.text(), "utime must be microseconds since 1970"), 1u) << log.text();
+    EXPECT_THAT(log.text(), HasSubstr(what));
     EXPECT_EQ(node_->refused().of(RefusedImages::Kind::kNoTime), 90);
   }
   static constexpr int64_t kPeriod_us = 33'333;
@@ -122,15 +123,15 @@ class NodeOnTheClock : public FrontTrackerNodeTest {
 };
 
 TEST_F(NodeOnTheClock, TimesThatStandBeginNoSessionAndAreToldOnce) {
-  expect_nothing_begins([](int64_t) { return 0; });
+  expect_nothing_begins([](int64_t) { return 0; }, "the times of the images stand (0): ");
 }
 
 TEST_F(NodeOnTheClock, SecondsBeginNoSessionAndAreToldOnce) {
-  expect_nothing_begins([](int64_t now_us) { return now_us / 1'000'000; });
+  expect_nothing_begins([](int64_t now_us) { return now_us / 1'000'000; }, "as seconds do");
 }
 
 TEST_F(NodeOnTheClock, MillisecondsBeginNoSessionAndAreToldOnce) {
-  expect_nothing_begins([](int64_t now_us) { return now_us / 1000; });
+  expect_nothing_begins([](int64_t now_us) { return now_us / 1000; }, " us in 33.3 ms, as milliseconds do");
 }
 
 TEST_F(NodeOnTheClock, WhatBeginsFarFromTheClockLosesNoImage) {

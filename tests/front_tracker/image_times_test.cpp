@@ -93,6 +93,7 @@ TEST_F(ImageTimesTest, OneInTwentyAnHourAheadIsLeftOut) {
 
 TEST_F(ImageTimesTest, TheFirstOneMayBeWrong) {
   EXPECT_EQ(come(right() + kHour_us), Verdict::kWaits);
+  EXPECT_THAT(times_.what_is_wrong(), HasSubstr("is far from the clock's"));
   EXPECT_EQ(come(right()), Verdict::kNext);
 }
 
