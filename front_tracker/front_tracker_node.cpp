@@ -145,10 +145,14 @@ void FrontTrackerNode::wait_as_foreign(const image_t& image, int64_t arrived_us,
 
 void FrontTrackerNode::wait_for_times(const image_t& image, int64_t arrived_us) {
   const int64_t last_us = times_.last_us();
-  // One that begins a row has nothing to do with those that wait.
-  if (times_.row() == 1) give_up_waiting();
+  const std::string no_time = times_.what_is_wrong() + ": utime must be microseconds since 1970";
+  // One that begins a row has nothing to do with those that wait, and tells what is wrong with them.
+  if (times_.row() == 1) {
+    if (waiting_kind_ == Kind::kNoTime) waiting_problem_ = no_time;
+    give_up_waiting();
+  }
   if (times_.are_none() || times_.doubt() == ImageTimes::Doubt::kNoTime)
-    wait(Kind::kNoTime, image, arrived_us, times_.what_is_wrong() + ": utime must be microseconds since 1970");
+    wait(Kind::kNoTime, image, arrived_us, no_time);
   else if (times_.doubt() == ImageTimes::Doubt::kAhead)
     wait(Kind::kAhead, image, arrived_us,
          fmt::format("its utime {} is {:.3f} s after the last, and the next ones are not", image.utime,

@@ -56,7 +56,7 @@ ImageTimes::Doubt ImageTimes::doubt_about(const Moment& image, bool is_checked) 
 ImageTimes::Verdict ImageTimes::judge(int64_t utime_us, int64_t now_us, bool is_checked) {
   const Moment image{utime_us, now_us};
   const bool is_first = before_.utime_us == kNever;
-  step_us_ = is_first ? 0 : utime_us - before_.utime_us;
+  step_us_ = is_first ? -1 : utime_us - before_.utime_us;
   clock_step_us_ = is_first ? 0 : now_us - before_.clock_us;
   const bool is_step = !is_first && (is_checked ? step_us_ > 0 : is_step_of_camera(step_us_, clock_step_us_));
   // Back and forth is no other unit.
@@ -107,6 +107,7 @@ bool ImageTimes::are_none() const { return wrong_steps_ >= kWrongStepsToTell; }
 
 std::string ImageTimes::what_is_wrong() const {
   const std::string unit = question_about_unit(before_.utime_us, before_.clock_us);
+  if (step_us_ < 0) return fmt::format("the time of an image ({}) is far from the clock's", before_.utime_us);
   if (step_us_ == 0) return fmt::format("the times of the images stand ({}){}", before_.utime_us, unit);
   if (step_us_ > kLongStepUs)
     return fmt::format("the times of the images rise by {:.3g} s in {:.3g} s, as nanoseconds do",

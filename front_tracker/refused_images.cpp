@@ -39,7 +39,7 @@ Words words_of(Kind kind) {
     case Kind::kSize:
       return {"size", "not of the calibration's size", "images of another size need a calibration of that size"};
     case Kind::kDamaged:
-      return {"damaged", "damaged", "look at what encodes and sends them"};
+      return {"damaged", "damaged, or of a format that is not read", "look at what encodes and sends them"};
   }
   return {"", "", ""};
 }

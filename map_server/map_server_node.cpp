@@ -145,8 +145,8 @@ void MapServerNode::note_calibration(SubmapKey key) {
   const std::string difference = other_calibration(atlas_, owner->submap);
   if (difference.empty()) return;
   calibration_doubt_ = fmt::format(
-      "the calibration differs from that of this stream in {}: {}; what both made is joined where it fits, and bent: "
-      "give the calibration of before (--camera FILE), or begin a new map (--fresh)",
+      "the calibration differs from that of this stream in {}: {}; the map joins both where they fit, and is bent by "
+      "it: give the calibration of before (--camera FILE), or begin a new map (--fresh)",
       options_.database, difference);
   log_warning("{}", calibration_doubt_);
 }

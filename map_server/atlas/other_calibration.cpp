@@ -17,9 +17,9 @@ struct Quantity {
   double unit;  // in which a difference is measured, px
 };
 
-// Where the lens puts what a camera without distortion would see in the corner of the image, px.
-Eigen::Vector2d corner(const Camera& camera) {
-  const Eigen::Vector3d ray = camera.unproject({0, 0});
+// Where the lens takes the middle of the image's left edge from, px: in its corners a distortion may fold.
+Eigen::Vector2d edge(const Camera& camera) {
+  const Eigen::Vector3d ray = camera.unproject({0, camera.cy});
   return {camera.fx * ray.x(), camera.fy * ray.y()};
 }
 
@@ -39,7 +39,7 @@ std::string difference(const Camera& there, const Camera& here) {
   for (const Quantity& q : quantities)
     if (std::abs(q.here - q.there) > kMuch * q.unit)
       return fmt::format("{} {:.0f} there, {:.0f} here", q.name, q.there, q.here);
-  if ((corner(same) - corner(here)).norm() > kMuch * width)
+  if ((edge(same) - edge(here)).norm() > kMuch * width)
     return fmt::format("another distortion: k1 {:.3g} there, {:.3g} here", same.k1, here.k1);
   return {};
 }

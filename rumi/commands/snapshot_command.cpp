@@ -94,8 +94,11 @@ nlohmann::ordered_json known_processes(const Arguments& arguments, const Snapsho
 
 // Images that no file of the run tells of, for a person; empty if there are none.
 std::string describe_dropped(const nlohmann::ordered_json& processes) {
-  const nlohmann::ordered_json::json_pointer dropped("/front_tracker/channels/CAMERA/dropped");
-  const int64_t count = processes.contains(dropped) ? processes[dropped].get<int64_t>() : 0;
+  int64_t count = 0;
+  for (const char* kind : {"dropped", "undecodable"}) {
+    const nlohmann::ordered_json::json_pointer pointer(std::string("/front_tracker/channels/CAMERA/") + kind);
+    if (processes.contains(pointer)) count += processes[pointer].get<int64_t>();
+  }
   if (count == 0) return {};
   return fmt::format("of the {} images that came {} were dropped or refused by front_tracker, which says why",
                      images_of(processes).value_or(0), count);

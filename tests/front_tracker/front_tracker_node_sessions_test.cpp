@@ -2,6 +2,8 @@
 // Which images are of one session: streams, cameras and recordings that come one after the other, or at once.
 #include <gmock/gmock.h>
 
+#include <functional>
+
 #include "bus/wire/image_stream.h"
 #include "tests/front_tracker/front_tracker_node_fixture.h"
 #include "tests/support/captured_log.h"
@@ -106,21 +108,30 @@ class NodeOnTheClock : public FrontTrackerNodeTest {
     bus_.dispatch();
     tick();
   }
-  static constexpr int64_t kPeriod_us = 33'333;
-  int64_t now_us_ = 1'700'000'000'000'000;
-};
-
-TEST_F(NodeOnTheClock, TimesThatStandOrAreSecondsBeginNoSessionAndAreToldOnce) {
-  for (const int64_t divisor : {int64_t{0}, int64_t{1'000'000}, int64_t{1000}}) {
-    node_ = std::make_unique<FrontTrackerNode>(bus_, node_options());
+  void expect_nothing_begins(const std::function<int64_t(int64_t now_us)>& utime_us, const std::string& what) {
     const testing::CapturedLog log;
-    for (int i = 0; i < 90; ++i) come(divisor == 0 ? 0 : now_us_ / divisor);
+    for (int i = 0; i < 90; ++i) come(utime_us(now_us_));
     node_->finish();
     EXPECT_TRUE(tracks_.empty());
     EXPECT_FALSE(node_->tracker());
     EXPECT_EQ(testing::count_of(log.text(), "utime must be microseconds since 1970"), 1u) << log.text();
+    EXPECT_THAT(log.text(), HasSubstr(what));
     EXPECT_EQ(node_->refused().of(RefusedImages::Kind::kNoTime), 90);
   }
+  static constexpr int64_t kPeriod_us = 33'333;
+  int64_t now_us_ = 1'700'000'000'000'000;
+};
+
+TEST_F(NodeOnTheClock, TimesThatStandBeginNoSessionAndAreToldOnce) {
+  expect_nothing_begins([](int64_t) { return 0; }, "the times of the images stand (0): ");
+}
+
+TEST_F(NodeOnTheClock, SecondsBeginNoSessionAndAreToldOnce) {
+  expect_nothing_begins([](int64_t now_us) { return now_us / 1'000'000; }, "as seconds do");
+}
+
+TEST_F(NodeOnTheClock, MillisecondsBeginNoSessionAndAreToldOnce) {
+  expect_nothing_begins([](int64_t now_us) { return now_us / 1000; }, " us in 33.3 ms, as milliseconds do");
 }
 
 TEST_F(NodeOnTheClock, WhatBeginsFarFromTheClockLosesNoImage) {
@@ -151,9 +162,9 @@ TEST_F(NodeOnTheClock, DoubledAndLateOnesAreComplainedOf) {
     come(now_us_ - (i % 10 == 0 ? 70'000 : 0));
     come(now_us_ - kPeriod_us);
   }
-  EXPECT_EQ(tracks_.size(), 36u);
-  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("of 80 images refused: doubled")));
-  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("of 80 images refused: out of order")));
+  EXPECT_EQ(tracks_.size(), 40u);
+  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("36 of 80 images refused: doubled")));
+  EXPECT_THAT(node_->complaints(), ::testing::Contains(HasSubstr("4 of 80 images refused: out of order")));
 }
 
 TEST_F(FrontTrackerNodeTest, SessionsBeginAfterThoseOfTheMapThatTheyComeInto) {

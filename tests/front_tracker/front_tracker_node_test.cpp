@@ -13,8 +13,8 @@
 namespace rumi::front_tracker {
 namespace {
 
-using testing::FrontTrackerNodeTest;
 using ::testing::ElementsAre;
+using testing::FrontTrackerNodeTest;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::node_options;
@@ -98,7 +98,8 @@ TEST_F(FrontTrackerNodeTest, DamagedImagesAreCountedAndPassedOver) {
   EXPECT_THAT(node_->complaints(),
               ElementsAre(HasSubstr("1 of 4 images refused: not of the calibration's size (the first: it "
                                     "is 100000x240 but"),
-                          HasSubstr("1 of 4 images refused: damaged (the first: corrupt JPEG"),
+                          HasSubstr("1 of 4 images refused: damaged, or of a format that is not read (the "
+                                    "first: corrupt JPEG"),
                           HasSubstr("none of 2 images got a pose")));
 }
 

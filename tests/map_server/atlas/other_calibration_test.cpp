@@ -22,6 +22,7 @@ Submap submap(int64_t session, int64_t stream, double fx) {
   Submap submap;
   submap.key = {session, 1};
   submap.stream = stream;
+  submap.revision = 1;
   submap.camera = camera(fx);
   return submap;
 }

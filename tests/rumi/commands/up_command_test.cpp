@@ -107,10 +107,9 @@ void publish(const std::string& log_file, const std::function<void(int, image_t*
 // A system without an input that is stopped when `images` have been published; what it says.
 Outcome up_beside(const fs::path& out, const std::string& flags, const std::function<void()>& images) {
   const std::string said = out.string() + ".log", pid = out.string() + ".pid", code = out.string() + ".code";
-  shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags +
-        " --set up.viewer=false --set ruminator.rebuild=false --set map_server.database='" + out.string() +
-        "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" + out.string() + "' > '" + said +
-        "' 2>&1 & echo $! > '" + pid + "'; wait $!; echo $? > '" + code + "' ) > /dev/null 2>&1 & sleep 3");
+  shell("( $RUMI/rumi up '" RUMI_CONFIG "' " + flags + " --set up.viewer=false --set map_server.database='" +
+        out.string() + "-live.db' --set ruminator.spool='" + out.string() + "-spool' -o '" + out.string() + "' > '" +
+        said + "' 2>&1 & echo $! > '" + pid + "'; wait $!; echo $? > '" + code + "' ) > /dev/null 2>&1 & sleep 3");
   images();
   shell("kill -INT $(cat '" + pid + "'); while [ ! -s '" + code + "' ]; do sleep .1; done");
   return {std::stoi(read_file(code)), read_file(said)};
@@ -120,7 +119,7 @@ TEST_F(LiveTest, ImagesThatAreRefusedAreSaidLastAndTimesThatStandBeginNothing) {
   const fs::path log = work_->path() / "some.lcm";
   ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' --duration 4 -o '" + log.string() + "'").exit_code,
             0);
-  const Outcome outcome = up_beside(work_->path() / "other_size", "", [&] {
+  const Outcome outcome = up_beside(work_->path() / "other_size", "--set ruminator.rebuild=false", [&] {
     publish(log, [](int i, image_t* image) { image->width /= i < 60 ? 1 : 2; });
   });
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
@@ -155,12 +154,13 @@ TEST_F(LiveTest, ADamagedMapIsToldInTheWordsOfMapServerAndNothingBegins) {
 TEST_F(LiveTest, ImagesFromElsewhereGetTheCalibrationOfTheCommandLine) {
   const fs::path out = work_->path() / "elsewhere", log = work_->path() / "images.lcm";
   ASSERT_EQ(shell("$RUMI/rumi export '" + sequence_.string() + "' -o '" + log.string() + "'").exit_code, 0);
-  const Outcome outcome = up_beside(out, "--camera '" + (sequence_ / "calibration.yaml").string() + "'", [&] {
-    publish(log, [](int, image_t* image) {
-      image->nmetadata = 0;
-      image->metadata.clear();
-    });
-  });
+  const Outcome outcome =
+      up_beside(out, "--camera '" + (sequence_ / "calibration.yaml").string() + "' --set ruminator.rebuild=false", [&] {
+        publish(log, [](int, image_t* image) {
+          image->nmetadata = 0;
+          image->metadata.clear();
+        });
+      });
   ASSERT_TRUE(fs::exists(out / "trajectory.txt")) << outcome.output;
   expect_tracked(out);
 }
