@@ -12,7 +12,8 @@
 
 namespace rumi::camera_driver {
 
-enum class RosEncoding { kRos1, kCdr, kOther };
+// Protobuf and JSON: of Foxglove's own types, which read_message() turns into those of ROS 1.
+enum class RosEncoding { kRos1, kCdr, kProtobuf, kJson, kOther };
 
 struct BagConnection {
   std::string topic;
