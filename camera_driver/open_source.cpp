@@ -241,8 +241,10 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
   const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
   // FFmpeg would take it for a video of one image.
   if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
-  return with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
-                     /*may_bring_calibration=*/false, options);
+  Opened video = with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
+                             /*may_bring_calibration=*/false, options);
+  video.note = note_on_next_video(file);
+  return video;
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/natural_order.h"
+#include "base/number_text.h"
 #include "bus/transport/log_file.h"
 #include "camera_driver/recording/bag/bag_file.h"
 #include "camera_driver/recording/folder_contents.h"
@@ -35,6 +36,33 @@ std::string form_of(const fs::path& file) {
       form += '#';
   }
   return form;
+}
+
+// The numbers in a name, as they are written.
+std::vector<std::string> numbers_in(const std::string& name) {
+  std::vector<std::string> numbers;
+  bool is_in_number = false;
+  for (const char c : name) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (is_digit && !is_in_number) numbers.emplace_back();
+    if (is_digit) numbers.back() += c;
+    is_in_number = is_digit;
+  }
+  return numbers;
+}
+
+// walk_1.mp4 has it for walk_0.mp4: one number is larger by one, and all else is the same.
+bool has_next_number(const std::string& name, const std::string& other) {
+  if (form_of(name) != form_of(other)) return false;
+  const std::vector<std::string> before = numbers_in(name), after = numbers_in(other);
+  int changed = 0, next = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (before[i] == after[i]) continue;
+    const auto from = parse_number<int64_t>(before[i]), to = parse_number<int64_t>(after[i]);
+    ++changed;
+    next += from && to && *to == *from + 1 ? 1 : 0;
+  }
+  return changed == 1 && next == 1;
 }
 
 enum class PartKind { kNone, kLog, kRos1, kMcap, kSqlite };
@@ -99,6 +127,17 @@ std::string note_on_next_part(const fs::path& file, int64_t last_us) {
       return fmt::format("{} beside it goes on where it ends, and is not played: give their folder to play both",
                          printable((at + step)->filename().string()));
   }
+  return {};
+}
+
+std::string note_on_next_video(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  for (const fs::path& other : recording_files(folder))
+    if (has_next_number(file.filename().string(), other.filename().string()))
+      return fmt::format(
+          "if {0} beside it goes on where it ends, join them first: `ffmpeg -f concat -safe 0 -i LIST -c copy OTHER`, "
+          "where LIST has a line `file NAME` for each",
+          printable(other.filename().string()));
   return {};
 }
 

@@ -25,6 +25,9 @@ std::string why_not_one_recording(const std::vector<PartTimes>& parts);
 // "walk_1.db3 beside it goes on where it ends ...": of a file of a recording that ends at last_us. Empty if none does.
 std::string note_on_next_part(const std::filesystem::path& file, int64_t last_us);
 
+// The same of a video, whose times do not tell: another one beside it has the next number. How to join the two.
+std::string note_on_next_video(const std::filesystem::path& file);
+
 // When the first message of an lcm log or bag was recorded; nothing if there is none.
 std::optional<int64_t> first_recorded_us(const std::filesystem::path& file);
 

@@ -171,8 +171,8 @@ TEST_F(FileLists, PicturesOfKindsThatAreNotReadCountAsLeftOut) {
   const FileList list = list_image_folder(folder_.path(), {});
   EXPECT_EQ(list.entries.size(), 6u);
   EXPECT_EQ(list.not_read, 3);
-  EXPECT_THAT(list.notes, ElementsAre(AllOf(HasSubstr("3 of its pictures"), HasSubstr("'IMG_0006.HEIC'"),
-                                            HasSubstr("mogrify"))));
+  EXPECT_THAT(list.notes,
+              ElementsAre(AllOf(HasSubstr("3 of its pictures"), HasSubstr("'IMG_0006.HEIC'"), HasSubstr("mogrify"))));
   write_file(folder_ / "calibration.yaml", kCalibration);
   CameraOptions at_rate;
   at_rate.rate_hz = 10;

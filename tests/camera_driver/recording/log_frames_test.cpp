@@ -160,9 +160,9 @@ TEST_F(LogFrames, WithoutACalibrationAreOfTheCameraBefore) {
 TEST_F(LogFrames, OfNegativeTimesAreRefusedOrGetNewOnes) {
   change_ = [](int i, image_t* image) { image->utime = -3'000'000 + 100'000 * i; };
   write_log(40);
-  EXPECT_THAT(open_image_source(file_, options_).error,
-              AllOf(HasSubstr("30 of its 40 images have negative times (the first -3.000000 s)"),
-                    HasSubstr("give --rate HZ")));
+  EXPECT_THAT(
+      open_image_source(file_, options_).error,
+      AllOf(HasSubstr("30 of its 40 images have negative times (the first -3.000000 s)"), HasSubstr("give --rate HZ")));
   options_.rate_hz = 10;
   const std::vector<image_t> images = play();
   ASSERT_EQ(images.size(), 40u);

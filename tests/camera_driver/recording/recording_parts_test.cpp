@@ -94,6 +94,14 @@ TEST_F(RecordingParts, OneOfThemSaysThatAnotherGoesOn) {
   EXPECT_EQ(note("walk.lcm.0"), "");
 }
 
+TEST_F(RecordingParts, OfVideosSayHowToJoinThem) {
+  for (const char* name : {"walk_009.mp4", "walk_010.mp4", "walk_012.mp4", "run_011.mp4", "walk_011.mkv"})
+    folder_.write(name, "x");
+  EXPECT_THAT(note_on_next_video(folder_ / "walk_009.mp4"), AllOf(HasSubstr("walk_010.mp4"), HasSubstr("ffmpeg")));
+  EXPECT_EQ(note_on_next_video(folder_ / "walk_010.mp4"), "");
+  EXPECT_EQ(note_on_next_video(folder_ / "missing/walk_010.mp4"), "");
+}
+
 TEST_F(RecordingParts, FarFromEachOtherAreRecordingsByThemselves) {
   constexpr int kHours = 100'000;  // images
   write_bag_part("mcap", "walk_1.mcap", 0);

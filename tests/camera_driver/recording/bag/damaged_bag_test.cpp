@@ -68,7 +68,8 @@ TEST_F(DamagedBags, InTheMiddleOfAChunkHaveTheImagesBefore) {
       }
       options_.camera_file = folder_.write("c.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 320\nheight: 240\n");
       std::string bytes = mcap.bytes();
-      for (size_t i = bytes.size() / 2; i < bytes.size() / 2 + 64; ++i) bytes[i] = static_cast<char>(7 * i + 3);
+      const size_t at = bytes.size() * 9 / 20;  // in an image, not between two
+      for (size_t i = at; i < at + 64; ++i) bytes[i] = static_cast<char>(7 * i + 3);
       EXPECT_GE(images_of(folder_ / "a.mcap", bytes), is_noise ? kImages : kImages / 3);
       EXPECT_GE(skipped_.malformed, 1);
     }
@@ -153,7 +154,8 @@ TEST_F(DamagedBags, EndlesslyCompressedChunksAreNotUnpacked) {
   };
   const std::string chunk =
       record(6, std::string(28, '\0') + with_length("zstd") + bytes_of(static_cast<uint64_t>(bomb.size())) + bomb);
-  EXPECT_THAT(error_of(folder_.write("a.mcap", std::string("\x89MCAP0\r\n", 8) + chunk)), HasSubstr("nothing in it can be read"));
+  EXPECT_THAT(error_of(folder_.write("a.mcap", std::string("\x89MCAP0\r\n", 8) + chunk)),
+              HasSubstr("nothing in it can be read"));
 }
 
 }  // namespace
