@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "camera_driver/recording/bag/byte_source.h"
+#include "camera_driver/recording/byte_source.h"
 
 namespace rumi::camera_driver {
 namespace {

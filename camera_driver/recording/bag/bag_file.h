@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,5 +84,8 @@ std::unique_ptr<BagFile> open_ros2_sqlite(const std::string& file);
 std::unique_ptr<BagFile> open_bag_folder(const std::string& folder);
 // Precondition: it is a bag.
 std::unique_ptr<BagFile> open_bag_file(const std::string& path);
+
+// When its first message of a type that is read was recorded; nothing if there is none. Precondition: it is a bag.
+std::optional<int64_t> first_recorded_in_bag(const std::filesystem::path& file);
 
 }  // namespace rumi::camera_driver

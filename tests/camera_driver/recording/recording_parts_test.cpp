@@ -4,7 +4,7 @@
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
-#include "camera_driver/recording/bag/bag_poses.h"
+#include "camera_driver/recording/bag/bag_file.h"
 #include "tests/camera_driver/recording/bag/bag_fixture.h"
 
 namespace rumi::camera_driver {
@@ -86,7 +86,9 @@ TEST_F(RecordingParts, OneOfThemSaysThatAnotherGoesOn) {
   write_log_part("walk.lcm.1", 0);
   const auto note = [this](const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
-    return opened.reader ? note_on_next_part(folder_ / name, opened.reader->last_recorded_us().value_or(0)) : "?";
+    const FirstRecorded first = name.ends_with("db3") ? first_recorded_in_bag : first_recorded_in_log;
+    return opened.reader ? note_on_next_part(folder_ / name, opened.reader->last_recorded_us().value_or(0), first)
+                         : "?";
   };
   EXPECT_THAT(note("walk_0.db3"), HasSubstr("walk_1.db3 beside it goes on where it ends, and is not played"));
   EXPECT_EQ(note("walk_1.db3"), "");
@@ -108,7 +110,7 @@ TEST_F(RecordingParts, FarFromEachOtherAreRecordingsByThemselves) {
   write_bag_part("mcap", "walk_2.mcap", kHours);
   EXPECT_THAT(error_of(folder_.path()), AllOf(HasSubstr("walk_2.mcap was begun 9999.1 s after the end of walk_1.mcap"),
                                               HasSubstr("give one of the files")));
-  EXPECT_EQ(note_on_next_part(folder_ / "walk_1.mcap", stamp_ns(9) / 1000 + 5'000'000), "");
+  EXPECT_EQ(note_on_next_part(folder_ / "walk_1.mcap", stamp_ns(9) / 1000 + 5'000'000, first_recorded_in_bag), "");
   fs::remove(folder_ / "walk_1.mcap");
   fs::remove(folder_ / "walk_2.mcap");
   write_log_part("a.lcm.00", 0);
