@@ -158,6 +158,9 @@ TEST_F(FileLists, NegativeTimesAskForARate) {
   CameraOptions at_rate;
   at_rate.rate_hz = 10;
   EXPECT_EQ(read_tum_list(folder_ / "rgb.txt", at_rate).entries.size(), 9u);
+  write_file(folder_ / "cam0/data.csv", "-3000000000,a.png\n-2950000000,b.png\n");
+  EXPECT_THAT(read_euroc_list(folder_ / "cam0/data.csv", {}).error,
+              HasSubstr("2 of its 2 images have negative times (the first -3.000000 s)"));
   const FileList few = tum("-1.0 a.png\n1.0 b.png\n1.1 c.png\n");
   EXPECT_EQ(few.error, "");
   EXPECT_EQ(few.malformed.count, 1);
