@@ -221,28 +221,32 @@ Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_cal
 }
 
 // Of a file that is a part of a recording it is said that the next part is not played.
-Opened open_messages(const fs::path& path, OpenedReader opened, const CameraOptions& options) {
+Opened open_messages(const fs::path& path, OpenedReader opened, const FirstRecorded& first_recorded_us,
+                     const CameraOptions& options) {
   const std::optional<int64_t> last_us = opened.reader ? opened.reader->last_recorded_us() : std::nullopt;
   Opened messages = with_camera(path, std::move(opened), /*may_bring_calibration=*/true, options);
   std::error_code code;
-  if (last_us && fs::is_regular_file(path, code)) messages.note = note_on_next_part(path, *last_us);
+  if (last_us && fs::is_regular_file(path, code)) messages.note = note_on_next_part(path, *last_us, first_recorded_us);
   return messages;
 }
 
 Opened open_ros_bag(const fs::path& path, const CameraOptions& options) {
-  return open_messages(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)), options);
+  return open_messages(path, open_bag(path, options.log_channel, parse_grey_range(options.grey_range)),
+                       first_recorded_in_bag, options);
 }
 
 Opened open_file(const fs::path& file, const CameraOptions& options) {
   if (file.extension() == ".txt" || file.extension() == ".csv")
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
-    return open_messages(file, open_log(file, options.log_channel), options);
+    return open_messages(file, open_log(file, options.log_channel), first_recorded_in_log, options);
   const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
   // FFmpeg would take it for a video of one image.
   if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
-  return with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
-                     /*may_bring_calibration=*/false, options);
+  Opened video = with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),
+                             /*may_bring_calibration=*/false, options);
+  video.note = note_on_next_video(file);
+  return video;
 }
 
 Opened open_any(const std::string& input, const CameraOptions& options) {
@@ -259,7 +263,7 @@ Opened open_any(const std::string& input, const CameraOptions& options) {
   if (kind_of_bag(path.string()) != BagKind::kNone) return open_ros_bag(path, options);
   if (const std::string advice = advice_on_own_output(path); !advice.empty()) return refuse(advice);
   if (const std::vector<fs::path> parts = parts_in(path); !parts.empty())
-    return open_messages(parts.front(), open_log_parts(parts, options.log_channel), options);
+    return open_messages(parts.front(), open_log_parts(parts, options.log_channel), first_recorded_in_log, options);
   if (fs::is_directory(status)) return open_folder(path, options);
   if (fs::is_regular_file(status)) return open_file(path, options);
   return refuse(std::string("is not a camera, a file or a folder; ") + kWhatToGive);

@@ -127,12 +127,12 @@ void sort_by_time(std::vector<ListLine>* lines) {
   });
 }
 
-// How many times are negative, if they are more than the few that are wrong times.
-void refuse_negative_times(FileList* list, const std::vector<std::string>& times) {
+// Negative times, if they are more than the few that are wrong times.
+void refuse_negative_times(FileList* list, const std::vector<std::string>& times, TimeUnit usual) {
   std::vector<int64_t> utimes_us;
   for (const std::string& time : times) {
-    const bool is_negative = time.starts_with('-') && parse_time_us(time.substr(1), TimeUnit::kSeconds);
-    utimes_us.push_back(is_negative ? -parse_time_us(time.substr(1), TimeUnit::kSeconds).value() : 0);
+    const bool has_sign = time.starts_with('-');
+    utimes_us.push_back(has_sign ? -parse_time_us(time.substr(1), usual).value_or(0) : 0);
   }
   const std::string why = why_negative(utimes_us);
   if (!why.empty() && list->error.empty())
@@ -143,7 +143,7 @@ void refuse_negative_times(FileList* list, const std::vector<std::string>& times
 void understand(FileList* list, const std::vector<ListLine>& lines, const fs::path& folder, TimeUnit usual,
                 bool needs_times) {
   std::vector<std::string> times = all(lines, &ListLine::time);
-  if (needs_times) refuse_negative_times(list, times);
+  if (needs_times) refuse_negative_times(list, times, usual);
   bool is_counter = false;
   for (const auto& mend : {give_decimals_their_zeros, continue_32_bits}) {
     std::string note = mend(&times);

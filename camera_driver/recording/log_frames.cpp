@@ -253,7 +253,7 @@ class LogParts : public FrameReader {
 // That is the order of their numbers, but for `lcm-logger --rotate`, which gives the newest file the number 0.
 std::vector<std::filesystem::path> sorted_by_time(std::vector<std::filesystem::path> files) {
   std::stable_sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
-    return first_recorded_us(a).value_or(0) < first_recorded_us(b).value_or(0);
+    return first_recorded_in_log(a).value_or(0) < first_recorded_in_log(b).value_or(0);
   });
   return files;
 }
@@ -280,8 +280,8 @@ OpenedReader open_log_parts(const std::vector<std::filesystem::path>& files, con
   for (const std::filesystem::path& file : sorted_by_time(files)) {
     OpenedReader part = open_log(file, channel);
     if (part.reader) {
-      times.push_back(
-          {file.filename().string(), first_recorded_us(file).value_or(0), part.reader->last_recorded_us().value_or(0)});
+      times.push_back({file.filename().string(), first_recorded_in_log(file).value_or(0),
+                       part.reader->last_recorded_us().value_or(0)});
       parts->add(std::move(part.reader));
       continue;
     }

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/natural_order.h"
+#include "base/number_text.h"
 #include "bus/transport/log_file.h"
-#include "camera_driver/recording/bag/bag_file.h"
+#include "camera_driver/recording/file_kind.h"
 #include "camera_driver/recording/folder_contents.h"
 #include "camera_driver/recording/list_lines.h"
 
@@ -37,23 +39,38 @@ std::string form_of(const fs::path& file) {
   return form;
 }
 
-enum class PartKind { kNone, kLog, kRos1, kMcap, kSqlite };
-
-PartKind kind_of(const fs::path& file) {
-  if (is_lcm_log(file.string())) return PartKind::kLog;
-  switch (kind_of_bag(file.string())) {
-    case BagKind::kRos1:
-      return PartKind::kRos1;
-    case BagKind::kMcap:
-      return PartKind::kMcap;
-    case BagKind::kSqlite:
-      return PartKind::kSqlite;
-    default:
-      return PartKind::kNone;
+// The numbers in a name, as they are written.
+std::vector<std::string> numbers_in(const std::string& name) {
+  std::vector<std::string> numbers;
+  bool is_in_number = false;
+  for (const char c : name) {
+    const bool is_digit = c >= '0' && c <= '9';
+    if (is_digit && !is_in_number) numbers.emplace_back();
+    if (is_digit) numbers.back() += c;
+    is_in_number = is_digit;
   }
+  return numbers;
 }
 
-bool are_alike(const fs::path& a, const fs::path& b) { return form_of(a) == form_of(b) && kind_of(a) == kind_of(b); }
+// walk_1.mp4 has it for walk_0.mp4: one number is larger by one, and all else is the same.
+bool has_next_number(const std::string& name, const std::string& other) {
+  if (form_of(name) != form_of(other)) return false;
+  const std::vector<std::string> before = numbers_in(name), after = numbers_in(other);
+  int changed = 0, next = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    if (before[i] == after[i]) continue;
+    const auto from = parse_number<int64_t>(before[i]), to = parse_number<int64_t>(after[i]);
+    ++changed;
+    next += from && to && *to == *from + 1 ? 1 : 0;
+  }
+  return changed == 1 && next == 1;
+}
+
+// Lcm logs and bags; videos are none.
+bool has_messages(const fs::path& file) {
+  static const std::set<std::string> kOfBags = {".bag", ".mcap", ".db3"};
+  return kOfBags.contains(lower_extension(file)) || is_lcm_log(file.string());
+}
 
 bool has_images_or_list(const fs::path& folder) {
   std::error_code code;
@@ -67,9 +84,10 @@ bool has_images_or_list(const fs::path& folder) {
 
 std::vector<fs::path> parts_in(const fs::path& folder) {
   std::vector<fs::path> files = recording_files(folder);
-  const bool are_parts = files.size() > 1 && kind_of(files.front()) != PartKind::kNone && !has_images_or_list(folder) &&
-                         std::all_of(files.begin(), files.end(),
-                                     [&files](const fs::path& file) { return are_alike(file, files.front()); });
+  const bool are_parts = files.size() > 1 && has_messages(files.front()) && !has_images_or_list(folder) &&
+                         std::all_of(files.begin(), files.end(), [&files](const fs::path& file) {
+                           return form_of(file) == form_of(files.front());
+                         });
   return are_parts ? files : std::vector<fs::path>();
 }
 
@@ -85,7 +103,7 @@ std::string why_not_one_recording(const std::vector<PartTimes>& parts) {
   return {};
 }
 
-std::string note_on_next_part(const fs::path& file, int64_t last_us) {
+std::string note_on_next_part(const fs::path& file, int64_t last_us, const FirstRecorded& first_recorded_us) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   const std::vector<fs::path> files = recording_files(folder);
   const auto at = std::find(files.begin(), files.end(), folder / file.filename());
@@ -93,7 +111,7 @@ std::string note_on_next_part(const fs::path& file, int64_t last_us) {
   // The one before, too: `lcm-logger --rotate` gives the newest file the number 0.
   for (const std::ptrdiff_t step : {std::ptrdiff_t{1}, std::ptrdiff_t{-1}}) {
     const bool is_there = step < 0 ? at != files.begin() : std::next(at) != files.end();
-    if (!is_there || !are_alike(*(at + step), file)) continue;
+    if (!is_there || form_of(*(at + step)) != form_of(file)) continue;
     const std::optional<int64_t> first_us = first_recorded_us(*(at + step));
     if (first_us && goes_on(last_us, *first_us))
       return fmt::format("{} beside it goes on where it ends, and is not played: give their folder to play both",
@@ -102,18 +120,20 @@ std::string note_on_next_part(const fs::path& file, int64_t last_us) {
   return {};
 }
 
-std::optional<int64_t> first_recorded_us(const fs::path& file) {
-  if (is_lcm_log(file.string())) {
-    const std::optional<LogEvent> event = LogReader(file.string()).next_head(0);
-    return event ? std::optional(event->utime_us) : std::nullopt;
-  }
-  if (kind_of(file) == PartKind::kNone) return std::nullopt;
-  std::optional<int64_t> first_us;
-  open_bag_file(file.string())->scan([&first_us](const BagMessage& message) {
-    first_us = message.time_ns / 1000;
-    return false;
-  });
-  return first_us;
+std::string note_on_next_video(const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  for (const fs::path& other : recording_files(folder))
+    if (has_next_number(file.filename().string(), other.filename().string()))
+      return fmt::format(
+          "if {0} beside it goes on where it ends, join them first: `ffmpeg -f concat -safe 0 -i LIST -c copy OTHER`, "
+          "where LIST has a line `file NAME` for each",
+          printable(other.filename().string()));
+  return {};
+}
+
+std::optional<int64_t> first_recorded_in_log(const fs::path& file) {
+  const std::optional<LogEvent> event = LogReader(file.string()).next_head(0);
+  return event ? std::optional(event->utime_us) : std::nullopt;
 }
 
 }  // namespace rumi::camera_driver

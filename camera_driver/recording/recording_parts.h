@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,16 +17,19 @@ struct PartTimes {
   int64_t first_us = 0, last_us = 0;
 };
 
-// The files of a folder that may be parts of one recording, by their numbers: all of its recordings are lcm logs, or
-// all are bags of one kind, and their names differ in numbers only. Empty if there are not two, and where the folder
-// has images or a list of them.
+// The files of a folder that may be parts of one recording, by their numbers: its recordings are lcm logs or bags, and
+// their names differ in numbers only. Empty if there are not two, and where the folder has images or a list of them.
 std::vector<std::filesystem::path> parts_in(const std::filesystem::path& folder);
 // Empty, or which of them does not begin where the one before ends, and what to do: they are recordings by themselves.
 std::string why_not_one_recording(const std::vector<PartTimes>& parts);
+// When the first message of a file was recorded; nothing if there is none.
+using FirstRecorded = std::function<std::optional<int64_t>(const std::filesystem::path&)>;
+std::optional<int64_t> first_recorded_in_log(const std::filesystem::path& file);
 // "walk_1.db3 beside it goes on where it ends ...": of a file of a recording that ends at last_us. Empty if none does.
-std::string note_on_next_part(const std::filesystem::path& file, int64_t last_us);
+std::string note_on_next_part(const std::filesystem::path& file, int64_t last_us,
+                              const FirstRecorded& first_recorded_us);
 
-// When the first message of an lcm log or bag was recorded; nothing if there is none.
-std::optional<int64_t> first_recorded_us(const std::filesystem::path& file);
+// The same of a video, whose times do not tell: another one beside it has the next number. How to join the two.
+std::string note_on_next_video(const std::filesystem::path& file);
 
 }  // namespace rumi::camera_driver

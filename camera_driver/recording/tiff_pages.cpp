@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "camera_driver/recording/bag/byte_source.h"
+#include "camera_driver/recording/byte_source.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -64,7 +64,7 @@ class TiffReader {
 }  // namespace
 
 std::vector<int> pages_of_tiff(const std::filesystem::path& file) {
-  constexpr int kMostPages = 1'000'000;  // their descriptions may form a ring
+  constexpr int kMostPages = 100'000;  // their descriptions may form a ring
   TiffReader reader(file);
   std::vector<int> pages;
   std::optional<Page> first;

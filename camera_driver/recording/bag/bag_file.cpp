@@ -57,4 +57,13 @@ std::unique_ptr<BagFile> open_bag_file(const std::string& path) {
   }
 }
 
+std::optional<int64_t> first_recorded_in_bag(const fs::path& file) {
+  std::optional<int64_t> first_us;
+  open_bag_file(file.string())->scan([&first_us](const BagMessage& message) {
+    first_us = message.time_ns / 1000;
+    return false;
+  });
+  return first_us;
+}
+
 }  // namespace rumi::camera_driver

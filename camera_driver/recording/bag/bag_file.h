@@ -4,15 +4,18 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace rumi::camera_driver {
 
-enum class RosEncoding { kRos1, kCdr, kOther };
+// Protobuf and JSON: of Foxglove's own types, which read_message() turns into those of ROS 1.
+enum class RosEncoding { kRos1, kCdr, kProtobuf, kJson, kOther };
 
 struct BagConnection {
   std::string topic;
@@ -81,5 +84,8 @@ std::unique_ptr<BagFile> open_ros2_sqlite(const std::string& file);
 std::unique_ptr<BagFile> open_bag_folder(const std::string& folder);
 // Precondition: it is a bag.
 std::unique_ptr<BagFile> open_bag_file(const std::string& path);
+
+// When its first message of a type that is read was recorded; nothing if there is none. Precondition: it is a bag.
+std::optional<int64_t> first_recorded_in_bag(const std::filesystem::path& file);
 
 }  // namespace rumi::camera_driver

@@ -38,7 +38,7 @@ class BagFrames : public FrameReader {
   std::optional<image_t> load(size_t frame, bool colour, std::string* error) override {
     std::optional<image_t> image;
     std::vector<uint8_t> message;
-    if (!read_message(*bag_, topic_.messages[frame].place, &message)) {
+    if (!read_message(*bag_, topic_.kind, topic_.messages[frame].place, &message)) {
       *error = "cannot be read: the bag is damaged there";
     } else {
       image = is_compressed() ? load_compressed(message, colour, error) : load_raw(message, colour, error);
@@ -156,7 +156,7 @@ class BagFrames : public FrameReader {
     for (size_t i = 0; i < count; ++i) {
       std::vector<uint8_t> message;
       std::string ignored;
-      if (!read_message(*bag_, topic_.messages[i * utimes_.size() / count].place, &message)) continue;
+      if (!read_message(*bag_, topic_.kind, topic_.messages[i * utimes_.size() / count].place, &message)) continue;
       if (!is_compressed()) histogram.add(raw_pixels(message, /*colour=*/false, &ignored));
       if (const auto file = is_compressed() ? file_in(message, &ignored) : std::nullopt)
         histogram.add(grey_pixels_of_bytes(*file));
@@ -184,7 +184,8 @@ class BagFrames : public FrameReader {
 std::optional<RosCameraInfo> camera_info_in(BagFile& bag, const BagTopic& topic, const BagEntry& entry) {
   std::vector<uint8_t> message;
   RosCameraInfo info;
-  const bool is_whole = read_message(bag, entry.place, &message) && parse(message, topic.kind.encoding, &info);
+  const bool is_whole =
+      read_message(bag, topic.kind, entry.place, &message) && parse(message, topic.kind.encoding, &info);
   return is_whole ? std::optional(info) : std::nullopt;
 }
 

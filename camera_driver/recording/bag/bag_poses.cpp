@@ -19,7 +19,7 @@ using Edges = std::map<std::string, Edge>;
 std::string frame_of_images(BagFile& bag, const BagTopic& topic) {
   std::vector<uint8_t> message;
   for (const BagEntry& entry : topic.messages)
-    if (read_message(bag, entry.place, &message)) return frame_of(message, topic.kind.encoding);
+    if (read_message(bag, topic.kind, entry.place, &message)) return frame_of(message, topic.kind.encoding);
   return {};
 }
 
@@ -29,7 +29,7 @@ Edges edges_of(BagFile& bag, const std::vector<BagTopic>& topics) {
   for (const BagTopic& topic : topics)
     for (const BagEntry& entry : topic.messages) {
       std::vector<RosTransform> transforms;
-      if (read_message(bag, entry.place, &message)) parse(message, topic.kind.encoding, &transforms);
+      if (read_message(bag, topic.kind, entry.place, &message)) parse(message, topic.kind.encoding, &transforms);
       for (RosTransform& transform : transforms) edges[transform.child].push_back(std::move(transform));
     }
   for (auto& [child, edge] : edges)

@@ -8,6 +8,7 @@
 
 #include "base/natural_order.h"
 #include "camera_driver/recording/bag/decompress.h"
+#include "camera_driver/recording/bag/foxglove_messages.h"
 #include "camera_driver/recording/bag/ros_messages.h"
 #include "camera_driver/recording/bag/ros_pixels.h"
 #include "camera_driver/recording/channel_list.h"
@@ -18,7 +19,7 @@ namespace {
 
 bool is_depth(BagFile& bag, const BagTopic& topic) {
   std::vector<uint8_t> message;
-  if (!read_message(bag, topic.messages.front().place, &message)) return false;
+  if (!read_message(bag, topic.kind, topic.messages.front().place, &message)) return false;
   RosImage image;
   RosCompressedImage compressed;
   if (topic.kind.type == "sensor_msgs/Image")
@@ -27,14 +28,19 @@ bool is_depth(BagFile& bag, const BagTopic& topic) {
          compressed.format.find("compressedDepth") != std::string::npos;
 }
 
+bool is_of_foxglove(const BagConnection& kind) {
+  return kind.encoding == RosEncoding::kProtobuf || kind.encoding == RosEncoding::kJson;
+}
+
 // Stamps are in the messages: of one that is compressed by itself it must be taken out first.
-int64_t stamp_of(BagFile& bag, const BagMessage& message, RosEncoding encoding) {
+int64_t stamp_of(BagFile& bag, const BagMessage& message, const BagConnection& kind) {
   std::vector<uint8_t> whole;
-  if (looks_like_zstd(message.head) && read_message(bag, message.place, &whole)) {
+  const bool must_be_read = looks_like_zstd(message.head) || is_of_foxglove(kind);
+  if (must_be_read && read_message(bag, kind, message.place, &whole)) {
     whole.resize(std::max(whole.size(), kHeadBytes));
-    return stamp_ns(Bytes(whole).first(kHeadBytes), encoding);
+    return stamp_ns(Bytes(whole).first(kHeadBytes), kind.encoding);
   }
-  return stamp_ns(message.head, encoding);
+  return stamp_ns(message.head, kind.encoding);
 }
 
 std::vector<BagTopic> topics_of(const std::map<uint32_t, BagConnection>& connections,
@@ -97,14 +103,18 @@ std::string why_no_images(const BagTopics& topics) {
   const std::string what = !counts.empty()     ? "it has messages on " + list_of_channels(counts)
                            : topics.is_damaged ? "nothing in it can be read"
                                                : "it is empty";
-  return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage); {}{}", what,
+  return fmt::format("no topic of it has images (sensor_msgs/Image or CompressedImage, or Foxglove's); {}{}", what,
                      advice_on_videos(topics));
 }
 
 }  // namespace
 
-bool read_message(BagFile& bag, const BagPlace& place, std::vector<uint8_t>* message) {
+bool read_message(BagFile& bag, const BagConnection& kind, const BagPlace& place, std::vector<uint8_t>* message) {
   if (!bag.read(place, message)) return false;
+  if (is_of_foxglove(kind)) {
+    *message = ros_message_of_foxglove(*message, kind.encoding, kind.type);
+    return !message->empty();
+  }
   if (!looks_like_zstd(*message)) return true;
   MemoryBytes compressed(*message);
   Decompressed whole = decompress(compressed, 0, compressed.size(), Compression::kZstd);
@@ -118,8 +128,8 @@ BagTopics read_topics(BagFile& bag) {
     const auto connection = bag.connections().find(message.connection);
     // A connection may come later, behind damage: then as in ROS 1, where stamps are at the same place.
     const bool is_known = connection != bag.connections().end();
-    const RosEncoding encoding = is_known ? connection->second.encoding : RosEncoding::kRos1;
-    entries.push_back({message.place, message.connection, stamp_of(bag, message, encoding), message.time_ns});
+    const BagConnection kind = is_known ? connection->second : BagConnection{"", "", RosEncoding::kRos1};
+    entries.push_back({message.place, message.connection, stamp_of(bag, message, kind), message.time_ns});
     return true;
   });
   BagTopics topics;
@@ -165,9 +175,9 @@ ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel) {
 const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic) {
   const auto above = [](const std::string& name) { return name.substr(0, std::min(name.rfind('/'), name.size())); };
   const std::string parent = above(topic), grandparent = above(parent);
-  // The last one: of RealSense's own recorder.
+  // The last ones: of RealSense's own recorder, and of Foxglove's examples.
   for (const std::string& name : {parent + "/camera_info", topic + "/camera_info", grandparent + "/camera_info",
-                                  grandparent + "/info/camera_info"})
+                                  grandparent + "/info/camera_info", parent + "/calibration", topic + "/calibration"})
     for (const BagTopic& calibration : topics.calibrations)
       if (calibration.name == name) return &calibration;
   return nullptr;

@@ -28,8 +28,9 @@ struct BagTopic {
   bool is_depth = false;
 };
 
-// The message, also if it was compressed by itself. False if it cannot be had.
-bool read_message(BagFile& bag, const BagPlace& place, std::vector<uint8_t>* message);
+// The message, also if it was compressed by itself. One of Foxglove becomes one of ROS 1, which parse() takes it for.
+// False if it cannot be had.
+bool read_message(BagFile& bag, const BagConnection& kind, const BagPlace& place, std::vector<uint8_t>* message);
 
 struct BagTopics {
   std::vector<BagTopic> images, calibrations, transforms;         // none is empty; images that are no depth first

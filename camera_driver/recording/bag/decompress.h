@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "camera_driver/recording/bag/byte_source.h"
+#include "camera_driver/recording/byte_source.h"
 
 namespace rumi::camera_driver {
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string_view>
 
+#include "camera_driver/recording/bag/foxglove_messages.h"
 #include "camera_driver/recording/bag/record_bag.h"
 
 namespace rumi::camera_driver {
@@ -187,12 +188,7 @@ class McapFile : public RecordBag {
     for (const auto& [id, channel] : channels_) {
       const auto schema = schemas_.find(channel.schema);
       if (schema == schemas_.end() && channel.schema != 0) continue;
-      const RosEncoding encoding = channel.encoding == "cdr"    ? RosEncoding::kCdr
-                                   : channel.encoding == "ros1" ? RosEncoding::kRos1
-                                                                : RosEncoding::kOther;
-      const std::string type = schema == schemas_.end() ? "" : schema->second;
-      add_connection(id,
-                     {channel.topic, encoding == RosEncoding::kOther ? channel.encoding + " " + type : type, encoding});
+      add_connection(id, connection_of(channel, schema == schemas_.end() ? "" : schema->second));
     }
   }
 
@@ -200,6 +196,15 @@ class McapFile : public RecordBag {
     uint16_t schema = 0;
     std::string topic, encoding;
   };
+  static BagConnection connection_of(const Channel& channel, const std::string& type) {
+    if (channel.encoding == "cdr") return {channel.topic, type, RosEncoding::kCdr};
+    if (channel.encoding == "ros1") return {channel.topic, type, RosEncoding::kRos1};
+    const std::string ros_type = ros_type_of_foxglove(type);
+    if (!ros_type.empty() && channel.encoding == "protobuf") return {channel.topic, ros_type, RosEncoding::kProtobuf};
+    if (!ros_type.empty() && channel.encoding == "json") return {channel.topic, ros_type, RosEncoding::kJson};
+    return {channel.topic, channel.encoding + " " + type, RosEncoding::kOther};
+  }
+
   std::map<uint16_t, std::string> schemas_;
   std::map<uint16_t, Channel> channels_;
 };

@@ -150,6 +150,46 @@ TEST_F(FileLists, ACommaBetweenTimeAndNumberedNameIsNone) {
   EXPECT_THAT(names(list), ElementsAre("17.png", "18.png"));
 }
 
+TEST_F(FileLists, NegativeTimesAskForARate) {
+  std::string lines;
+  for (int i = 0; i < 9; ++i) lines += fmt::format("{:.1f} {}.png\n", -0.6 + 0.1 * i, i);
+  EXPECT_THAT(tum(lines).error, AllOf(HasSubstr("6 of its 9 images have negative times (the first -0.600000 s)"),
+                                      HasSubstr("give --rate HZ")));
+  CameraOptions at_rate;
+  at_rate.rate_hz = 10;
+  EXPECT_EQ(read_tum_list(folder_ / "rgb.txt", at_rate).entries.size(), 9u);
+  write_file(folder_ / "cam0/data.csv", "-3000000000,a.png\n-2950000000,b.png\n");
+  EXPECT_THAT(read_euroc_list(folder_ / "cam0/data.csv", {}).error,
+              HasSubstr("2 of its 2 images have negative times (the first -3.000000 s)"));
+  const FileList few = tum("-1.0 a.png\n1.0 b.png\n1.1 c.png\n");
+  EXPECT_EQ(few.error, "");
+  EXPECT_EQ(few.malformed.count, 1);
+}
+
+TEST_F(FileLists, PicturesOfKindsThatAreNotReadCountAsLeftOut) {
+  for (int i = 0; i < 6; ++i) image(fmt::format("IMG_{:04}.jpg", i), i);
+  EXPECT_EQ(list_image_folder(folder_.path(), {}).not_read, 0);
+  for (const char* name : {"IMG_0006.HEIC", "IMG_0007.heic", "IMG_0008.dng"}) folder_.write(name, "x");
+  for (const char* name : {"IMG_0001.CR2", "depth_1.exr", "notes.txt", ".IMG_0009.heic"}) folder_.write(name, "x");
+  const FileList list = list_image_folder(folder_.path(), {});
+  EXPECT_EQ(list.entries.size(), 6u);
+  EXPECT_EQ(list.not_read, 3);
+  EXPECT_THAT(list.notes,
+              ElementsAre(AllOf(HasSubstr("3 of its pictures"), HasSubstr("'IMG_0006.HEIC'"), HasSubstr("mogrify"))));
+  write_file(folder_ / "calibration.yaml", kCalibration);
+  CameraOptions at_rate;
+  at_rate.rate_hz = 10;
+  const OpenedSource opened = open_recording(folder_.path().string(), at_rate);
+  ASSERT_EQ(opened.error, "");
+  EXPECT_EQ(opened.source->skipped().unreadable, 3);
+}
+
+TEST_F(FileLists, AnImageThatIsHeicWhateverItsNameSaysSo) {
+  folder_.write("1.jpg", std::string("\0\0\0\x18", 4) + "ftypheic" + std::string(100, 'x'));
+  write_file(folder_ / "calibration.yaml", kCalibration);
+  EXPECT_THAT(error_of(), HasSubstr("of the kind HEIC, which is not read: convert it"));
+}
+
 TEST_F(FileLists, CopiesOfAFileManagerAreLeftOut) {
   for (const char* name : {"image_0.png", "image_0 (1).png", "image_0 copy.png", "image_0 - Copy.png"}) image(name, 0);
   image("image_1.png", 1);

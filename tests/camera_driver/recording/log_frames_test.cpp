@@ -12,6 +12,7 @@ namespace rumi::camera_driver {
 namespace {
 
 using namespace testing;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -154,6 +155,46 @@ TEST_F(LogFrames, WithoutACalibrationAreOfTheCameraBefore) {
   ASSERT_EQ(images.size(), 30u);
   for (int i = 0; i < 30; ++i)
     EXPECT_THAT(metadata(images[i], kCalibrationKey), HasSubstr(i < 15 ? "fx: 70\n" : "fx: 80\n")) << i;
+}
+
+TEST_F(LogFrames, OfNegativeTimesAreRefusedOrGetNewOnes) {
+  change_ = [](int i, image_t* image) { image->utime = -3'000'000 + 100'000 * i; };
+  write_log(40);
+  EXPECT_THAT(
+      open_image_source(file_, options_).error,
+      AllOf(HasSubstr("30 of its 40 images have negative times (the first -3.000000 s)"), HasSubstr("give --rate HZ")));
+  options_.rate_hz = 10;
+  const std::vector<image_t> images = play();
+  ASSERT_EQ(images.size(), 40u);
+  EXPECT_EQ(images[39].utime - images[0].utime, 3'900'000);
+}
+
+TEST_F(LogFrames, OfAFewNegativeTimesAreLeftOut) {
+  change_ = [](int i, image_t* image) {
+    if (i == 7) image->utime = -1;
+  };
+  write_log(40);
+  EXPECT_EQ(play().size(), 39u);
+  EXPECT_EQ(skipped_.malformed, 1);
+}
+
+TEST_F(LogFrames, OfFormatsThatAreNotReadAreNamedByTheirLetters) {
+  fs::remove(folder_ / "calibration.yaml");
+  for (const auto& [format, name] : {std::pair{842094158, "842094158 (NV12)"},
+                                     {808596553, "808596553 (I420)"},
+                                     {357, "357 (GRAY of 16 bits)"},
+                                     {0, "is 0: supported"}}) {
+    change_ = [format = format](int, image_t* image) {
+      image->pixelformat = format;
+      set_metadata(image, kCalibrationKey, kCalibration);
+    };
+    write_log(3);
+    EXPECT_THAT(open_image_source(file_, options_).error,
+                AllOf(HasSubstr("none of its images can be used"), HasSubstr(name)));
+  }
+  change_ = [](int, image_t* image) { image->row_stride = 0; };
+  write_log(3);
+  EXPECT_THAT(open_image_source(file_, options_).error, HasSubstr("row_stride is 0"));
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST_F(Bags, OfEachKindArePlayedWithTheirTimesAndCalibration) {
 }
 
 TEST_F(Bags, AreTheSameWithMessagesOfRos1InAnMcapFile) {
-  McapWriter mcap("zstd", /*is_ros2=*/false);
+  McapWriter mcap("zstd", "ros1");
   add_usual("ros1 none", 5);
   for (const BagMessageToWrite& message : messages_) mcap.add(message);
   EXPECT_EQ(play(folder_.write("a.mcap", mcap.bytes())).size(), 5u);
@@ -56,6 +56,46 @@ TEST_F(Bags, AFolderIsWhatItsMetadataLists) {
   folder_.write("metadata.yaml", "rosbag2_bagfile_information:\n  relative_file_paths: [r_0.db3.zstd]\n");
   folder_.write("r_0.db3.zstd", "x");
   EXPECT_THAT(error_of(folder_.path()), HasSubstr("unzstd"));
+}
+
+// What is wrong with the images goes before the calibration, which they would have.
+TEST_F(Bags, OfPixelsThatAreNotReadSaySo) {
+  const std::string packet("\0\0\0\1\x67", 5);
+  std::vector<uint8_t> unit(packet.begin(), packet.end());
+  unit.resize(200);
+  const cv::Mat pixels = picture(0, 64, 72);
+  std::string narrow = image_message(true, stamp_ns(0), picture(0), "mono8");
+  const size_t step = narrow.find(std::string("mono8\0\0", 7)) + 8;
+  narrow[step] = 10;
+  for (const auto& [type, message, what] :
+       {std::tuple{"sensor_msgs/Image", image_message(true, stamp_ns(0), pixels, "nv12"), "'nv12', which is not read"},
+        {"sensor_msgs/Image", image_message(true, stamp_ns(0), pixels, "nv21"), "'nv21', which is not read"},
+        {"sensor_msgs/Image", narrow, "rows of 10 bytes"},
+        {"sensor_msgs/CompressedImage", compressed_message(true, stamp_ns(0), "h264", unit),
+         "packet of a video (h264)"},
+        {"sensor_msgs/CompressedImage", compressed_message(true, stamp_ns(0), "", unit), "video (H.264 or H.265)"}}) {
+    messages_.clear();
+    add_info("mcap");
+    add("/cam0/image_raw", type, 0, message);
+    const std::string error = error_of(write("mcap"));
+    EXPECT_THAT(error, AllOf(HasSubstr("none of its images can be used"), HasSubstr(what)));
+    EXPECT_THAT(error, Not(HasSubstr("--camera")));
+  }
+}
+
+TEST_F(Bags, OfNegativeTimesAreRefusedOrGetNewOnes) {
+  add_info("mcap");
+  for (int i = 0; i < 6; ++i) {
+    constexpr uint32_t kMinusThree = 0xfffffffd;
+    std::string message = image_message(true, stamp_ns(i), picture(i), "mono8");
+    message.replace(4, 4, bytes_of(kMinusThree));
+    add("/cam0/image_raw", "sensor_msgs/Image", i, message);
+  }
+  const std::string file = write("mcap");
+  EXPECT_THAT(error_of(file),
+              AllOf(HasSubstr("6 of its 6 images have negative times (the first -"), HasSubstr("give --rate HZ")));
+  options_.rate_hz = 10;
+  EXPECT_EQ(play(file).size(), 6u);
 }
 
 TEST_F(Bags, WithoutCameraInfoNeedACalibration) {

@@ -53,6 +53,29 @@ TEST_F(DamagedBags, InAnyPlaceLoseWhatIsThere) {
   }
 }
 
+// One chunk may be all of a file. What cannot be compressed is stored as it is, and only its checksum is wrong then.
+TEST_F(DamagedBags, InTheMiddleOfAChunkHaveTheImagesBefore) {
+  for (const bool is_noise : {false, true}) {
+    for (const char* compression : {"zstd", "lz4"}) {
+      SCOPED_TRACE(std::string(compression) + (is_noise ? " noise" : ""));
+      constexpr size_t kAll = 1000;
+      McapWriter mcap(compression, "cdr", kAll);
+      cv::theRNG().state = 7;
+      for (int i = 0; i < kImages; ++i) {
+        cv::Mat pixels = picture(i, 320, 240);
+        if (is_noise) cv::randu(pixels, 0, 256);
+        mcap.add({"/cam0/image_raw", "sensor_msgs/Image", image_message(true, stamp_ns(i), pixels, "mono8"), 1});
+      }
+      options_.camera_file = folder_.write("c.yaml", "fx: 50\nfy: 51\ncx: 32\ncy: 24\nwidth: 320\nheight: 240\n");
+      std::string bytes = mcap.bytes();
+      const size_t at = bytes.size() * 9 / 20;  // in an image, not between two
+      for (size_t i = at; i < at + 64; ++i) bytes[i] = static_cast<char>(7 * i + 3);
+      EXPECT_GE(images_of(folder_ / "a.mcap", bytes), is_noise ? kImages : kImages / 3);
+      EXPECT_GE(skipped_.malformed, 1);
+    }
+  }
+}
+
 TEST_F(DamagedBags, CutOffAnywhereHaveTheImagesBefore) {
   for (const std::string& kind : bag_kinds()) {
     if (kind == "sqlite") continue;
@@ -131,7 +154,8 @@ TEST_F(DamagedBags, EndlesslyCompressedChunksAreNotUnpacked) {
   };
   const std::string chunk =
       record(6, std::string(28, '\0') + with_length("zstd") + bytes_of(static_cast<uint64_t>(bomb.size())) + bomb);
-  EXPECT_THAT(error_of(folder_.write("a.mcap", std::string("\x89MCAP0\r\n", 8) + chunk)), HasSubstr("it is empty"));
+  EXPECT_THAT(error_of(folder_.write("a.mcap", std::string("\x89MCAP0\r\n", 8) + chunk)),
+              HasSubstr("nothing in it can be read"));
 }
 
 }  // namespace

@@ -178,9 +178,9 @@ class Ros1Writer {
 
 class McapWriter {
  public:
-  // `compression`: of chunks; "none": these are not compressed; empty: no chunks.
-  explicit McapWriter(std::string compression, bool is_ros2 = true)
-      : compression_(std::move(compression)), is_ros2_(is_ros2) {
+  // `compression`: of chunks; "none": these are not compressed; empty: no chunks. `encoding`: of messages.
+  explicit McapWriter(std::string compression, std::string encoding = "cdr", size_t in_one_chunk = kMessagesInChunk)
+      : compression_(std::move(compression)), encoding_(std::move(encoding)), in_one_chunk_(in_one_chunk) {
     bytes_ = kMagic + record(1, with_length("ros2") + with_length("test"));
   }
   void add(const BagMessageToWrite& message) {
@@ -188,16 +188,18 @@ class McapWriter {
     const std::string id = bytes_of(static_cast<uint16_t>(channel->second));
     if (is_new) {
       const size_t slash = message.type.find('/');
-      const std::string type = message.type.substr(0, slash) + "/msg" + message.type.substr(slash);
+      const std::string type = slash == std::string::npos
+                                   ? message.type
+                                   : message.type.substr(0, slash) + "/msg" + message.type.substr(slash);
       const std::string known =
           record(3, id + with_length(type) + with_length("ros2msg") + with_length("")) +
-          record(4, id + id + with_length(message.topic) + with_length(is_ros2_ ? "cdr" : "ros1") + with_length(""));
+          record(4, id + id + with_length(message.topic) + with_length(encoding_) + with_length(""));
       chunk_ += known;
       definitions_ += known;
     }
     chunk_ +=
         record(5, id + bytes_of(uint32_t{1}) + bytes_of(message.time_ns) + bytes_of(message.time_ns) + message.bytes);
-    if (++in_chunk_ == kMessagesInChunk) end_chunk();
+    if (++in_chunk_ == in_one_chunk_) end_chunk();
   }
   std::string bytes() {
     end_chunk();
@@ -225,8 +227,8 @@ class McapWriter {
     chunk_.clear();
     in_chunk_ = 0;
   }
-  std::string compression_, bytes_, chunk_, definitions_;
-  bool is_ros2_;
+  std::string compression_, encoding_, bytes_, chunk_, definitions_;
+  size_t in_one_chunk_;
   std::map<std::string, size_t> channels_;
   size_t in_chunk_ = 0;
 };

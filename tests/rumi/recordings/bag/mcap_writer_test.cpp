@@ -6,7 +6,7 @@
 
 #include <map>
 
-#include "camera_driver/recording/bag/byte_source.h"
+#include "camera_driver/recording/byte_source.h"
 #include "rumi/recordings/bag/bag_writer.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "camera_driver/recording/bag/byte_source.h"
+#include "camera_driver/recording/byte_source.h"
 
 #include <fcntl.h>
 #include <unistd.h>
