@@ -18,6 +18,7 @@
 #include "bus/wire/submap_update.h"
 #include "bus/wire/working_image.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
+#include "slam/features/lens_mask.h"
 
 namespace rumi::front_tracker {
 namespace {
@@ -207,8 +208,9 @@ void FrontTrackerNode::begin_session(const Camera& camera, const image_t& image)
   without_pose_.clear();
   with_pose_.clear();
   if (back_submaps_) back_submaps_->begin_session(session_);
-  tracker_ =
-      std::make_unique<Tracker>(working_camera(camera, options_.max_image_side), options_, session_, session_stream_);
+  const Camera working = working_camera(camera, options_.max_image_side);
+  masks_ = MaskReader(lens_mask(working));
+  tracker_ = std::make_unique<Tracker>(working, options_, session_, session_stream_);
 }
 
 void FrontTrackerNode::retire_session() {

@@ -55,7 +55,7 @@ std::string check(const FileCamera& read, const std::string& file) {
     return fmt::format("{}: {}; correct it there", which, wrong);
   if (!(read.camera.fps >= 0 && read.camera.fps <= 1e5))
     return fmt::format("{}: fps is {:.6g}: must be 0 (unknown) to 100000 images per second", which, read.camera.fps);
-  if (const std::string fold = fold_of(read.camera); !fold.empty()) return fmt::format("{}: {}", which, fold);
+  if (const Fold fold = fold_of(read.camera); !fold.problem.empty()) return fmt::format("{}: {}", which, fold.problem);
   return "";
 }
 
@@ -101,6 +101,8 @@ CameraFileResult choose(const FileCameras& all, const std::string& file, const s
           fmt::format(" (or name another camera of the file, {}, as in {}:{})", in_short(lenses), file, lenses[1]);
     return result;
   }
+  if (const Fold fold = fold_of(result.camera); !fold.note.empty())
+    result.notes.push_back(fmt::format("{}: {}", file, fold.note));
   for (const FileCamera& other : all.cameras)
     if (other.name != chosen->name && check(other, file).empty())
       result.others.push_back({other.name, other.lens, other.camera});

@@ -80,6 +80,7 @@ const ImageMask& MaskReader::read(const image_t& image, const cv::Size& size, st
   if (bytes != bytes_ || size != size_) {
     error_.clear();
     mask_ = bytes.empty() ? ImageMask() : mask_of_size(bytes, {image.width, image.height}, size, &error_);
+    mask_ = mask_.and_also(always_.resized(size));
     bytes_ = bytes;
     size_ = size;
   }

@@ -6,6 +6,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/features/image_mask.h"
@@ -26,10 +27,14 @@ cv::Mat decode_mask(const std::string& bytes, std::string* error);
 // Takes the masks out of images. Images in a row mostly have the same one: it is decoded once.
 class MaskReader {
  public:
-  // As large as `size`. Everything where the image has none. In *error what is wrong with it (it is then everything).
+  // `always`: a mask of all images besides, which may have another size.
+  explicit MaskReader(ImageMask always = {}) : always_(std::move(always)) {}
+
+  // As large as `size`. In *error what is wrong with the image's mask, which counts for nothing then.
   const ImageMask& read(const image_t& image, const cv::Size& size, std::string* error);
 
  private:
+  ImageMask always_;
   std::string bytes_, error_;
   cv::Size size_;
   ImageMask mask_;

@@ -17,6 +17,7 @@
 #include "ruminator/build/window_look.h"
 #include "ruminator/build/window_model.h"
 #include "ruminator/build/window_prospects.h"
+#include "slam/features/lens_mask.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -56,7 +57,7 @@ WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOpti
                      const std::atomic<bool>& cancel) {
   const StageClock clock("ruminator.sift");
   WindowImages images;
-  MaskReader masks;
+  MaskReader masks(lens_mask(camera));
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
     progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));
     std::string ignored;

@@ -11,6 +11,7 @@
 #include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
+#include "slam/features/lens_mask.h"
 #include "slam/numeric/union_find.h"
 
 namespace rumi::ruminator {
@@ -24,7 +25,13 @@ class Looker {
  public:
   Looker(const WindowJob& job, const Camera& camera, const BuildOptions& options, const std::atomic<bool>& cancel,
          WindowLook* look)
-      : job_(job), camera_(camera), o_(options), cancel_(cancel), look_(*look), same_view_(job.images.size()) {}
+      : job_(job),
+        camera_(camera),
+        o_(options),
+        cancel_(cancel),
+        look_(*look),
+        masks_(lens_mask(camera)),
+        same_view_(job.images.size()) {}
 
   // False: a pair of images shows depth, or the look is called off.
   bool look_at(size_t image) {

@@ -11,6 +11,7 @@
 #include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "ruminator/matching/pair_motion.h"
+#include "slam/features/lens_mask.h"
 
 namespace rumi::ruminator {
 namespace {
@@ -84,7 +85,7 @@ std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
   // A short gap costs little, and what is around it may overlap.
   if (gap.size() < 2 * kLooks) return "";
   const Camera camera = working_camera(job.camera, options.max_image_side);
-  MaskReader masks;
+  MaskReader masks(lens_mask(camera));
   size_t most = 0;
   for (size_t i = 0; i < kLooks; ++i) {
     std::string ignored;

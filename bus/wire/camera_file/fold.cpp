@@ -1,65 +1,49 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A lens images what is farther from its axis farther from the image's centre. Coefficients that say otherwise within
-// the image are wrong, in another order, or fitted to views that did not reach so far.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "bus/wire/camera_file/lens.h"
+#include "slam/geometry/lens_fold.h"
 
 namespace rumi {
 namespace {
 
-constexpr double kWidest_rad = 60 * M_PI / 180;  // a fisheye's image may be a circle, and folds outside it
-constexpr double kWidestSlope = 60;              // x/z: 89 degrees
-constexpr double kMostOutside = 0.03;            // of the pixels: the corners
+constexpr double kLeastOutside = 0.002;  // of the pixels that is worth a word
+constexpr double kMostOutside = 0.5;     // of the pixels: then the coefficients are wrong, or in another order
 
-struct Lens {
-  double k1, k2, k3, k4;
-
-  // Distance from the centre, by the distance, or angle, without distortion.
-  double distorted(double r) const {
-    const double r2 = r * r;
-    return r * (1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4))));
-  }
-  double slope(double r) const {
-    const double r2 = r * r;
-    return 1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * (7 * k3 + r2 * 9 * k4)));
-  }
-};
-
-// The part of the pixels that is farther from the centre than this.
-double share_outside(const Camera& camera, double radius) {
+double share_beyond(const Camera& camera, double radius) {
   constexpr int kSteps = 64;
-  int outside = 0;
+  int beyond = 0;
   for (int i = 0; i < kSteps; ++i)
-    for (int j = 0; j < kSteps; ++j) {
-      const double x = (i + 0.5) / kSteps * camera.width - 0.5, y = (j + 0.5) / kSteps * camera.height - 0.5;
-      outside += std::hypot((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy) > radius;
-    }
-  return static_cast<double>(outside) / (kSteps * kSteps);
+    for (int j = 0; j < kSteps; ++j)
+      beyond += is_beyond_fold(camera, radius, (i + 0.5) / kSteps * camera.width - 0.5,
+                               (j + 0.5) / kSteps * camera.height - 0.5);
+  return static_cast<double>(beyond) / (kSteps * kSteps);
+}
+
+std::string coefficients(const Camera& camera) {
+  const std::string three = fmt::format("k1 = {:.6g}, k2 = {:.6g}, k3 = {:.6g}", camera.k1, camera.k2, camera.k3);
+  return camera.model == Camera::Model::kKannalaBrandt ? fmt::format("{}, k4 = {:.6g}", three, camera.k4) : three;
 }
 
 }  // namespace
 
-std::string fold_of(const Camera& camera) {
-  const bool fisheye = camera.model == Camera::Model::kKannalaBrandt;
-  const Lens lens{camera.k1, camera.k2, camera.k3, fisheye ? camera.k4 : 0};
-  const double end = fisheye ? kWidest_rad : kWidestSlope;
-  double turn = 0.001;
-  while (turn < end && lens.slope(turn) > 0) turn *= 1.002;
-  if (turn >= end) return "";
-  const double radius = lens.distorted(turn), outside = share_outside(camera, radius);
-  if (outside <= kMostOutside) return "";
-  return fmt::format(
-      "the distortion folds the image: with {} nothing is imaged farther than {:.0f} pixels from cx, cy, and {:.0f} % "
-      "of the image is farther; look at the coefficients and their order, or calibrate again with the board in the "
-      "corners of the images, too",
-      fisheye ? fmt::format("k1 = {:.6g}, k2 = {:.6g}, k3 = {:.6g}, k4 = {:.6g}", camera.k1, camera.k2, camera.k3,
-                            camera.k4)
-              : fmt::format("k1 = {:.6g}, k2 = {:.6g}, k3 = {:.6g}", camera.k1, camera.k2, camera.k3),
-      std::max(0.0, radius) * std::sqrt(camera.fx * camera.fy), 100 * outside);
+Fold fold_of(const Camera& camera) {
+  const double radius = fold_radius(camera);
+  const double share = std::isfinite(radius) ? share_beyond(camera, radius) : 0;
+  if (share < kLeastOutside) return {};
+  const std::string where = fmt::format(
+      "{:.{}f} % of the image lies beyond {:.0f} px from cx, cy, where the distortion "
+      "({}) folds the image",
+      100 * share, share < 0.01 ? 1 : 0, radius * std::sqrt(camera.fx * camera.fy), coefficients(camera));
+  if (share > kMostOutside)
+    return {.problem = where +
+                       ": look at the coefficients and their order, or calibrate again with the board in the "
+                       "corners of the images, too"};
+  return {.note = where +
+                  ", and is not used; a calibration with the board in the corners of the images would tell "
+                  "what is seen there"};
 }
 
 }  // namespace rumi

@@ -22,8 +22,12 @@ void set_fisheye(Fields& in, const std::vector<double>& d, const std::string& fi
 void set_radial_tangential(Fields& in, const std::vector<double>& d, const std::string& field, Camera* camera);
 void refuse_model(Fields& in, const std::string& field, const std::string& value, const std::string& known);
 
-// What is wrong if what is farther from the axis is imaged nearer to the centre, inside the image; or nothing.
-std::string fold_of(const Camera& camera);
+// What there is to say where the distortion folds the image (slam/geometry/lens_fold.h).
+struct Fold {
+  std::string problem;  // why such a camera is of no use: little of the image is left
+  std::string note;     // what of the image is not used
+};
+Fold fold_of(const Camera& camera);
 
 std::string lower_case(std::string text);
 

@@ -113,6 +113,19 @@ TEST(MaskReader, AMaskThatCannotBeUsedIsEverythingAndIsTold) {
   EXPECT_EQ(error, "") << "the next one is good";
 }
 
+TEST(MaskReader, WhatIsAlwaysLeftOutIsSoWithAndWithoutAMaskOfTheImage) {
+  cv::Mat always(8, 10, CV_8U, cv::Scalar(255));
+  always.at<uchar>(0, 0) = 0;
+  MaskReader reader{ImageMask(always)};
+  std::string error;
+  image_t image{};
+  image.width = 10, image.height = 8;
+  EXPECT_EQ(cv::countNonZero(reader.read(image, {10, 8}, &error).pixels() == 0), 1);
+  EXPECT_EQ(reader.read(image, {20, 16}, &error).pixels().size(), cv::Size(20, 16));
+  EXPECT_FALSE(reader.read(image, {20, 16}, &error).allows({1, 1}));
+  EXPECT_EQ(error, "");
+}
+
 TEST(MaskReader, DecodesTheMaskOfImagesInARowOnce) {
   MaskReader reader;
   std::string error;
