@@ -87,7 +87,9 @@ TEST_F(ImageTimesTest, OneInTwentyAnHourAheadIsLeftOut) {
     for (int i = 0; i < 60; ++i) {
       const bool is_wrong = i % 20 == 19;
       ASSERT_EQ(come(right() + (is_wrong ? ahead_us : 0)), is_wrong ? Verdict::kWaits : Verdict::kNext) << i;
-      if (is_wrong) EXPECT_EQ(times_.doubt(), Doubt::kAhead);
+      if (is_wrong) {
+        EXPECT_EQ(times_.doubt(), Doubt::kAhead);
+      }
     }
 }
 

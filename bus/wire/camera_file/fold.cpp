@@ -37,13 +37,16 @@ Fold fold_of(const Camera& camera) {
       "{:.{}f} % of the image lies beyond {:.0f} px from cx, cy, where the distortion "
       "({}) folds the image",
       100 * share, share < 0.01 ? 1 : 0, radius * std::sqrt(camera.fx * camera.fy), coefficients(camera));
+  Fold fold;
   if (share > kMostOutside)
-    return {.problem = where +
-                       ": look at the coefficients and their order, or calibrate again with the board in the "
-                       "corners of the images, too"};
-  return {.note = where +
-                  ", and is not used; a calibration with the board in the corners of the images would tell "
-                  "what is seen there"};
+    fold.problem = where +
+                   ": look at the coefficients and their order, or calibrate again with the board in the corners "
+                   "of the images, too";
+  else
+    fold.note = where +
+                ", and is not used; a calibration with the board in the corners of the images would tell what is "
+                "seen there";
+  return fold;
 }
 
 }  // namespace rumi

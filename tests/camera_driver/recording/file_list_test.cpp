@@ -185,7 +185,11 @@ TEST_F(FileLists, PicturesOfKindsThatAreNotReadCountAsLeftOut) {
 }
 
 TEST_F(FileLists, AnImageThatIsHeicWhateverItsNameSaysSo) {
-  folder_.write("1.jpg", std::string("\0\0\0\x18", 4) + "ftypheic" + std::string(100, 'x'));
+  std::string bytes(
+      "\0\0\0\x18"
+      "ftypheic",
+      12);
+  folder_.write("1.jpg", bytes.append(100, 'x'));
   write_file(folder_ / "calibration.yaml", kCalibration);
   EXPECT_THAT(error_of(), HasSubstr("of the kind HEIC, which is not read: convert it"));
 }

@@ -12,7 +12,7 @@ using ::testing::HasSubstr;
 
 std::string varint(uint64_t value) {
   std::string bytes;
-  for (; value > 127; value >>= 7) bytes += static_cast<char>(value & 127 | 128);
+  for (; value > 127; value >>= 7) bytes += static_cast<char>((value & 127) | 128);
   return bytes + static_cast<char>(value);
 }
 std::string field(uint64_t number, const std::string& bytes) {
