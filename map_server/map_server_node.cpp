@@ -276,7 +276,8 @@ std::vector<std::string> MapServerNode::complaints() const {
   if (!calibration_doubt_.empty()) sentences.push_back(calibration_doubt_);
   if (options_.localize_only && !localized_us_ && counts.present > 0)
     sentences.push_back(fmt::format("not localized: nothing that came looks like {}", options_.database));
-  const bool is_part = counts.present_in_map > 0 &&
+  // One that is only asked to end hands on what it has: what came last is not merged yet.
+  const bool is_part = finishing_ && counts.present_in_map > 0 &&
                        static_cast<double>(counts.present_in_map) < kWhole * static_cast<double>(counts.present);
   if (options_.merge.enabled && is_part)
     sentences.push_back(fmt::format(
