@@ -23,9 +23,9 @@ std::string notes_of(const std::string& text) {
 TEST(CameraWhoseLensFolds, IsRefusedWhereLittleIsLeft) {
   EXPECT_EQ(error_of(kWide + "k1: -0.28\nk2: 0.074\n"), "");
   EXPECT_EQ(error_of(kWide + "k1: 0.26\nk2: -0.95\nk3: 1.16\n"), "");
-  EXPECT_THAT(error_of(kWide + "k1: -1.9\nk2: 0.9\nk3: -5.3\n"),
-              AllOf(HasSubstr("folds the image"), HasSubstr("k1 = -1.9, k2 = 0.9, k3 = -5.3"),
-                    HasSubstr("px from cx, cy")));
+  EXPECT_THAT(
+      error_of(kWide + "k1: -1.9\nk2: 0.9\nk3: -5.3\n"),
+      AllOf(HasSubstr("folds the image"), HasSubstr("k1 = -1.9, k2 = 0.9, k3 = -5.3"), HasSubstr("px from cx, cy")));
   EXPECT_THAT(error_of(kWide + "k1: -20\n"), HasSubstr("folds the image"));
   EXPECT_THAT(error_of(kWide + "model: fisheye\nk1: -20\n"), HasSubstr("folds the image"));
   const std::string far = "fx: 1200\nfy: 1200\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
