@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <utility>
@@ -34,14 +33,6 @@ constexpr int64_t kSilenceUs = 10'000'000;  // without an image from the start, 
 
 using Kind = RefusedImages::Kind;
 
-// From publication to pose where the driver says when it published, else from capture.
-float latency_ms(const image_t& image, int64_t now_us) {
-  const std::string published = metadata(image, "published_utime");
-  int64_t from_us = image.utime;
-  std::from_chars(published.data(), published.data() + published.size(), from_us);
-  return static_cast<float>(1e-3 * static_cast<double>(now_us - from_us));
-}
-
 // More than every hundredth.
 bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > images.received; }
 
@@ -51,6 +42,7 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
     : bus_(bus),
       options_(options),
       publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s),
+      tracks_(bus),
       mask_publisher_(bus) {
   if (const int most = options.tracking.back_keyframes; most > 0) {
     const auto take = [this](Submap submap) { return tracker_ ? tracker_->add_back_submap(std::move(submap)) : ""; };
@@ -203,10 +195,8 @@ void FrontTrackerNode::begin_session(const Camera& camera, const image_t& image)
   session_calibration_ = metadata(image, kCalibrationKey);
   session_ = std::max(bus_.now_us(), session_ + 1);
   session_stream_ = stream_of(image) != kNoStream ? stream_of(image) : session_;
-  sequence_ = 0;
+  tracks_.begin_session(session_, session_stream_);
   repeated_.begin_session();
-  without_pose_.clear();
-  with_pose_.clear();
   if (back_submaps_) back_submaps_->begin_session(session_);
   const Camera working = working_camera(camera, options_.max_image_side);
   masks_ = MaskReader(lens_mask(working));
@@ -284,46 +274,13 @@ void FrontTrackerNode::on_image(const image_t& image, int64_t arrived_us) {
   cpu_ms_ += cpu_ms;
   ++cpu_count_;
   state_ = result->state;
-  publish_posed_afterwards();
-  publish_withdrawn();
-  publish(image, *result, cpu_ms);
+  tracks_.publish_posed_afterwards(tracker_->posed_afterwards());
+  tracks_.publish_withdrawn(tracker_->withdrawn());
+  tracks_.publish(image, *result, cpu_ms);
+  has_posed_ = has_posed_ || result->submap_id != kNoSubmap;
+  publish_in_map(*result);
   mask_publisher_.publish(*tracker_, image.utime, bus_.now_us());
   publisher_.publish(*tracker_, bus_.now_us(), false);
-}
-
-namespace {
-
-void set_pose(const TrackResult& r, track_t* track) {
-  track->submap_id = r.submap_id;
-  track->submap_revision = r.submap_revision;
-  track->reference_keyframe = r.reference_keyframe;
-  track->cam_from_keyframe = to_wire(r.cam_from_keyframe);
-  track->cam_from_submap = to_wire(r.cam_from_submap);
-  put_sigmas(r.sigmas, track);
-  track->is_keyframe = r.is_keyframe;
-  track->keypoints = r.keypoints;
-  track->inliers = r.inliers;
-}
-
-}  // namespace
-
-void FrontTrackerNode::publish(const image_t& image, const TrackResult& r, double cpu_ms) {
-  track_t track;
-  track.utime = r.utime_us;
-  track.session = session_;
-  track.stream = session_stream_;
-  track.sequence = sequence_++;
-  track.state = static_cast<int8_t>(r.state);
-  set_pose(r, &track);
-  track.processing_ms = static_cast<float>(cpu_ms);
-  track.latency_ms = latency_ms(image, bus_.now_us());
-  bus_.publish(channels::kTrack, track);
-  if (r.submap_id == kNoSubmap) return remember(track, kMostRetoldFrames, &without_pose_);
-  has_posed_ = true;
-  without_pose_.clear();
-  remember(track, kMostRetoldFrames, &with_pose_);
-  bus_.publish(channels::kCameraToSubmap, to_wire(r.utime_us, r.cam_from_submap.inverse()));
-  publish_in_map(r);
 }
 
 void FrontTrackerNode::publish_in_map(const TrackResult& r) {
@@ -342,38 +299,6 @@ void FrontTrackerNode::publish_in_map(const TrackResult& r) {
   pose.map_from_cam = to_wire(map_from_cam);
   put_sigmas(scaled(r.sigmas, map_from_submap.scale), &pose);
   bus_.publish(channels::kMapPose, pose);
-}
-
-void FrontTrackerNode::remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told) {
-  (*told)[track.utime] = track;
-  while (told->size() > most) told->erase(told->begin());
-}
-
-// Before the frame that began the submap or was found again, so that who follows the states knows what that frame
-// leaves without a pose.
-void FrontTrackerNode::publish_posed_afterwards() {
-  for (const TrackResult& r : tracker_->posed_afterwards()) {
-    const auto told = without_pose_.find(r.utime_us);
-    if (told == without_pose_.end()) continue;
-    track_t track = told->second;  // sequence, state and times stay what they were
-    set_pose(r, &track);
-    bus_.publish(channels::kTrack, track);
-    remember(track, kMostRetoldFrames, &with_pose_);
-  }
-}
-
-// Before the frame that contradicts them, for the same reason.
-void FrontTrackerNode::publish_withdrawn() {
-  for (const int64_t utime_us : tracker_->withdrawn()) {
-    const auto told = with_pose_.find(utime_us);
-    if (told == with_pose_.end()) continue;
-    track_t track = told->second;  // sequence and times stay what they were
-    track.state = track_t::RECENTLY_LOST;
-    set_pose({}, &track);
-    track.keypoints = told->second.keypoints;
-    bus_.publish(channels::kTrack, track);
-    with_pose_.erase(told);
-  }
 }
 
 void FrontTrackerNode::on_map_status(const map_status_t& status) {

@@ -19,9 +19,9 @@
 #include "front_tracker/refused_images.h"
 #include "front_tracker/repeated_images.h"
 #include "front_tracker/submap_publisher.h"
+#include "front_tracker/track_publisher.h"
 #include "front_tracker/tracking/tracker.h"
 #include "lcmtypes/rumi/image_t.hpp"
-#include "lcmtypes/rumi/track_t.hpp"
 
 namespace rumi::front_tracker {
 
@@ -74,11 +74,7 @@ class FrontTrackerNode : public Node {
   void end_session(const std::string& reason);
   bool is_of_another_stream(const image_t& image) const;
   void begin_session(const Camera& camera, const image_t& image);
-  void publish(const image_t& image, const TrackResult& result, double cpu_ms);
   void publish_in_map(const TrackResult& r);
-  void publish_posed_afterwards();
-  void publish_withdrawn();
-  static void remember(const track_t& track, size_t most, std::map<int64_t, track_t>* told);
   void refuse(RefusedImages::Kind kind, const std::string& problem);
 
   Bus& bus_;
@@ -95,6 +91,7 @@ class FrontTrackerNode : public Node {
   MaskReader masks_;
   RepeatedImages repeated_;
   SubmapPublisher publisher_;
+  TrackPublisher tracks_;
   MaskPublisher mask_publisher_;
   std::optional<BackSubmapFetcher> back_submaps_;  // unless none are to be kept
   MapOverview map_;
@@ -104,9 +101,6 @@ class FrontTrackerNode : public Node {
   };
   std::map<SubmapKey, PlaceInMap> places_;  // of the submaps in the served map
   int64_t session_ = 0;
-  int64_t sequence_ = 0;
-  std::map<int64_t, track_t> without_pose_;  // what was said of the frames that may get a pose yet, by utime
-  std::map<int64_t, track_t> with_pose_;     // and of those that may lose it
   ImageTimes times_;
   bool finishing_ = false;
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// RUMI_TRACK and CAMERA_TO_SUBMAP: what is said of each image, and said again where it gets or loses its pose
+// afterwards.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "bus/transport/bus.h"
+#include "front_tracker/tracking/track_result.h"
+#include "lcmtypes/rumi/image_t.hpp"
+#include "lcmtypes/rumi/track_t.hpp"
+
+namespace rumi::front_tracker {
+
+class TrackPublisher {
+ public:
+  explicit TrackPublisher(Bus& bus) : bus_(bus) {}
+
+  // `stream`: that of the session's images.
+  void begin_session(int64_t session, int64_t stream);
+  // Earlier frames that got their poses by the present image, and those that lost theirs. Before publish(), so that
+  // who follows the states knows what the present image leaves without a pose.
+  void publish_posed_afterwards(const std::vector<TrackResult>& frames);
+  void publish_withdrawn(const std::vector<int64_t>& utimes_us);
+  void publish(const image_t& image, const TrackResult& result, double cpu_ms);
+
+ private:
+  using Told = std::map<int64_t, track_t>;  // by utime
+  static void remember(const track_t& track, Told* told);
+
+  Bus& bus_;
+  int64_t session_ = 0, stream_ = 0;
+  int64_t sequence_ = 0;
+  Told without_pose_;  // what was said of frames that may get a pose yet
+  Told with_pose_;     // what was said of frames that may lose theirs
+};
+
+}  // namespace rumi::front_tracker
