@@ -22,6 +22,7 @@ bool is_cover(const AVStream& stream) { return (stream.disposition & AV_DISPOSIT
 
 std::string note_on_streams(const std::vector<const AVStream*>& streams, const AVStream& chosen, bool is_wanted) {
   std::vector<std::string> sizes;
+  sizes.reserve(streams.size());
   for (const AVStream* stream : streams)
     sizes.push_back(fmt::format("{} x {} (stream {})", size_of(*stream).width, size_of(*stream).height, stream->index));
   return fmt::format(
