@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The units in which files have times.
+// Units of time.
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace rumi {
 
@@ -21,5 +23,9 @@ constexpr double per_second(TimeUnit unit) {
   constexpr std::array kPerSecond = {1.0, 1e3, 1e6, 1e9};
   return kPerSecond.at(static_cast<std::size_t>(unit));
 }
+
+// Whole microseconds. Six decimals of a second fit a double until the year 2255, so this recovers the microsecond that
+// was written.
+inline int64_t to_us(double seconds) { return std::llround(1e6 * seconds); }
 
 }  // namespace rumi

@@ -1,14 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/source/frame_selector.h"
 
-#include <cmath>
+#include "base/time_units.h"
 
 namespace rumi::camera_driver {
-namespace {
-
-int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
-
-}  // namespace
 
 FrameSelector::FrameSelector(const CameraOptions& options)
     : start_us_(to_us(options.start_s)), duration_us_(to_us(options.duration_s)), every_(options.every) {}

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/time_units.h"
+
 namespace rumi::map_server {
 namespace {
 
 constexpr double kAdjustmentSPerView = 0.25;  // the adjustment period for each image of the map, at least
 constexpr double kSettledPeriods = 4;         // the adjustment of a map that hardly grows waits so many periods
 constexpr double kSettledShare = 0.05;        // of the keyframes, more or fewer than at the last adjustment
-
-int64_t to_us(double seconds) { return std::llround(1e6 * seconds); }
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 
 #include "base/file_access.h"
 #include "base/number_text.h"
+#include "base/time_units.h"
 #include "rumi/evaluation/text_fields.h"
 
 namespace rumi::tool {
@@ -60,9 +61,6 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string>& field
 
 // Far enough from the ends of the numbers for the difference of two times.
 bool is_time(int64_t utime_us) { return std::abs(static_cast<double>(utime_us)) < 0x1p53; }
-
-// Six decimals of a second fit a double until the year 2255, so rounding recovers the microsecond that was written.
-int64_t to_us(double seconds) { return std::llround(seconds * 1e6); }
 
 void sort_by_time(TrajectoryFile* result) {
   auto& poses = result->poses;

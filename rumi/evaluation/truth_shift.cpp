@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/time_units.h"
 #include "slam/geometry/alignment.h"
 
 namespace rumi::tool {
@@ -69,7 +70,7 @@ class Search {
  private:
   Places places_at(int steps) const {
     Places places;
-    const auto shift_us = static_cast<int64_t>(std::llround(steps * kStepS * 1e6));
+    const auto shift_us = to_us(steps * kStepS);
     for (const TimedPose& pose : estimate_) places.push_back(place_at(truth_, pose.utime_us - shift_us));
     return places;
   }
@@ -104,7 +105,7 @@ bool is_clear(const std::map<int, double>& ratios, std::map<int, double>::const_
 }  // namespace
 
 std::vector<TimedPose> shifted(std::vector<TimedPose> truth, double seconds) {
-  for (TimedPose& pose : truth) pose.utime_us += std::llround(seconds * 1e6);
+  for (TimedPose& pose : truth) pose.utime_us += to_us(seconds);
   return truth;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "slam/geometry/radial_distortion.h"
+
 namespace rumi {
 namespace {
 
@@ -15,10 +17,7 @@ Eigen::Vector2d distort_pinhole(const Camera& c, double x, double y) {
           y * radial + c.p1 * (r2 + 2 * y * y) + 2 * c.p2 * x * y};
 }
 
-double distort_angle(const Camera& c, double theta) {
-  const double t2 = theta * theta;
-  return theta * (1 + t2 * (c.k1 + t2 * (c.k2 + t2 * (c.k3 + t2 * c.k4))));
-}
+RadialDistortion of_angle(const Camera& c) { return {c.k1, c.k2, c.k3, c.k4}; }
 
 // Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to this angle.
 constexpr double kWidestAngle_rad = 89.0 * M_PI / 180.0;
@@ -27,11 +26,10 @@ constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens that can be undon
 // Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself. Not a number for a
 // lens that cannot be undone there.
 double undistort_angle(const Camera& c, double distorted) {
+  const RadialDistortion lens = of_angle(c);
   double theta = distorted;
   for (int i = 0; i < 20; ++i) {
-    const double t2 = theta * theta;
-    const double slope = 1 + t2 * (3 * c.k1 + t2 * (5 * c.k2 + t2 * (7 * c.k3 + t2 * 9 * c.k4)));
-    const double step = (distort_angle(c, theta) - distorted) / slope;
+    const double step = (lens.distorted(theta) - distorted) / lens.slope(theta);
     theta -= step;
     if (std::abs(step) < 1e-12) break;
   }
@@ -70,7 +68,7 @@ std::optional<Eigen::Vector2d> Camera::project(const Eigen::Vector3d& p) const {
     if (has_distortion()) d = distort_pinhole(*this, x, y);
   } else {
     const double r = std::hypot(x, y);
-    if (r > 1e-12) d *= distort_angle(*this, std::atan(r)) / r;
+    if (r > 1e-12) d *= of_angle(*this).distorted(std::atan(r)) / r;
   }
   return Eigen::Vector2d(fx * d.x() + cx, fy * d.y() + cy);
 }

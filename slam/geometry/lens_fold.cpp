@@ -5,31 +5,19 @@
 #include <cmath>
 #include <limits>
 
+#include "slam/geometry/radial_distortion.h"
+
 namespace rumi {
 namespace {
 
 constexpr double kWidest_rad = 60 * M_PI / 180;
 constexpr double kWidestSlope = 60;  // x/z: 89 degrees
 
-struct Lens {
-  double k1, k2, k3, k4;
-
-  // Distance from the centre, by the distance, or angle, without distortion.
-  double distorted(double r) const {
-    const double r2 = r * r;
-    return r * (1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4))));
-  }
-  double slope(double r) const {
-    const double r2 = r * r;
-    return 1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * (7 * k3 + r2 * 9 * k4)));
-  }
-};
-
 }  // namespace
 
 double fold_radius(const Camera& camera) {
   const bool is_fisheye = camera.model == Camera::Model::kKannalaBrandt;
-  const Lens lens{camera.k1, camera.k2, camera.k3, is_fisheye ? camera.k4 : 0};
+  const RadialDistortion lens{camera.k1, camera.k2, camera.k3, is_fisheye ? camera.k4 : 0};
   const double end = is_fisheye ? kWidest_rad : kWidestSlope;
   double turn = 0.001;
   while (turn < end && lens.slope(turn) > 0) turn *= 1.002;

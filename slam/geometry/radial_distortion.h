@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace rumi {
+
+// How far from the axis a lens images what is `r` from it: an odd polynomial, of the distance x/z with a pinhole camera
+// (k4 is 0), of the angle with a fisheye.
+struct RadialDistortion {
+  double k1, k2, k3, k4;
+
+  double distorted(double r) const {
+    const double r2 = r * r;
+    return r * (1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4))));
+  }
+  double slope(double r) const {
+    const double r2 = r * r;
+    return 1 + r2 * (3 * k1 + r2 * (5 * k2 + r2 * (7 * k3 + r2 * 9 * k4)));
+  }
+};
+
+}  // namespace rumi
