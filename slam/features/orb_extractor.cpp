@@ -103,23 +103,6 @@ std::vector<int> quotas(const OrbOptions& options, int keypoints) {
   return wanted;
 }
 
-constexpr int kInset = kOrbBorder_px - 3;  // FAST itself leaves 3 pixels
-
-cv::Rect inner_of(const cv::Mat& level) { return {kInset, kInset, level.cols - 2 * kInset, level.rows - 2 * kInset}; }
-
-// Where they are in the level without its border, in raster order.
-std::vector<cv::KeyPoint> corners_of_the_world(const ImagePyramid& pyramid, int octave, int threshold) {
-  const cv::Mat& level = pyramid.level(octave);
-  std::vector<cv::KeyPoint> corners;
-  cv::FAST(level(inner_of(level)), corners, threshold, true);
-  if (!pyramid.mask().is_everything())
-    std::erase_if(corners, [&](const cv::KeyPoint& k) {
-      const Eigen::Vector2f at_level(k.pt.x + kInset, k.pt.y + kInset);
-      return !pyramid.shows_world(pyramid.to_full(at_level, octave), octave, kFastRadius);
-    });
-  return corners;
-}
-
 }  // namespace
 
 OrbExtractor::OrbExtractor(const OrbOptions& options)
@@ -129,16 +112,15 @@ OrbExtractor::OrbExtractor(const OrbOptions& options)
                                  0, 2, cv::ORB::FAST_SCORE, 2 * kPatchRadius + 1)) {}
 
 // Clear ones where there is plenty of them: the faint ones would be left over in the end, and finding them costs most.
-// Those that are not of the world do not count: a caption's corners are the clearest of all.
-std::vector<cv::KeyPoint> OrbExtractor::find_corners(const ImagePyramid& pyramid, int octave, int wanted) {
+std::vector<cv::KeyPoint> OrbExtractor::find_corners(const cv::Mat& image, int octave, int wanted) {
   const int clear = std::max(kClearThreshold, options_.fast_threshold);
   const auto is_plenty = [&](auto corners) { return static_cast<double>(corners) >= kPlenty * wanted; };
   std::vector<cv::KeyPoint> corners;
   if (!lacks_clear_[octave]) {
-    corners = corners_of_the_world(pyramid, octave, clear);
+    cv::FAST(image, corners, clear, true);
     if (is_plenty(corners.size()) || options_.fast_threshold == clear) return corners;
   }
-  corners = corners_of_the_world(pyramid, octave, options_.fast_threshold);
+  cv::FAST(image, corners, options_.fast_threshold, true);
   // The strength of a corner is the highest threshold at which it is one.
   const auto is_faint = [&](const cv::KeyPoint& corner) { return corner.response < static_cast<float>(clear); };
   lacks_clear_[octave] = !is_plenty(std::count_if(corners.begin(), corners.end(), std::not_fn(is_faint)));
@@ -148,10 +130,17 @@ std::vector<cv::KeyPoint> OrbExtractor::find_corners(const ImagePyramid& pyramid
 
 std::vector<cv::KeyPoint> OrbExtractor::detect(const ImagePyramid& pyramid, int octave, int wanted) {
   const cv::Mat& level = pyramid.level(octave);
-  std::vector<cv::KeyPoint> corners =
-      spread(find_corners(pyramid, octave, wanted), wanted, options_.cell_px, inner_of(level).size());
+  const int inset = kOrbBorder_px - 3;  // FAST itself leaves 3 pixels
+  const cv::Rect inner(inset, inset, level.cols - 2 * inset, level.rows - 2 * inset);
+  std::vector<cv::KeyPoint> corners = find_corners(level(inner), octave, wanted);
+  if (!pyramid.mask().is_everything())
+    std::erase_if(corners, [&](const cv::KeyPoint& k) {
+      const Eigen::Vector2f at_level(k.pt.x + static_cast<float>(inset), k.pt.y + static_cast<float>(inset));
+      return !pyramid.shows_world(pyramid.to_full(at_level, octave), octave, kFastRadius);
+    });
+  corners = spread(corners, wanted, options_.cell_px, inner.size());
   for (cv::KeyPoint& k : corners) {
-    k.pt += cv::Point2f(kInset, kInset);
+    k.pt += cv::Point2f(static_cast<float>(inset), static_cast<float>(inset));
     k.octave = 0;
     k.size = 2 * kPatchRadius + 1;
     k.angle = centroid_angle(level, k.pt) * static_cast<float>(180.0 / CV_PI);

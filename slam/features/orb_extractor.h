@@ -34,7 +34,7 @@ class OrbExtractor {
   Features extract(const cv::Mat& grey, int keypoints = 0) { return extract(pyramid(grey), keypoints); }
 
  private:
-  std::vector<cv::KeyPoint> find_corners(const ImagePyramid& pyramid, int octave, int wanted);
+  std::vector<cv::KeyPoint> find_corners(const cv::Mat& image, int octave, int wanted);
   std::vector<cv::KeyPoint> detect(const ImagePyramid& pyramid, int octave, int wanted);
   OrbOptions options_;
   // Per level, of the last image: whether it had few clear corners. So will the next one, most likely; nothing but time
