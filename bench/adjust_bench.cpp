@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "base/cpu_clock.h"
+#include "base/this_process/cpu_clock.h"
 #include "map_server/options.h"
 #include "map_server/store/map_store.h"
 

@@ -14,7 +14,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/cpu_clock.h"
+#include "base/this_process/cpu_clock.h"
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_status_pages.h"

@@ -4,8 +4,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "rumi/evaluation/trajectory.h"
-#include "rumi/synth/sequence_renderer.h"
+#include "formats/truth/trajectory.h"
+#include "synth/sequence_renderer.h"
 
 namespace rumi {
 
@@ -13,16 +13,16 @@ struct RenderedImages {
   Camera camera;
   std::vector<int64_t> utime_us;
   std::vector<cv::Mat> grey;
-  std::vector<tool::TimedPose> truth;
+  std::vector<TimedPose> truth;
 };
 
 // A few seconds of the default walk, 640x480 at 30 Hz, rendered once.
 inline const RenderedImages& rendered_images() {
   static const RenderedImages images = [] {
-    tool::SynthOptions options;
+    synth::SynthOptions options;
     options.seconds = 3;
     options.grey = true;
-    tool::SequenceRenderer renderer(options);
+    synth::SequenceRenderer renderer(options);
     RenderedImages made;
     made.camera = renderer.camera();
     for (int i = 0; i < renderer.frames(); ++i) {

@@ -14,16 +14,16 @@
 #include <opencv2/features2d.hpp>
 #include <random>
 
-#include "base/cpu_clock.h"
-#include "base/options.h"
+#include "base/command_line/options.h"
+#include "base/this_process/cpu_clock.h"
 #include "bench/rendered_images.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/source/image_source.h"
+#include "formats/truth/truth.h"
 #include "front_tracker/options.h"
 #include "front_tracker/tracking/tracker.h"
 #include "rumi/evaluation/metrics.h"
-#include "rumi/evaluation/truth.h"
 
 namespace rumi {
 namespace {
@@ -38,7 +38,7 @@ struct Recording {
   Camera camera;
   std::vector<int64_t> utime_us;
   std::vector<cv::Mat> grey;
-  std::vector<tool::TimedPose> truth;
+  std::vector<TimedPose> truth;
 };
 
 Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options, bool needs_truth) {
@@ -53,7 +53,7 @@ Recording read_recording(const std::string& folder, const camera_driver::CameraO
     r.utime_us.push_back(image->utime);
   }
   if (!needs_truth) return r;
-  tool::TruthFile truth = tool::read_groundtruth(folder + "/groundtruth.txt");
+  TruthFile truth = read_groundtruth(folder + "/groundtruth.txt");
   if (!truth.ok()) throw std::runtime_error(truth.error);
   r.truth = std::move(truth.poses);
   return r;
@@ -72,14 +72,14 @@ struct SubmapResult {
   double scale_drift = 1;  // of the halves' scales to the truth, the larger over the smaller
 };
 
-std::vector<tool::TimedPose> poses_of(const Submap& map) {
-  std::vector<tool::TimedPose> poses;
+std::vector<TimedPose> poses_of(const Submap& map) {
+  std::vector<TimedPose> poses;
   for (const auto& [utime, frame] : map.frames) poses.push_back({utime, map.cam_from_submap(frame).inverse()});
   return poses;
 }
 
-SubmapResult evaluate(const Submap& map, const std::vector<tool::TimedPose>& truth) {
-  const std::vector<tool::TimedPose> estimate = poses_of(map);
+SubmapResult evaluate(const Submap& map, const std::vector<TimedPose>& truth) {
+  const std::vector<TimedPose> estimate = poses_of(map);
   SubmapResult result;
   result.frames = estimate.size();
   const tool::TrajectoryMetrics metrics = tool::evaluate_trajectory(estimate, truth);
@@ -215,11 +215,11 @@ void bench_kidnaps(const Recording& r, const front_tracker::FrontTrackerOptions&
     tracker.wait_for_mapping();
     return result;
   };
-  std::vector<tool::TimedPose> truth;  // at the times given
+  std::vector<TimedPose> truth;  // at the times given
   for (size_t i = 0; i < r.grey.size(); ++i) {
     give(i);
     const auto at = std::lower_bound(r.truth.begin(), r.truth.end(), r.utime_us[i] - period_us / 2,
-                                     [](const tool::TimedPose& pose, int64_t utime) { return pose.utime_us < utime; });
+                                     [](const TimedPose& pose, int64_t utime) { return pose.utime_us < utime; });
     if (at == r.truth.end()) throw std::runtime_error("the truth ends before the recording");
     truth.push_back({utime_us, at->map_from_cam});
   }

@@ -7,11 +7,11 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/source/timestamps.h"
+#include "formats/times/timestamps.h"
 
 namespace rumi::camera_driver {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <functional>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 
 namespace rumi::camera_driver {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/command_line.h"
+#include "base/command_line/command_line.h"
 
 namespace rumi::camera_driver {
 

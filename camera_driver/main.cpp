@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "base/about.h"
-#include "base/command_line.h"
+#include "base/command_line/about.h"
+#include "base/command_line/command_line.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/options.h"

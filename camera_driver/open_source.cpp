@@ -10,21 +10,21 @@
 #include <system_error>
 #include <vector>
 
-#include "base/file_access.h"
-#include "base/log.h"
+#include "base/files/file_access.h"
+#include "base/running/log.h"
 #include "bus/transport/log_file.h"
-#include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
-#include "camera_driver/recording/bag/bag_file.h"
-#include "camera_driver/recording/dataset_folder.h"
-#include "camera_driver/recording/file_list.h"
-#include "camera_driver/recording/folder_contents.h"
-#include "camera_driver/recording/foreign_recording.h"
-#include "camera_driver/recording/own_output.h"
 #include "camera_driver/recording/recorded_source.h"
-#include "camera_driver/recording/recording_parts.h"
-#include "camera_driver/recording/tiff_pages.h"
 #include "camera_driver/v4l2/v4l2_source.h"
+#include "formats/bag/bag_file.h"
+#include "formats/camera/camera_file.h"
+#include "formats/image/tiff_pages.h"
+#include "formats/recording/dataset_folder.h"
+#include "formats/recording/file_list.h"
+#include "formats/recording/folder_contents.h"
+#include "formats/recording/foreign_recording.h"
+#include "formats/recording/own_output.h"
+#include "formats/recording/recording_parts.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -110,6 +110,10 @@ Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& op
   return {{std::move(reader), ""}, std::move(camera), {folder}};
 }
 
+ListOptions list_options(const CameraOptions& options) {
+  return {.files = options.files, .needs_times = options.rate_hz <= 0};
+}
+
 bool has_images(const fs::path& folder) { return !list_image_folder(folder, {}).entries.empty(); }
 
 // " (its folders left, right hold images: give one of them)", or nothing.
@@ -165,18 +169,18 @@ Opened open_folder(const fs::path& given, const CameraOptions& options) {
   const std::string name = folder.string();
   const fs::path calibration = folder / "calibration.yaml";
   if (may_be_there(folder / "rgb.txt"))
-    return from_list(read_tum_list(folder / "rgb.txt", options), find_camera(options, {calibration}, name), options,
-                     note);
+    return from_list(read_tum_list(folder / "rgb.txt", list_options(options)),
+                     find_camera(options, {calibration}, name), options, note);
   if (const fs::path list = find_euroc_list(folder); !list.empty()) {
     const fs::path cam0 = list.parent_path();
-    return from_list(read_euroc_list(list, options),
+    return from_list(read_euroc_list(list, list_options(options)),
                      find_camera(options, {calibration, cam0 / "calibration.yaml", cam0 / "sensor.yaml"}, name),
                      options, note);
   }
-  FileList list = list_image_folder(folder, options);
+  FileList list = list_image_folder(folder, list_options(options));
   if (list.error.empty() && list.entries.empty())
     if (const fs::path images = find_euroc_images(folder); !images.empty()) {
-      list = list_image_folder(images, options);
+      list = list_image_folder(images, list_options(options));
       list.notes.push_back("there is no data.csv: its images are played with the times that their names give");
     }
   if (list.error.empty() && list.entries.empty()) {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "camera_driver/options.h"
-#include "camera_driver/recording/frame_reader.h"
 #include "camera_driver/source/image_source.h"
+#include "formats/recording/frame_reader.h"
 
 namespace rumi::camera_driver {
 

@@ -7,11 +7,11 @@
 #include <array>
 #include <limits>
 
-#include "base/number_text.h"
-#include "camera_driver/recording/image_file.h"
-#include "camera_driver/source/max_side.h"
+#include "base/text/number_text.h"
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
+#include "formats/image/image_file.h"
+#include "formats/image/max_side.h"
 
 namespace rumi::camera_driver {
 namespace {

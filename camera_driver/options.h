@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "camera_driver/source/camera_options.h"
 
 namespace rumi::camera_driver {

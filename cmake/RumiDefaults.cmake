@@ -99,13 +99,14 @@ file(RELATIVE_PATH RUMI_PROGRAMS_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_I
 set(RUMI_INSTALL_PAGE_DIR ${CMAKE_INSTALL_DATADIR}/rumi/web)
 file(RELATIVE_PATH RUMI_PAGE_FROM_BIN ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/rumi/web)
 
-# rumi_component(NAME [EXCEPT sources...] LINK libs...): a folder that is a process: main.cpp, and a library of all else.
+# rumi_component(NAME [EXCEPT sources...] LINK libs... [MAIN_LINK libs...]): a folder that is a process: main.cpp, which
+# also links MAIN_LINK, and a library of all else.
 function(rumi_component name)
-  cmake_parse_arguments(arg "" "" "EXCEPT;LINK" ${ARGN})
+  cmake_parse_arguments(arg "" "" "EXCEPT;LINK;MAIN_LINK" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/main.cpp ${arg_EXCEPT})
   rumi_library(${name} SOURCES ${sources} LINK ${arg_LINK})
-  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} rumi_about INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
+  rumi_executable(${name} SOURCES main.cpp LINK rumi_${name} rumi_about ${arg_MAIN_LINK} INSTALL_TO ${RUMI_INSTALL_PROGRAM_DIR})
 endfunction()
 
 # What tests is not what is tested: compiled quickly.

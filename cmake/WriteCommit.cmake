@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Runs in each build: writes OUTPUT, the source of base/about.h, where that has changed. Given: SOURCE, the
+# Runs in each build: writes OUTPUT, the source of base/command_line/about.h, where that has changed. Given: SOURCE, the
 # project's folder. A tarball has its commit in packaging/commit.txt (git archive put it there); a checkout is asked.
 file(STRINGS ${SOURCE}/packaging/commit.txt commit)
 string(REGEX REPLACE " .*" "" commit "${commit}")
@@ -10,7 +10,7 @@ endif()
 if(NOT commit)
   set(commit unknown)
 endif()
-file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "#include \"base/about.h\"
+file(CONFIGURE OUTPUT ${OUTPUT} CONTENT "#include \"base/command_line/about.h\"
 
 const char* const rumi::kCommit = \"${commit}\";
 ")

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 

@@ -7,11 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/cpu_clock.h"
-#include "base/log.h"
-#include "base/process_name.h"
-#include "base/stage_clock.h"
-#include "bus/wire/camera_file.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "base/this_process/cpu_clock.h"
+#include "base/this_process/process_name.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
@@ -38,8 +38,9 @@ bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > i
 
 }  // namespace
 
-FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
+FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options, const std::optional<Camera>& camera)
     : bus_(bus),
+      given_camera_(camera),
       options_(options),
       publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s),
       tracks_(bus),
@@ -53,12 +54,6 @@ FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options)
                           BackSubmapFetcher::Handlers{.take = take, .forget = forget});
   }
   cv::setNumThreads(1);  // more would take COLMAP's core, and make runs differ
-  if (!options.camera_file.empty()) {
-    const CameraFileResult file = read_camera_file(options.camera_file);
-    if (!file.ok()) throw std::runtime_error(file.error);
-    log_notes(file);
-    camera_from_file_ = file.camera;
-  }
   silent_since_us_ = bus.now_us();
   bus.subscribe_raw(channels::kCamera, kImageQueue, [this](std::span<const uint8_t> data) { return on_message(data); });
   bus.subscribe<map_status_t>(channels::kMapStatus, {4}, [this](const map_status_t& status) { on_map_status(status); });
@@ -85,7 +80,7 @@ bool FrontTrackerNode::on_message(std::span<const uint8_t> data) {
 }
 
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image, int64_t arrived_us) {
-  if (camera_from_file_) return camera_from_file_;
+  if (given_camera_) return given_camera_;
   const std::string text = metadata(image, kCalibrationKey);
   if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
   if (text.empty()) {
@@ -93,7 +88,7 @@ std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image, int64_t 
            "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
     return std::nullopt;
   }
-  const CameraFileResult parsed = parse_camera(text, "calibration of the image");
+  const Calibration parsed = parse_calibration(text, "calibration of the image");
   if (!parsed.ok()) {
     refuse(Kind::kCalibration, parsed.error);
     return std::nullopt;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
 #include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/wire/image_masks.h"
@@ -26,11 +26,11 @@
 namespace rumi::front_tracker {
 
 // CAMERA, RUMI_MAP_STATUS and RUMI_MAP_CHUNK in; RUMI_TRACK, CAMERA_TO_SUBMAP, CAMERA_TO_MAP, RUMI_MAP_POSE,
-// RUMI_SUBMAP and RUMI_MAP_REQUEST out. The calibration comes with the images unless an option names a file; a
-// camera_file that cannot be read throws std::runtime_error.
+// RUMI_SUBMAP and RUMI_MAP_REQUEST out. The calibration comes with the images unless
+// `camera` is given.
 class FrontTrackerNode : public Node {
  public:
-  FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options);
+  FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options, const std::optional<Camera>& camera = std::nullopt);
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
@@ -82,7 +82,7 @@ class FrontTrackerNode : public Node {
   bool has_posed_ = false;
   NewestSender map_states_{"RUMI_MAP_STATUS", kLateUs};
   FrontTrackerOptions options_;
-  std::optional<Camera> camera_from_file_;
+  std::optional<Camera> given_camera_;
   Camera image_camera_;              // of the session's images; the tracker's may be smaller
   std::string session_calibration_;  // as it came with them
   int64_t session_stream_ = 0;       // of its images

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/about.h"
-#include "base/command_line.h"
+#include "base/command_line/about.h"
+#include "base/command_line/command_line.h"
 #include "bus/process/process.h"
+#include "formats/camera/given_camera.h"
 #include "front_tracker/front_tracker_node.h"
 
 int main(int argc, char** argv) {
@@ -20,7 +21,8 @@ int main(int argc, char** argv) {
   };
   process.add_options = [&options](rumi::OptionTable& table) { describe(table, options); };
   process.make_node = [&options](rumi::Bus& bus) {
-    return std::make_unique<rumi::front_tracker::FrontTrackerNode>(bus, options);
+    return std::make_unique<rumi::front_tracker::FrontTrackerNode>(bus, options,
+                                                                   rumi::read_given_camera(options.camera_file));
   };
   return rumi::run_process(argc, argv, process);
 }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "base/due.h"
-#include "base/log.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
 #include "bus/wire/image_masks.h"
 #include "lcmtypes/rumi/mask_t.hpp"
 

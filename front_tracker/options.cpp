@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "front_tracker/options.h"
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "bus/wire/image_options.h"
 
 namespace rumi::front_tracker {

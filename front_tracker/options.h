@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "bus/wire/working_image.h"
 #include "front_tracker/tracking/tracker_options.h"
 

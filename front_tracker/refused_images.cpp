@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/log.h"
+#include "base/running/log.h"
 
 namespace rumi::front_tracker {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "base/log.h"
+#include "base/running/log.h"
 
 namespace rumi::front_tracker {
 namespace {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/due.h"
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "bus/wire/submap_update.h"
 
 namespace rumi::front_tracker {

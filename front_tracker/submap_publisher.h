@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "base/due.h"
+#include "base/running/due.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "front_tracker/tracking/tracker.h"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/cpu_clock.h"
+#include "base/this_process/cpu_clock.h"
 
 namespace rumi::fuzz {
 namespace {

@@ -11,12 +11,12 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/cpu_clock.h"
-#include "base/due.h"
-#include "base/is_ready.h"
-#include "base/log.h"
-#include "base/process_name.h"
-#include "base/stage_clock.h"
+#include "base/running/due.h"
+#include "base/running/is_ready.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "base/this_process/cpu_clock.h"
+#include "base/this_process/process_name.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/atlas/other_calibration.h"
 #include "map_server/map_messages.h"

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/is_ready.h"
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/is_ready.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_messages.h"
 #include "map_server/map_server_node.h"

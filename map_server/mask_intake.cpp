@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "map_server/mask_intake.h"
 
-#include "base/log.h"
+#include "base/running/log.h"
 
 namespace rumi::map_server {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "map_server/merging/map_merger.h"
 
 namespace rumi::map_server {

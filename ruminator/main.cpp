@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/about.h"
+#include "base/command_line/about.h"
 #include "bus/process/process.h"
+#include "formats/camera/given_camera.h"
 #include "ruminator/colmap_builder.h"
 #include "ruminator/ruminator_node.h"
 
@@ -19,7 +20,8 @@ int main(int argc, char** argv) {
   process.make_node = [&options](rumi::Bus& bus) {
     rumi::ruminator::RuminatorHooks hooks;
     if (options.rebuild) hooks.use(rumi::ruminator::colmap_builder(options.build));
-    return std::make_unique<rumi::ruminator::RuminatorNode>(bus, options, std::move(hooks));
+    return std::make_unique<rumi::ruminator::RuminatorNode>(bus, options, std::move(hooks),
+                                                            rumi::read_given_camera(options.camera_file));
   };
   return rumi::run_process(argc, argv, process);
 }

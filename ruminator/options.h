@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "ruminator/queue/rebuild_queue.h"
 #include "ruminator/window/window_options.h"
 

@@ -8,10 +8,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/due.h"
-#include "base/log.h"
-#include "base/stage_clock.h"
-#include "bus/wire/camera_file.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/submap_update.h"
@@ -30,20 +30,16 @@ ImageId image_of(const track_t& track) { return {track.utime, track.stream}; }
 
 }  // namespace
 
-RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks)
+RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks,
+                             const std::optional<Camera>& camera)
     : bus_(bus),
       options_(options),
+      given_camera_(camera),
       hooks_(std::move(hooks)),
       sampler_(options.window),
       ring_(options.ring_mb * kBytesPerMb, kJpegQuality),
       queue_(bus, options, hooks_.builder, hooks_.on_built) {
   cv::setNumThreads(1);  // the images are small; more would take front_tracker's core
-  if (!options.camera_file.empty()) {
-    const CameraFileResult file = read_camera_file(options.camera_file);
-    if (!file.ok()) throw std::runtime_error(file.error);
-    log_notes(file);
-    camera_from_file_ = file.camera;
-  }
   bus.subscribe<image_t>(channels::kCamera, {.capacity = 64, .drop = DropPolicy::kDropOldest},
                          [this](const image_t& image) { on_image(image); });
   bus.subscribe<track_t>(channels::kTrack, {.capacity = 256, .drop = DropPolicy::kDropOldest},
@@ -144,8 +140,8 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
     if (const image_t* image = ring_.find({sample.utime_us, job->window.stream})) job->images.push_back(*image);
   if (job->images.empty()) return "no image of it was kept";
   masks_.put_on(&job->images, job->window.stream);
-  if (camera_from_file_) {
-    job->camera = *camera_from_file_;
+  if (given_camera_) {
+    job->camera = *given_camera_;
   } else {
     const std::string text = metadata(job->images.front(), kCalibrationKey);
     if (text.empty()) return "its images carry no calibration: name the camera's with ruminator.camera_file";
@@ -155,7 +151,7 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
     };
     if (std::any_of(job->images.begin(), job->images.end(), is_foreign))
       return "its images are of more than one camera, by the calibrations that they carry";
-    const CameraFileResult parsed = parse_camera(text, "calibration of the image");
+    const Calibration parsed = parse_calibration(text, "calibration of the image");
     if (!parsed.ok()) return parsed.error;
     job->camera = parsed.camera;
   }

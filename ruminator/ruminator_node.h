@@ -38,8 +38,9 @@ struct RuminatorHooks {
 
 class RuminatorNode : public Node {
  public:
-  // Throws std::runtime_error if options.camera_file cannot be read.
-  RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks);
+  // The calibration comes with the images unless `camera` is given.
+  RuminatorNode(Bus& bus, const RuminatorOptions& options, RuminatorHooks hooks,
+                const std::optional<Camera>& camera = std::nullopt);
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
@@ -73,7 +74,7 @@ class RuminatorNode : public Node {
   NewestSender sessions_{"RUMI_TRACK"};
   RuminatorOptions options_;
   RuminatorHooks hooks_;
-  std::optional<Camera> camera_from_file_;
+  std::optional<Camera> given_camera_;
   WindowSampler sampler_;
   FrameRing ring_;
   ImageMotion motion_;

@@ -9,7 +9,7 @@ set -eu
 build=${1:-build-arm64}
 native="crossbuild-essential-arm64 cmake ninja-build pkg-config ccache python3 qemu-user
   libeigen3-dev libcli11-dev nlohmann-json3-dev"
-libraries="liblcm-dev libopencv-dev libceres-dev libyaml-cpp-dev libspdlog-dev libfmt-dev libsqlite3-dev libpng-dev
+libraries="liblcm-dev libopencv-dev libceres-dev libyaml-cpp-dev libexpected-dev libspdlog-dev libfmt-dev libsqlite3-dev libpng-dev
   libjpeg-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev libcairo2-dev libavformat-dev libswscale-dev libmicrohttpd-dev libgl-dev
   libegl-dev libosmesa6 libgtest-dev libgmock-dev"
 dpkg --add-architecture arm64

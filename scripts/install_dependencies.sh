@@ -6,7 +6,7 @@
 set -eu
 
 packages="build-essential cmake ninja-build pkg-config ccache
-  liblcm-dev liblcm-bin libopencv-dev libceres-dev libeigen3-dev libyaml-cpp-dev libspdlog-dev libfmt-dev libcli11-dev
+  liblcm-dev liblcm-bin libopencv-dev libceres-dev libeigen3-dev libyaml-cpp-dev libexpected-dev libspdlog-dev libfmt-dev libcli11-dev
   nlohmann-json3-dev libsqlite3-dev libpng-dev libjpeg-dev zlib1g-dev libbz2-dev liblz4-dev libzstd-dev
   libcairo2-dev libavformat-dev libswscale-dev libmicrohttpd-dev libgl-dev libegl-dev libegl1
   libgl1-mesa-dri colmap

@@ -25,12 +25,16 @@ const std::map<std::string, Names> kFolders = {
     {"slam", {}},
     {"base", {}},
     {"bus", {"slam", "base"}},
-    {"camera_driver", kShared},
+    {"formats", kShared},
+    {"synth", {"slam", "base", "bus", "viewer_offscreen"}},  // draws with its OpenGL
+    {"camera_driver", {"slam", "base", "bus", "formats"}},
     {"front_tracker", kShared},
     {"ruminator", kShared},
     {"map_server", kShared},
     {"viewer_offscreen", kShared},
-    {"rumi", {"slam", "base", "bus", "camera_driver", "front_tracker", "ruminator", "map_server", "viewer_offscreen"}},
+    {"rumi",
+     {"slam", "base", "bus", "formats", "synth", "camera_driver", "front_tracker", "ruminator", "map_server",
+      "viewer_offscreen"}},
 };
 
 // What a room may include of its own folder besides itself; "" is the folder's top. A top that is not listed may
@@ -45,11 +49,25 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
     {"bus",
      {{"transport", {}},
       {"transfer", {"transport"}},
-      {"wire/camera_file", {}},
-      {"wire", {"transport", "wire/camera_file"}},
+      {"wire", {"transport"}},
       {"process", {"transport", "transfer", "wire"}}}},
-    {"camera_driver",
-     {{"source", {}}, {"recording", {"source"}}, {"recording/bag", {"source", "recording"}}, {"v4l2", {"source"}}}},
+    {"camera_driver", {{"source", {}}, {"recording", {"source"}}, {"v4l2", {"source"}}}},
+    {"base",
+     {{"text", {}},
+      {"this_process", {"text"}},
+      {"running", {"text", "this_process"}},
+      {"files", {"text", "this_process", "running"}},
+      {"child", {"text", "this_process", "running", "files"}},
+      {"command_line", {"text", "this_process", "running", "files"}}}},
+    {"formats",
+     {{"camera", {}},
+      {"image", {}},
+      {"times", {}},
+      {"recording", {"image", "times"}},
+      {"video", {"image", "recording"}},
+      {"bag", {"image", "times", "recording"}},
+      {"truth", {}},
+      {"bag_writer", {"truth"}}}},
     {"front_tracker",
      {{"masking", {}},
       {"frame", {}},
@@ -64,8 +82,8 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
       {"matching", {}},
       {"model", {"window", "matching"}},
       {"colmap", {"window", "matching", "model"}},
-      {"build", {"window", "matching", "model", "colmap"}},
-      {"queue", {"window", "matching", "model", "colmap", "build"}}}},
+      {"rebuild", {"window", "matching", "model", "colmap"}},
+      {"queue", {"window", "matching", "model", "colmap", "rebuild"}}}},
     {"map_server",
      {{"links", {}},
       {"atlas", {"links"}},
@@ -86,14 +104,12 @@ const std::map<std::string, std::map<std::string, Names>> kRooms = {
       {"run", {}},
       {"evaluation", {}},
       {"outputs", {}},
-      {"recordings/bag", {"evaluation"}},
-      {"recordings", {"evaluation", "recordings/bag"}},
+      {"recordings", {}},
       {"calibration", {}},
-      {"synth", {}},
       {"windows", {"evaluation"}},
       {"report", {"run", "evaluation", "outputs", "calibration", "windows"}},
       {"web", {"run"}},
-      {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "synth", "windows", "report", "web"}},
+      {"commands", {"run", "evaluation", "outputs", "recordings", "calibration", "windows", "report", "web"}},
       {"", {"about", "commands"}}}},
 };
 
@@ -115,8 +131,13 @@ bool is_room(const Place& place) {
   return place.room.empty() || (rooms != kRooms.end() && rooms->second.contains(place.room));
 }
 
+// `--camera FILE` of a process takes the calibrations of other tools.
+bool reads_a_given_camera(const Place& from, const Place& to) {
+  return from.room.empty() && to.folder == "formats" && to.room == "camera";
+}
+
 bool may_include(const Place& from, const Place& to) {
-  if (from.folder != to.folder) return kFolders.at(from.folder).contains(to.folder);
+  if (from.folder != to.folder) return kFolders.at(from.folder).contains(to.folder) || reads_a_given_camera(from, to);
   if (from.room == to.room) return true;
   const auto& rooms = kRooms.at(from.folder);
   const auto allowed = rooms.find(from.room);
@@ -157,7 +178,7 @@ TEST(Rooms, TheOrderIsOne) {
   EXPECT_FALSE(may_include({"slam", "features"}, {"slam", "map"}));
   EXPECT_TRUE(may_include({"map_server", ""}, {"map_server", "merging"}));
   EXPECT_FALSE(may_include({"map_server", "merging"}, {"map_server", ""}));
-  EXPECT_FALSE(may_include({"ruminator", "build"}, {"front_tracker", "frame"}));
+  EXPECT_FALSE(may_include({"ruminator", "rebuild"}, {"front_tracker", "frame"}));
   EXPECT_TRUE(may_include({"rumi", "run"}, {"ruminator", "queue"}));
   EXPECT_FALSE(is_room({"slam", "cellar"}));
 }
@@ -176,7 +197,7 @@ std::string namespace_of(const std::string& text) {
 }
 
 std::string namespace_for(const std::string& folder) {
-  if (folder == "slam" || folder == "base" || folder == "bus") return "rumi";
+  if (folder == "slam" || folder == "base" || folder == "bus" || folder == "formats") return "rumi";
   return "rumi::" + (folder == "rumi" ? "tool" : folder);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/about.h"
+#include "base/command_line/about.h"
 #include "bus/process/process.h"
 #include "viewer_offscreen/viewer_node.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 
 namespace rumi::viewer_offscreen {
 

@@ -9,10 +9,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "base/due.h"
-#include "base/log.h"
-#include "base/process_name.h"
-#include "base/stage_clock.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "base/this_process/process_name.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 
 namespace rumi {
 namespace {

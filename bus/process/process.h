@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/due.h"
-#include "base/options.h"
+#include "base/command_line/options.h"
+#include "base/running/due.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {
@@ -65,7 +65,7 @@ struct ProcessDescription {
   std::function<void(Node&)> on_reload = {};
   // What is wrong with the options as a whole, once all are read, or an empty string (may be empty).
   std::function<std::string()> check_options = {};
-  std::string about = {};  // what --version says (base/about.h)
+  std::string about = {};  // what --version says (base/command_line/about.h)
   // There may be one on a bus (only_one.h): of its name, or ...
   bool only_one = false;
   bool only_one_on_channel = false;  // ... of those that publish on the camera's channel

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/due.h"
+#include "base/running/due.h"
 
 namespace rumi {
 

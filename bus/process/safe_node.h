@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
 #include "bus/process/process.h"
 
 namespace rumi {

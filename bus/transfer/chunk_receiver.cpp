@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/failures.h"
-#include "base/log.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
 #include "bus/transfer/chunked_transfer.h"
 
 namespace rumi {

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
 
 namespace rumi {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {

@@ -16,10 +16,10 @@
 #include <stdexcept>
 #include <thread>
 
-#include "base/failures.h"
-#include "base/file_descriptor.h"
-#include "base/log.h"
-#include "base/number_text.h"
+#include "base/files/file_descriptor.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
+#include "base/text/number_text.h"
 #include "bus/transport/handler.h"
 
 namespace rumi {

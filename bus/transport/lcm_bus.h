@@ -11,7 +11,7 @@
 #include <mutex>
 #include <optional>
 
-#include "base/worker.h"
+#include "base/running/worker.h"
 #include "bus/transport/bus.h"
 
 namespace rumi {

@@ -9,7 +9,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "base/account_limits.h"
+#include "base/this_process/account_limits.h"
 
 namespace rumi {
 namespace {

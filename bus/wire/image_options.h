@@ -2,7 +2,7 @@
 // How images are worked on: the same in all who look at them, or their keypoints would not be the same.
 #pragma once
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "slam/features/pyramid.h"
 
 namespace rumi {

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/file_access.h"
+#include "base/files/file_access.h"
 #include "bus/wire/image_masks.h"
 
 namespace rumi {

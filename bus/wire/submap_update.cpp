@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/submap_update_check.h"
 
 namespace rumi {
@@ -199,11 +199,11 @@ submap_update_t make_submap_update(const Submap& submap, int64_t base_revision) 
 std::string apply_submap_update(const submap_update_t& update, Submap* submap) {
   std::string wrong = check_update_header(update, *submap);
   if (wrong.empty() && update.revision <= submap->revision) return "";
-  CameraFileResult calibration;
+  Calibration calibration;
   const bool is_whole = update.base_revision == 0;
   const Submap nothing;
   if (wrong.empty()) {
-    calibration = parse_camera(update.calibration, "calibration");
+    calibration = parse_calibration(update.calibration, "calibration");
     wrong = calibration.error;
   }
   if (wrong.empty() && !is_whole && camera_to_yaml(calibration.camera) != camera_to_yaml(submap->camera))

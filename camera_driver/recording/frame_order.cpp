@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <numeric>
 
-#include "camera_driver/source/timestamps.h"
+#include "formats/times/timestamps.h"
 #include "slam/numeric/steps.h"
 
 namespace rumi::camera_driver {

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/log.h"
+#include "base/running/log.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
 #include "bus/wire/image_stream.h"

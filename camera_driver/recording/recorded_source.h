@@ -4,11 +4,11 @@
 
 #include <map>
 
-#include "bus/wire/camera_file.h"
 #include "camera_driver/recording/frame_order.h"
-#include "camera_driver/recording/frame_reader.h"
-#include "camera_driver/recording/recording_masks.h"
 #include "camera_driver/source/image_source.h"
+#include "formats/camera/camera_file.h"
+#include "formats/recording/frame_reader.h"
+#include "formats/recording/recording_masks.h"
 
 namespace rumi::camera_driver {
 

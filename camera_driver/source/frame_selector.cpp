@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "camera_driver/source/frame_selector.h"
 
-#include "base/time_units.h"
+#include "base/text/time_units.h"
 
 namespace rumi::camera_driver {
 

@@ -12,7 +12,7 @@
 #include <cerrno>
 #include <filesystem>
 
-#include "base/natural_order.h"
+#include "base/text/natural_order.h"
 #include "camera_driver/v4l2/video_system.h"
 
 namespace rumi::camera_driver {

@@ -7,16 +7,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/log.h"
-#include "bus/wire/camera_file.h"
+#include "base/running/log.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/mask_file.h"
 #include "camera_driver/source/encode_as.h"
-#include "camera_driver/source/mask_option.h"
 #include "camera_driver/source/stream_name.h"
 #include "camera_driver/v4l2/video_controls.h"
+#include "formats/camera/camera_file.h"
+#include "formats/recording/mask_option.h"
 
 namespace rumi::camera_driver {
 namespace {

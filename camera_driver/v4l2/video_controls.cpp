@@ -9,7 +9,7 @@
 #include <cstring>
 #include <optional>
 
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 
 namespace rumi::camera_driver {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "slam/geometry/two_view.h"
 
 namespace rumi::front_tracker {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi::front_tracker {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <set>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "front_tracker/mapping/local_bundle.h"
 #include "front_tracker/matching/projection_search.h"
 #include "front_tracker/patches/align_keypoints.h"

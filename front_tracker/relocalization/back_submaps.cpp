@@ -7,7 +7,7 @@
 #include <map>
 #include <numeric>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "slam/map/landmark_view.h"
 
 namespace rumi::front_tracker {

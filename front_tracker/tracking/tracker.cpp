@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "front_tracker/frame/certainty.h"
 #include "front_tracker/tracking/first_map.h"
 

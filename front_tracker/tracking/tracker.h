@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "base/worker.h"
+#include "base/running/worker.h"
 #include "front_tracker/frame/front_submap.h"
 #include "front_tracker/initialization/initializer.h"
 #include "front_tracker/mapping/mapper.h"

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A camera calibration of any of the kinds that are read, as a file and as the text that comes with images; what is
 // good is used and written again, and so are the file's other cameras, by their names.
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/working_image.h"
+#include "formats/camera/camera_file.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "bus/process/safe_node.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "front_tracker/front_tracker_node.h"
 #include "fuzz/good_messages.h"

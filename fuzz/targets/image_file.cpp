@@ -2,7 +2,7 @@
 // An image file of a recording. Byte 0 chooses whether its colour is wanted.
 #include <opencv2/imgcodecs.hpp>
 
-#include "camera_driver/recording/image_file.h"
+#include "formats/image/image_file.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 
@@ -12,8 +12,8 @@ namespace {
 void run(View input) {
   if (input.empty()) return;
   std::string error;
-  camera_driver::load_image_file(
-      scratch().write("image", input.subspan(1)), input[0] % 2 != 0, [] { return camera_driver::GreyRange(); }, &error);
+  load_image_file(
+      scratch().write("image", input.subspan(1)), input[0] % 2 != 0, [] { return GreyRange(); }, &error);
 }
 
 std::vector<Bytes> seeds() {

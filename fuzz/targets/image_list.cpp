@@ -2,11 +2,11 @@
 // The list of images of a recording: byte 0 chooses rgb.txt, data.csv, or a folder with a file of that name.
 #include <filesystem>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/recording/file_list.h"
-#include "camera_driver/source/timestamps.h"
+#include "formats/recording/file_list.h"
+#include "formats/times/timestamps.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
 

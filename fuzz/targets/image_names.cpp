@@ -5,11 +5,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "base/natural_order.h"
-#include "camera_driver/recording/file_name_times.h"
+#include "base/text/natural_order.h"
 #include "camera_driver/recording/frame_order.h"
-#include "camera_driver/recording/image_choice.h"
-#include "camera_driver/recording/time_unit.h"
+#include "formats/recording/image_choice.h"
+#include "formats/times/file_name_times.h"
+#include "formats/times/time_unit.h"
 #include "fuzz/target.h"
 
 namespace rumi::fuzz {

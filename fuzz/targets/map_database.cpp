@@ -8,7 +8,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/sqlite.h"
+#include "base/files/sqlite.h"
 #include "bus/process/safe_node.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A ROS bag as a recording, and as a truth. Byte 0 chooses the kind that it is taken for, and the options.
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/recording/bag/bag_poses.h"
+#include "formats/bag/bag_poses.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
-#include "tests/camera_driver/recording.h"
-#include "tests/camera_driver/recording/bag/write_bag.h"
+#include "tests/formats/bag/write_bag.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::fuzz {
 namespace {
@@ -29,7 +29,7 @@ void run(View input) {
   const camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
   for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
   }
-  camera_driver::poses_in_bag(file, options.log_channel);
+  poses_in_bag(file, options.log_channel);
 }
 
 std::vector<testing::BagMessageToWrite> messages(bool is_ros2, const std::string& encoding, int type) {

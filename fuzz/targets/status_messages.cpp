@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What `rumi status` hears.
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 #include "bus/wire/map_overview.h"
 #include "fuzz/good_messages.h"
 #include "lcmtypes/rumi/process_status_t.hpp"

@@ -3,10 +3,10 @@
 // the path of a camera. The other files are good.
 #include <filesystem>
 
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 #include "fuzz/scratch.h"
 #include "rumi/evaluation/run_evaluation.h"
-#include "rumi/synth/camera_path.h"
+#include "synth/camera_path.h"
 
 namespace rumi::fuzz {
 namespace {
@@ -45,7 +45,7 @@ void evaluate(const std::string& truth) {
 
 void follow(const std::string& file) {
   try {
-    const tool::CameraPath path = tool::CameraPath::load(file);
+    const synth::CameraPath path = synth::CameraPath::load(file);
     path.at(path.times_s().front());
     path.up();
   } catch (const std::runtime_error&) {  // what it says of a file that it cannot use

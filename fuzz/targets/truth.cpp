@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "formats/truth/truth.h"
 #include "fuzz/scratch.h"
-#include "rumi/evaluation/truth.h"
 
 namespace rumi::fuzz {
 namespace {
@@ -36,7 +36,7 @@ void make_folder() {
   scratch().write("kitti/00.txt", to_bytes(std::string(kKitti)));
 }
 
-void check(const tool::TruthFile& truth) {
+void check(const TruthFile& truth) {
   for (size_t i = 1; i < truth.poses.size(); ++i)
     if (truth.poses[i].utime_us <= truth.poses[i - 1].utime_us) throw std::logic_error("the times do not rise");
   if (truth.ok() && truth.poses.empty()) throw std::logic_error("no poses, and no error");
@@ -47,13 +47,13 @@ void run(View input) {
   static const bool made = (make_folder(), true);
   if (!made) return;
   const File& file = kFiles[(input[0] & 7) % kFileCount];
-  tool::TruthOptions options;
+  TruthOptions options;
   options.frames_per_second = (input[0] & 16) != 0 ? 30 : 0;
   constexpr int64_t kSecond_us = 1'000'000, kSince1970_us = 1'403'636'579 * kSecond_us;
   const int64_t first_us = (input[0] & 64) != 0 ? kSince1970_us : 0;
-  if ((input[0] & 32) != 0) options.run = tool::RunTimes{first_us, first_us + 9 * kSecond_us, kSecond_us / 30};
+  if ((input[0] & 32) != 0) options.run = RunTimes{first_us, first_us + 9 * kSecond_us, kSecond_us / 30};
   scratch().write(file.name, input.subspan(1));
-  check(tool::read_groundtruth(scratch() / file.truth, options));
+  check(read_groundtruth(scratch() / file.truth, options));
   scratch().write(file.name, to_bytes(std::string(file.good)));
 }
 

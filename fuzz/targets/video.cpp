@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A video: its times, and its first frames. Byte 0 chooses whether there is a rate. What goes wrong inside FFmpeg is
 // its own: what is looked for is what becomes of the numbers and pixels that it hands over.
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "camera_driver/open_source.h"
 #include "fuzz/good_messages.h"
 #include "fuzz/scratch.h"
-#include "tests/camera_driver/write_video.h"
+#include "tests/formats/write_video.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rumi::fuzz {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What `rumi web` hears of the system while somebody looks, and what it makes of it.
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 #include "fuzz/good_messages.h"
 #include "rumi/web/live_image.h"
 #include "rumi/web/live_map.h"

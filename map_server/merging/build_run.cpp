@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/cpu_clock.h"
-#include "base/failures.h"
+#include "base/running/failures.h"
+#include "base/this_process/cpu_clock.h"
 
 namespace rumi::map_server {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/time_units.h"
+#include "base/text/time_units.h"
 
 namespace rumi::map_server {
 namespace {

@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/due.h"
+#include "base/running/due.h"
 #include "map_server/merging/build_input.h"
 
 namespace rumi::map_server {

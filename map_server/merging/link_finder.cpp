@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "map_server/links/may_share_images.h"
 #include "map_server/merging/map_members.h"
 

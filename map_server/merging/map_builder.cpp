@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "map_server/merging/map_members.h"
 
 namespace rumi::map_server {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 
 namespace rumi::map_server {
 namespace {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 
 namespace rumi::map_server {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <vector>
 
-#include "base/failures.h"
-#include "base/worker.h"
+#include "base/running/failures.h"
+#include "base/running/worker.h"
 #include "map_server/atlas/atlas.h"
 #include "map_server/merging/build_run.h"
 #include "map_server/merging/build_schedule.h"

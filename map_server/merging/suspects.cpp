@@ -4,7 +4,7 @@
 #include <iterator>
 #include <utility>
 
-#include "base/due.h"
+#include "base/running/due.h"
 
 namespace rumi::map_server {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "map_server/model/point_cells.h"
 #include "slam/features/keypoint_grid.h"
 #include "slam/features/matching.h"

@@ -9,7 +9,7 @@
 #include <regex>
 #include <set>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 
 namespace rumi::map_server {
 namespace {

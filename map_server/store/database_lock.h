@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "base/file_lock.h"
+#include "base/files/file_lock.h"
 
 namespace rumi::map_server {
 

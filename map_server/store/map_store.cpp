@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/file_access.h"
-#include "base/log.h"
+#include "base/files/file_access.h"
+#include "base/running/log.h"
 #include "map_server/store/map_store_schema.h"
 
 namespace rumi::map_server {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "base/sqlite.h"
+#include "base/files/sqlite.h"
 #include "map_server/atlas/atlas.h"
 #include "map_server/store/database_lock.h"
 

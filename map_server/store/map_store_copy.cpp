@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/scratch_folder.h"
+#include "base/files/scratch_folder.h"
 #include "map_server/store/map_store.h"
 
 namespace rumi::map_server {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/utility.hpp>
 
-#include "base/about.h"
+#include "base/command_line/about.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

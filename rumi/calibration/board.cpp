@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "base/number_text.h"
+#include "base/text/number_text.h"
 #include "rumi/calibration/opencv_aruco.h"
 
 namespace rumi::tool {

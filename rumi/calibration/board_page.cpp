@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 
 namespace rumi::tool {
 namespace {

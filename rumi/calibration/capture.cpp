@@ -17,9 +17,9 @@ std::string collect_from_recording(const std::string& input, const std::string& 
   camera_driver::CameraOptions options;
   options.log_channel = log_channel;
   options.rate_hz = 1;  // of what has no times; they are not used
-  const camera_driver::OpenedReader opened = camera_driver::open_frames(input, options);
+  const OpenedReader opened = camera_driver::open_frames(input, options);
   if (!opened.error.empty()) return opened.error;
-  camera_driver::FrameReader& reader = *opened.reader;
+  FrameReader& reader = *opened.reader;
   for (size_t frame = 0; frame < reader.utimes().size(); frame += static_cast<size_t>(every)) {
     std::string error;
     std::optional<image_t> image = reader.load(frame, /*colour=*/false, &error);

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <ctime>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/process.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 
 namespace rumi::tool {
 namespace {

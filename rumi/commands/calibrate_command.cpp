@@ -9,9 +9,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/log.h"
-#include "base/standard_output.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
+#include "base/running/log.h"
+#include "base/this_process/standard_output.h"
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
 #include "rumi/commands/command_frame.h"

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "base/failures.h"
-#include "base/standard_output.h"
+#include "base/running/failures.h"
+#include "base/this_process/standard_output.h"
 
 namespace rumi::tool {
 

@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/command_line.h"
-#include "base/options.h"
+#include "base/command_line/command_line.h"
+#include "base/command_line/options.h"
 #include "bus/process/process.h"
 #include "bus/transport/lcm_bus.h"
 

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "bus/process/process.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/source/image_source.h"

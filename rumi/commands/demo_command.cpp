@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/log.h"
-#include "base/standard_output.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
+#include "base/running/log.h"
+#include "base/this_process/standard_output.h"
 #include "bus/process/process.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
@@ -19,8 +19,8 @@
 #include "rumi/report/evaluation_plot.h"
 #include "rumi/report/run_report.h"
 #include "rumi/report/window_picture.h"
-#include "rumi/synth/write_sequence.h"
 #include "rumi/windows/window_scene.h"
+#include "synth/write_sequence.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::tool {
@@ -34,7 +34,7 @@ constexpr const char* kSummary =
 
 struct Arguments : OptionFlags {
   std::string out = "out/demo";
-  SynthOptions synth;
+  synth::SynthOptions synth;
   bool verbose = false;
 };
 
@@ -98,7 +98,7 @@ class Demo {
                     arguments_.synth.seconds));
     fs::remove_all(sequence());
     ProgressLine line(true);
-    fail_if(write_sequence(arguments_.synth, sequence().string(), /*overwrite=*/false, [&](int done, int all) {
+    fail_if(synth::write_sequence(arguments_.synth, sequence().string(), /*overwrite=*/false, [&](int done, int all) {
       line.update(done, all, [&] { return fmt::format("    image {} of {}", done, all); });
       return true;
     }));
@@ -170,7 +170,7 @@ void demo(const Arguments& arguments) {
 
 void add_demo_command(CommandLine& app, std::function<int()>* chosen) {
   auto arguments = std::make_shared<Arguments>();
-  arguments->synth.walk = WalkKind::kNextRoom;
+  arguments->synth.walk = synth::WalkKind::kNextRoom;
   arguments->synth.seconds = 20;
   arguments->synth.rate_hz = 20;
   CommandLine* command = app.add_command("demo", kSummary);

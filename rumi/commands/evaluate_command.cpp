@@ -7,8 +7,8 @@
 #include <fstream>
 #include <memory>
 
-#include "base/json_text.h"
-#include "base/number_text.h"
+#include "base/text/json_text.h"
+#include "base/text/number_text.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/evaluation/run_evaluation.h"

@@ -4,7 +4,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "camera_driver/flags.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"

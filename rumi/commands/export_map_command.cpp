@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "base/log.h"
-#include "base/options.h"
+#include "base/command_line/options.h"
+#include "base/running/log.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "map_server/outputs/colmap_export.h"

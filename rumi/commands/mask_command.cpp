@@ -7,14 +7,14 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "base/exit_codes.h"
-#include "base/log.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
+#include "base/running/log.h"
+#include "base/this_process/exit_codes.h"
 #include "bus/wire/image_masks.h"
 #include "bus/wire/working_image.h"
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/source/mask_option.h"
+#include "formats/recording/mask_option.h"
 #include "front_tracker/masking/still_parts.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
@@ -97,7 +97,7 @@ int run_mask(const Arguments& arguments) {
 
 int run(Arguments& arguments) {
   load_recording_options(arguments.settings, &arguments.camera);
-  arguments.camera.mask = camera_driver::kNoMask;  // one beside the data may be the one that is to be made anew
+  arguments.camera.mask = kNoMask;  // one beside the data may be the one that is to be made anew
   start_logging("rumi", false, false);
   return run_mask(arguments);
 }

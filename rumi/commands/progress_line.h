@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-#include "base/log.h"
+#include "base/running/log.h"
 
 namespace rumi::tool {
 

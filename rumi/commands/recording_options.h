@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/command_line.h"
+#include "base/command_line/command_line.h"
 #include "camera_driver/source/camera_options.h"
 
 namespace rumi::tool {

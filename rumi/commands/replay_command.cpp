@@ -4,8 +4,8 @@
 
 #include <memory>
 
-#include "base/exit_codes.h"
-#include "base/log.h"
+#include "base/running/log.h"
+#include "base/this_process/exit_codes.h"
 #include "bus/process/process.h"
 #include "camera_driver/flags.h"
 #include "rumi/commands/command_frame.h"

@@ -8,10 +8,10 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/cpu_clock.h"
-#include "base/failures.h"
-#include "base/log.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
+#include "base/this_process/cpu_clock.h"
 #include "camera_driver/source/image_source.h"
 #include "rumi/outputs/landmark_colours.h"
 #include "rumi/outputs/masks.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/report/run_report.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
 #include "camera_driver/open_source.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"

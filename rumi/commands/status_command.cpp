@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/json_text.h"
-#include "base/standard_output.h"
+#include "base/text/json_text.h"
+#include "base/this_process/standard_output.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/live_status.h"

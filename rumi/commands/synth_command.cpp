@@ -8,10 +8,10 @@
 #include <cstdio>
 #include <memory>
 
-#include "bus/wire/camera_file.h"
+#include "formats/camera/camera_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
-#include "rumi/synth/write_sequence.h"
+#include "synth/write_sequence.h"
 
 namespace rumi::tool {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 volatile std::sig_atomic_t g_stop = 0;
 
 struct Flags {
-  SynthOptions synth;
+  synth::SynthOptions synth;
   std::string folder, camera_file, size, walk = "loop";
   std::vector<std::string> hard;
   std::vector<double> at_s, for_s;
@@ -34,7 +34,7 @@ std::string resolve(Flags& f) {
     int width = 0, height = 0, used = 0;
     if (std::sscanf(f.size.c_str(), "%dx%d%n", &width, &height, &used) != 2 || used != static_cast<int>(f.size.size()))
       return fmt::format("--size {}: must be WIDTHxHEIGHT, for example 640x480", f.size);
-    f.synth.camera = default_synth_camera(width, height);
+    f.synth.camera = synth::default_synth_camera(width, height);
   }
   if (!f.camera_file.empty()) {
     const CameraFileResult read = read_camera_file(f.camera_file);
@@ -42,14 +42,14 @@ std::string resolve(Flags& f) {
     log_notes(read);
     f.synth.camera = read.camera;
   }
-  if (const std::string error = parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
+  if (const std::string error = synth::parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
   if (f.hard.size() != f.at_s.size() || f.hard.size() != f.for_s.size())
     return fmt::format("--hard was given {} times, --at {} and --for {}: each hard passage needs all three",
                        f.hard.size(), f.at_s.size(), f.for_s.size());
   f.synth.hard.clear();
   for (size_t i = 0; i < f.hard.size(); ++i) {
-    HardPassage passage{HardPassage::Kind::kBlur, f.at_s[i], f.for_s[i]};
-    if (const std::string error = parse_hard_kind(f.hard[i], &passage.kind); !error.empty()) return error;
+    synth::HardPassage passage{synth::HardPassage::Kind::kBlur, f.at_s[i], f.for_s[i]};
+    if (const std::string error = synth::parse_hard_kind(f.hard[i], &passage.kind); !error.empty()) return error;
     f.synth.hard.push_back(passage);
   }
   return f.synth.check();
@@ -67,7 +67,7 @@ void render(Flags& f) {
   };
   std::signal(SIGINT, [](int) { g_stop = 1; });
   std::signal(SIGTERM, [](int) { g_stop = 1; });
-  if (const std::string error = write_sequence(f.synth, f.folder, f.overwrite, progress); !error.empty()) {
+  if (const std::string error = synth::write_sequence(f.synth, f.folder, f.overwrite, progress); !error.empty()) {
     if (live) fmt::print(stderr, "\n");
     fail_if(error);
   }

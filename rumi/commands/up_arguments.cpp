@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "bus/wire/camera_file.h"
+#include "formats/camera/camera_file.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/outputs/output_folder.h"

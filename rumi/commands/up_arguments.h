@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "rumi/run/all_options.h"
 
 namespace rumi::tool {

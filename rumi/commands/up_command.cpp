@@ -12,8 +12,8 @@
 #include <memory>
 #include <optional>
 
-#include "base/exit_codes.h"
-#include "base/log.h"
+#include "base/running/log.h"
+#include "base/this_process/exit_codes.h"
 #include "camera_driver/flags.h"
 #include "map_server/store/map_store.h"
 #include "rumi/commands/command_frame.h"

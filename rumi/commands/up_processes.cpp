@@ -11,7 +11,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "base/scratch_folder.h"
+#include "base/files/scratch_folder.h"
 #include "camera_driver/open_source.h"
 #include "rumi/run/program_folder.h"
 

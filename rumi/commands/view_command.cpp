@@ -6,10 +6,10 @@
 #include <memory>
 #include <optional>
 
-#include "base/failures.h"
+#include "base/running/failures.h"
+#include "formats/truth/truth.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
-#include "rumi/evaluation/truth.h"
 #include "rumi/outputs/map_file.h"
 #include "viewer_offscreen/picture/draw_map.h"
 

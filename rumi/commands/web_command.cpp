@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/failures.h"
-#include "base/log.h"
-#include "base/standard_output.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
+#include "base/this_process/standard_output.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/program_folder.h"

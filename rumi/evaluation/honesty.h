@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "formats/truth/trajectory.h"
 #include "rumi/evaluation/metrics.h"
-#include "rumi/evaluation/trajectory.h"
 #include "slam/map/pose_sigmas.h"
 
 namespace rumi::tool {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "rumi/evaluation/trajectory.h"
+#include "formats/truth/trajectory.h"
 #include "slam/geometry/transform.h"
 
 namespace rumi::tool {

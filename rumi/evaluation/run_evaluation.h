@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/truth/truth.h"
 #include "rumi/evaluation/honesty.h"
 #include "rumi/evaluation/metrics.h"
-#include "rumi/evaluation/truth.h"
 
 namespace rumi::tool {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "base/time_units.h"
+#include "base/text/time_units.h"
 #include "slam/geometry/alignment.h"
 
 namespace rumi::tool {

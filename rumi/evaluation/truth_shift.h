@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "formats/truth/trajectory.h"
 #include "rumi/evaluation/metrics.h"
-#include "rumi/evaluation/trajectory.h"
 
 namespace rumi::tool {
 

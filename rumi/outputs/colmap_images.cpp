@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 

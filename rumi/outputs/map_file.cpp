@@ -8,10 +8,10 @@
 #include <set>
 #include <stdexcept>
 
-#include "base/file_access.h"
-#include "base/scratch_folder.h"
-#include "base/temporary_folder.h"
-#include "base/whole_file.h"
+#include "base/files/file_access.h"
+#include "base/files/scratch_folder.h"
+#include "base/files/temporary_folder.h"
+#include "base/files/whole_file.h"
 #include "bus/transport/log_file.h"
 #include "rumi/outputs/masks.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/core/mat.hpp>
 #include <string_view>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "bus/wire/image_masks.h"
 
 namespace rumi::tool {

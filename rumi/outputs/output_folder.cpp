@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/failures.h"
-#include "base/json_text.h"
-#include "base/process_name.h"
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
+#include "base/running/failures.h"
+#include "base/text/json_text.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/process.h"
 #include "map_server/store/map_store.h"
 #include "rumi/outputs/masks.h"

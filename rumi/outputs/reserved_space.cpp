@@ -8,8 +8,8 @@
 #include <cerrno>
 #include <filesystem>
 
-#include "base/free_space.h"
-#include "base/whole_file.h"
+#include "base/files/free_space.h"
+#include "base/files/whole_file.h"
 
 namespace rumi::tool {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/files/file_descriptor.h"
 
 namespace rumi::tool {
 

@@ -6,7 +6,7 @@
 #include <atomic>
 #include <filesystem>
 
-#include "base/run_child.h"
+#include "base/child/run_child.h"
 
 namespace rumi::tool {
 namespace {

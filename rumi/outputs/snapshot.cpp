@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/newest_sender.h"
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"

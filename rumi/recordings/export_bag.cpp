@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
-#include "rumi/recordings/bag/ros_message.h"
+#include "formats/bag_writer/ros_message.h"
 
 namespace rumi::tool {
 namespace {
@@ -56,7 +56,7 @@ bool BagSink::write(const image_t& image) {
 bool BagSink::take_camera(const image_t& image) {
   std::string calibration = metadata(image, kCalibrationKey);
   if (camera_ && calibration == calibration_) return true;
-  const CameraFileResult parsed = parse_camera(calibration, "calibration of the image");
+  const Calibration parsed = parse_calibration(calibration, "calibration of the image");
   if (!parsed.ok()) problem_ = fmt::format("{}: {}", file_, parsed.error);
   calibration_ = std::move(calibration);
   camera_ = parsed.camera;

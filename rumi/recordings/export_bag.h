@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "rumi/evaluation/trajectory.h"
-#include "rumi/recordings/bag/bag_writer.h"
+#include "formats/bag_writer/bag_writer.h"
+#include "formats/truth/trajectory.h"
 #include "rumi/recordings/image_sink.h"
 #include "slam/geometry/camera.h"
 

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "bus/transport/bus.h"
 
 namespace rumi::tool {

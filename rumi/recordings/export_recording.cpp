@@ -6,10 +6,10 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/exit_codes.h"
+#include "base/this_process/exit_codes.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/source/image_source.h"
-#include "rumi/evaluation/truth.h"
+#include "formats/truth/truth.h"
 #include "rumi/recordings/export_bag.h"
 #include "rumi/recordings/export_log.h"
 

@@ -11,18 +11,18 @@
 #include <set>
 #include <span>
 
-#include "base/account_limits.h"
-#include "base/exit_codes.h"
+#include "base/this_process/account_limits.h"
+#include "base/this_process/exit_codes.h"
 #include "bus/transport/log_file.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/recording/bag/bag_file.h"
-#include "camera_driver/recording/bag/bag_poses.h"
-#include "camera_driver/recording/foreign_recording.h"
 #include "camera_driver/source/image_source.h"
-#include "camera_driver/source/timestamps.h"
+#include "formats/bag/bag_file.h"
+#include "formats/bag/bag_poses.h"
+#include "formats/recording/foreign_recording.h"
+#include "formats/times/timestamps.h"
 
 namespace rumi::tool {
 namespace {
@@ -63,8 +63,8 @@ std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::stri
 
 // Of a bag that has the camera's path, as its truth; empty, or what went wrong.
 std::string write_truth(const ImportOptions& options) {
-  if (camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone) return {};
-  const camera_driver::BagPoses bag = camera_driver::poses_in_bag(options.log, options.camera.log_channel);
+  if (kind_of_bag(options.log) == BagKind::kNone) return {};
+  const BagPoses bag = poses_in_bag(options.log, options.camera.log_channel);
   if (!bag.has_transforms) return {};
   if (!bag.error.empty()) {
     fmt::print(stderr, "rumi import: there is no groundtruth.txt: {}\n", bag.error);
@@ -74,8 +74,8 @@ std::string write_truth(const ImportOptions& options) {
   for (const auto& [utime_us, pose] : bag.poses) {
     const Eigen::Vector3d& t = pose.translation;
     const Eigen::Quaterniond& q = pose.rotation;
-    lines += fmt::format("{} {} {} {} {} {} {} {}\n", camera_driver::format_seconds(utime_us), t.x(), t.y(), t.z(),
-                         q.x(), q.y(), q.z(), q.w());
+    lines += fmt::format("{} {} {} {} {} {} {} {}\n", format_seconds(utime_us), t.x(), t.y(), t.z(), q.x(), q.y(),
+                         q.z(), q.w());
   }
   return write_text(fs::path(options.folder) / "groundtruth.txt", lines);
 }
@@ -100,9 +100,8 @@ std::string write_folder(camera_driver::ImageSource& source, const fs::path& fol
   std::set<std::string> names;
   while (const std::optional<image_t> image = source.next()) {
     const std::string extension = to_file(*image, &bytes, &problem);
-    if (extension.empty())
-      return fmt::format("the image at {} s: {}", camera_driver::format_seconds(image->utime), problem);
-    const std::string time = camera_driver::format_seconds(image->utime);
+    if (extension.empty()) return fmt::format("the image at {} s: {}", format_seconds(image->utime), problem);
+    const std::string time = format_seconds(image->utime);
     // Where a clock was set back two images may have the same time.
     const std::string more = names.insert(time).second ? "" : fmt::format("_{}", *count);
     const std::string name = "rgb/" + time + more + extension;
@@ -122,8 +121,8 @@ int run_import(const ImportOptions& options) {
   if (fs::exists(options.folder, code) && !fs::is_empty(options.folder, code))
     return fail(fmt::format("{}: exists and is not empty; give another folder", options.folder));
   if (fs::is_regular_file(options.log, code) && !is_lcm_log(options.log) &&
-      camera_driver::kind_of_bag(options.log) == camera_driver::BagKind::kNone) {
-    const std::string advice = camera_driver::advice_on_foreign_recording(options.log);
+      kind_of_bag(options.log) == BagKind::kNone) {
+    const std::string advice = advice_on_foreign_recording(options.log);
     const char* usual = "is no lcm log and no ROS bag; give one, as lcm-logger, `rumi export` or ROS writes it";
     return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
   }

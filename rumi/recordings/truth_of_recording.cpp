@@ -7,16 +7,15 @@
 #include <filesystem>
 #include <vector>
 
-#include "camera_driver/recording/bag/bag_file.h"
-#include "camera_driver/recording/bag/bag_poses.h"
-#include "camera_driver/recording/dataset_folder.h"
 #include "camera_driver/source/camera_options.h"
+#include "formats/bag/bag_file.h"
+#include "formats/bag/bag_poses.h"
+#include "formats/recording/dataset_folder.h"
 
 namespace rumi::tool {
 namespace {
 
 namespace fs = std::filesystem;
-using camera_driver::BagKind;
 
 constexpr double kRateOfIcl_hz = 30;
 
@@ -61,7 +60,7 @@ bool is_part_of_dataset(const fs::path& folder) {
 }
 
 std::vector<fs::path> folders_of(const fs::path& recording) {
-  std::vector<fs::path> folders = {recording, camera_driver::find_dataset(recording).folder};
+  std::vector<fs::path> folders = {recording, find_dataset(recording).folder};
   constexpr int kDeepest = 3;  // mav0/cam0/data
   for (int i = 0; i < kDeepest && is_part_of_dataset(folders.back()); ++i)
     folders.push_back(folders.back().parent_path());
@@ -77,7 +76,7 @@ FoundTruth find_truth(const std::string& recording) {
   const bool is_folder = fs::is_directory(path, code);
   const fs::path beside = path.parent_path() / (path.stem().string() + "-groundtruth.txt");
   FoundTruth found = is_folder ? look_in({}, folders_of(path)) : look_in({beside}, {path.parent_path()});
-  if (found.file.empty() && camera_driver::kind_of_bag(recording) != BagKind::kNone) found.file = recording;
+  if (found.file.empty() && kind_of_bag(recording) != BagKind::kNone) found.file = recording;
   if (found.file.empty())
     found.error =
         fmt::format("there is no truth beside {} (groundtruth.txt, mav0/state_groundtruth_estimate0/data.csv, *{})",
@@ -86,8 +85,8 @@ FoundTruth find_truth(const std::string& recording) {
 }
 
 TruthFile read_truth(const std::string& file, const TruthOptions& options) {
-  if (camera_driver::kind_of_bag(file) == BagKind::kNone) return read_groundtruth(file, options);
-  camera_driver::BagPoses bag = camera_driver::poses_in_bag(file, camera_driver::CameraOptions{}.log_channel);
+  if (kind_of_bag(file) == BagKind::kNone) return read_groundtruth(file, options);
+  BagPoses bag = poses_in_bag(file, camera_driver::CameraOptions{}.log_channel);
   TruthFile truth;
   truth.error = bag.error;
   if (!truth.error.empty()) truth.error += "; give its true path as a file of poses, as groundtruth.txt of TUM";

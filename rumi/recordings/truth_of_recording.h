@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "rumi/evaluation/truth.h"
+#include "formats/truth/truth.h"
 
 namespace rumi::tool {
 

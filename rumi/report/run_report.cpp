@@ -10,8 +10,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "base/file_access.h"
-#include "base/json_text.h"
+#include "base/files/file_access.h"
+#include "base/text/json_text.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "map_server/alignment/submap_alignment.h"

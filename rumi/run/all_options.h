@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "camera_driver/options.h"
 #include "front_tracker/options.h"
 #include "map_server/options.h"

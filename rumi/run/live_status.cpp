@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 #include "bus/process/only_one.h"
 #include "slam/map/tracking_state.h"
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "base/sqlite.h"
+#include "base/files/sqlite.h"
 #include "map_server/store/map_store.h"
 
 namespace rumi::tool {

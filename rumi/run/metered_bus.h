@@ -2,7 +2,7 @@
 // One component's view of a shared bus: it measures the CPU time that the component's handlers take.
 #pragma once
 
-#include "base/cpu_clock.h"
+#include "base/this_process/cpu_clock.h"
 #include "bus/transport/bus.h"
 #include "bus/transport/handler.h"
 

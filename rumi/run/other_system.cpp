@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/only_one.h"
 
 namespace rumi::tool {

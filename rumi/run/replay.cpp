@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "camera_driver/camera_node.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/source/timestamps.h"
+#include "formats/camera/given_camera.h"
+#include "formats/times/timestamps.h"
 #include "front_tracker/front_tracker_node.h"
 #include "rumi/run/metered_bus.h"
 #include "ruminator/colmap_builder.h"
@@ -48,7 +49,8 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   if (camera_driver::is_camera(input))
     throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error);
   camera_ = add<camera_driver::CameraNode>("camera_driver", input, options.camera_driver);
-  auto* tracker = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker);
+  auto* tracker = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker,
+                                                       read_given_camera(front_tracker.camera_file));
   front_tracker_ = tracker;
   ruminator::RuminatorOptions ruminator = options.ruminator;
   ruminator.build_thread = false;
@@ -61,7 +63,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
     ruminator_hooks.builder = [build = ruminator_hooks.builder, stop = hooks.stop](
                                   const auto& job, const std::string& folder, const auto& progress,
                                   const std::atomic<bool>&) { return build(job, folder, progress, *stop); };
-  add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks);
+  add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
   // In a replay the clock does not tell one session from another: every folder of images begins at 0.
   if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty()) {
@@ -118,7 +120,7 @@ bool Replay::step() {
     utime_us = camera_->next_utime_us();
     if (!utime_us) return false;
     // The clock goes on where a recording's times go back.
-    if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + camera_driver::kUsualPeriodUs;
+    if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + kUsualPeriodUs;
     bus_.set_now_us(*utime_us + clock_ahead_us_);
     camera_->publish_next();
   }

@@ -18,7 +18,7 @@
 #include "map_server/map_server_node.h"
 #include "map_server/outputs/writers.h"
 #include "rumi/run/all_options.h"
-#include "ruminator/build/back_submap_builder.h"
+#include "ruminator/rebuild/back_submap_builder.h"
 
 namespace rumi::camera_driver {
 class CameraNode;

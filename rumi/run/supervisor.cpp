@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/exit_codes.h"
+#include "base/this_process/exit_codes.h"
 
 namespace rumi::tool {
 namespace {

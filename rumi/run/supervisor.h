@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/child_process.h"
+#include "base/child/child_process.h"
 
 namespace rumi::tool {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "base/due.h"
+#include "base/running/due.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/image_t.hpp"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <utility>
 
-#include "base/due.h"
-#include "base/json_text.h"
-#include "base/process_name.h"
+#include "base/running/due.h"
+#include "base/text/json_text.h"
+#include "base/this_process/process_name.h"
 #include "bus/wire/submap_update.h"
 #include "rumi/web/submap_blob.h"
 #include "slam/map/tracking_state.h"

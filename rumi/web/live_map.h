@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "base/due.h"
+#include "base/running/due.h"
 #include "bus/process/newest_sender.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/track_t.hpp"

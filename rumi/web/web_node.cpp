@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 
 namespace rumi::tool {
 namespace {

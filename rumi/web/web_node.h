@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "base/due.h"
+#include "base/running/due.h"
 #include "bus/transport/bus.h"
 #include "rumi/run/live_status.h"
 #include "rumi/web/live_image.h"

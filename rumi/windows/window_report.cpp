@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "base/json_text.h"
+#include "base/text/json_text.h"
 #include "rumi/evaluation/metrics.h"
 
 namespace rumi::tool {

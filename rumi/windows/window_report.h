@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "rumi/evaluation/trajectory.h"
-#include "ruminator/build/back_submap_builder.h"
+#include "formats/truth/trajectory.h"
+#include "ruminator/rebuild/back_submap_builder.h"
 
 namespace rumi::tool {
 

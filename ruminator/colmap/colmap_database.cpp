@@ -9,7 +9,7 @@
 #include <span>
 #include <system_error>
 
-#include "base/sqlite.h"
+#include "base/files/sqlite.h"
 
 namespace rumi::ruminator {
 namespace {

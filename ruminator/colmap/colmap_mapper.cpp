@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "base/free_space.h"
+#include "base/files/free_space.h"
 #include "ruminator/colmap/colmap_dialect.h"
 #include "ruminator/colmap/colmap_environment.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "base/process_name.h"
-#include "base/run_child.h"
+#include "base/child/run_child.h"
+#include "base/this_process/process_name.h"
 #include "ruminator/colmap/colmap_program.h"
 #include "ruminator/colmap/mapper_command.h"
 #include "ruminator/colmap/read_model.h"

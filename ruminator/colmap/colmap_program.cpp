@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/failures.h"
-#include "base/log.h"
-#include "base/temporary_folder.h"
+#include "base/files/temporary_folder.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
 #include "ruminator/colmap/colmap_dialect.h"
 #include "ruminator/colmap/colmap_environment.h"
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <utility>
 
-#include "base/run_child.h"
+#include "base/child/run_child.h"
 #include "ruminator/colmap/colmap_dialect.h"
 
 namespace rumi::ruminator {

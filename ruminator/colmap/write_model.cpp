@@ -7,7 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
-#include "base/account_limits.h"
+#include "base/this_process/account_limits.h"
 
 namespace rumi::ruminator {
 namespace {

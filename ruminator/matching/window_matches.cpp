@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
 #include "slam/numeric/median.h"
 #include "slam/numeric/union_find.h"
 

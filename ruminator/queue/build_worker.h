@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/worker.h"
-#include "ruminator/build/back_submap_builder.h"
+#include "base/running/worker.h"
+#include "ruminator/rebuild/back_submap_builder.h"
 
 namespace rumi::ruminator {
 

@@ -19,8 +19,8 @@
 #include <variant>
 #include <vector>
 
-#include "ruminator/build/back_submap_builder.h"
 #include "ruminator/queue/spool.h"
+#include "ruminator/rebuild/back_submap_builder.h"
 #include "ruminator/window/rumination_window.h"
 #include "ruminator/window/window_job.h"
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "base/due.h"
-#include "base/failures.h"
-#include "base/log.h"
-#include "base/process_name.h"
-#include "base/scratch_folder.h"
+#include "base/files/scratch_folder.h"
+#include "base/running/due.h"
+#include "base/running/failures.h"
+#include "base/running/log.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/process.h"
 #include "ruminator/window/window_message.h"
 

@@ -15,10 +15,10 @@
 #include "bus/transfer/chunked_transfer.h"
 #include "bus/transport/bus.h"
 #include "lcmtypes/rumi/window_t.hpp"
-#include "ruminator/build/build_options.h"
 #include "ruminator/queue/build_worker.h"
 #include "ruminator/queue/queue_entry.h"
 #include "ruminator/queue/spool.h"
+#include "ruminator/rebuild/build_options.h"
 
 namespace rumi::ruminator {
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/due.h"
-#include "base/log.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
 #include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "ruminator/queue/rebuild_queue.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "ruminator/queue/rebuild_queue.h"
 #include "ruminator/window/window_message.h"
 

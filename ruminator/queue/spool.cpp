@@ -16,10 +16,10 @@
 #include <map>
 #include <utility>
 
-#include "base/file_access.h"
-#include "base/log.h"
-#include "base/stage_clock.h"
-#include "base/whole_file.h"
+#include "base/files/file_access.h"
+#include "base/files/whole_file.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "bus/transport/bus.h"
 
 namespace rumi::ruminator {

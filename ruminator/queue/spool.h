@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file_lock.h"
+#include "base/files/file_lock.h"
 #include "ruminator/window/window_job.h"
 
 namespace rumi::ruminator {

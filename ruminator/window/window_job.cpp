@@ -6,10 +6,10 @@
 #include <cstdio>
 #include <set>
 
-#include "base/whole_file.h"
+#include "base/files/whole_file.h"
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
 #include "bus/wire/why_undecodable.h"
@@ -91,7 +91,7 @@ std::string read_manifest(const window_job_t& m, WindowJob* job) {
   if (error.empty())
     error = read_part(m, w.departure_utime, w.approach_utime.size() + w.gap_utime.size(), &window.departure);
   if (!error.empty()) return error;
-  const CameraFileResult camera = parse_camera(m.calibration, "calibration");
+  const Calibration camera = parse_calibration(m.calibration, "calibration");
   job->camera = camera.camera;
   return camera.error;
 }

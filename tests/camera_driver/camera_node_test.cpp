@@ -9,7 +9,7 @@
 #include "camera_driver/open_source.h"
 #include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/import_log.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::camera_driver {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "base/options.h"
+#include "base/command_line/options.h"
 #include "camera_driver/source/camera_options.h"
 
 namespace rumi::camera_driver {

@@ -4,9 +4,9 @@
 
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
-#include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
+#include "formats/camera/camera_file.h"
 #include "tests/camera_driver/opened_source.h"
 
 namespace rumi::camera_driver {

@@ -11,7 +11,7 @@
 #include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
 #include "camera_driver/source/image_source.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::testing {
 using namespace rumi::camera_driver;

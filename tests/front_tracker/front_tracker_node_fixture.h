@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/track_t.hpp"
-#include "rumi/synth/sequence_renderer.h"
+#include "synth/sequence_renderer.h"
 
 namespace rumi::testing {
 using namespace rumi::front_tracker;
@@ -53,8 +53,8 @@ class FrontTrackerNodeTest : public ::testing::Test {
     return message;
   }
 
-  tool::SynthOptions walk(double seconds) const {
-    tool::SynthOptions options;
+  synth::SynthOptions walk(double seconds) const {
+    synth::SynthOptions options;
     options.seconds = seconds;
     options.rate_hz = 20;
     options.grey = true;
@@ -65,7 +65,7 @@ class FrontTrackerNodeTest : public ::testing::Test {
 
   // What it makes of a walk of its own.
   void give_walk(double seconds) {
-    tool::SequenceRenderer renderer(walk(seconds));
+    synth::SequenceRenderer renderer(walk(seconds));
     for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i)));
   }
   void give_it_time_to_finish() {
@@ -91,7 +91,7 @@ class FrontTrackerNodeTest : public ::testing::Test {
   ChunkReceiver receiver_;
   std::unique_ptr<FrontTrackerNode> node_;
   std::vector<track_t> tracks_;
-  Camera camera_ = tool::default_synth_camera(320, 240);
+  Camera camera_ = synth::default_synth_camera(320, 240);
   const cv::Mat grey_ = cv::Mat(240, 320, CV_8U, cv::Scalar(99));
 };
 

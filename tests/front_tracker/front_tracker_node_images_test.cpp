@@ -32,7 +32,7 @@ int landmarks_seen(const Submap& map, float first, float end) {
 class NodeWithMasks : public FrontTrackerNodeTest {
  protected:
   void give_masked_walk(double seconds, const cv::Mat& mask) {
-    tool::SequenceRenderer renderer(walk(seconds));
+    synth::SequenceRenderer renderer(walk(seconds));
     for (int i = 0; i < renderer.frames(); ++i) {
       image_t message = image(renderer.utime_us(i), renderer.render(i));
       set_metadata(&message, kMaskKey, encode_mask(mask));
@@ -65,7 +65,7 @@ TEST_F(NodeWithMasks, AMaskOfAnotherSizeIsToldOnceAndIgnored) {
 }
 
 TEST_F(FrontTrackerNodeTest, OfARowOfTheSameImagesTwoHaveAPose) {
-  tool::SequenceRenderer renderer(walk(1.5));
+  synth::SequenceRenderer renderer(walk(1.5));
   const int still = 25;  // an image that stays
   for (int i = 0; i < still; ++i) give(image(renderer.utime_us(i), renderer.render(i)));
   ASSERT_EQ(tracks_.back().state, track_t::TRACKING);
@@ -88,7 +88,7 @@ TEST_F(FrontTrackerNodeTest, OfARowOfTheSameImagesTwoHaveAPose) {
 }
 
 TEST_F(FrontTrackerNodeTest, DoubledImagesAloneAreNothingToComplainOf) {
-  tool::SequenceRenderer renderer(walk(1.5));
+  synth::SequenceRenderer renderer(walk(1.5));
   for (int i = 0; i < renderer.frames(); ++i) give(image(renderer.utime_us(i), renderer.render(i - i % 5 / 4)));
   EXPECT_EQ(node_->repeated().doubled(), renderer.frames() / 5);
   EXPECT_EQ(tracks_.back().state, track_t::TRACKING);
@@ -104,9 +104,9 @@ TEST_F(FrontTrackerNodeTest, WhatNeverMovesIsPublishedAndIsNoLandmark) {
   rng.fill(caption, cv::RNG::UNIFORM, 0, 256);
   cv::GaussianBlur(caption, caption, {}, 2);
   cv::normalize(caption, caption, 0, 255, cv::NORM_MINMAX);
-  tool::SynthOptions options = walk(5);
+  synth::SynthOptions options = walk(5);
   options.rate_hz = 10;
-  tool::SequenceRenderer renderer(options);
+  synth::SequenceRenderer renderer(options);
   const testing::CapturedLog log;
   for (int i = 0; i < renderer.frames(); ++i) {
     cv::Mat grey = renderer.render(i);

@@ -25,7 +25,7 @@ TEST_F(FrontTrackerNodeTest, APoseInTheMapNamesTheSubmapAndItsPlace) {
   std::vector<rigid_transform_t> transforms;
   bus_.subscribe<map_pose_t>(channels::kMapPose, {}, [&](const map_pose_t& p) { poses.push_back(p); });
   bus_.subscribe<rigid_transform_t>(channels::kCameraToMap, {}, [&](const auto& t) { transforms.push_back(t); });
-  tool::SequenceRenderer renderer(walk(1.5));
+  synth::SequenceRenderer renderer(walk(1.5));
   const Sim3 map_from_submap(2, Eigen::Quaterniond::Identity(), Eigen::Vector3d(1, 2, 3));
   for (int i = 0; i < renderer.frames(); ++i) {
     give(image(renderer.utime_us(i), renderer.render(i)));

@@ -20,7 +20,7 @@ TEST_F(FrontTrackerNodeTest, AnImageThatCannotBeUsedBeginsNoSession) {
   const cv::Mat large(480, 640, CV_8U, cv::Scalar(9));
   give(image(1000, large));  // calibrated for another size, until somebody puts that right
   EXPECT_FALSE(node_->tracker());
-  camera_ = tool::default_synth_camera(640, 480);
+  camera_ = synth::default_synth_camera(640, 480);
   give(image(2000, large));
   ASSERT_EQ(tracks_.size(), 1u);
   EXPECT_EQ(node_->tracker()->camera().width, 640);

@@ -124,12 +124,6 @@ TEST_F(FrontTrackerNodeTest, BadCalibrationNamesFieldAndValue) {
   EXPECT_NE(node_->status().detail.find("fx"), std::string::npos) << node_->status().detail;
 }
 
-TEST_F(FrontTrackerNodeTest, ACameraFileThatIsNoGoodStopsItAtTheStart) {
-  FrontTrackerOptions options;
-  options.camera_file = "/nonexistent/camera.yaml";
-  EXPECT_THROW(FrontTrackerNode(bus_, options), std::runtime_error);
-}
-
 TEST_F(FrontTrackerNodeTest, GarbageOnItsChannelsDoesNoHarm) {
   give(image(1000, grey_));
   std::mt19937 rng(9);

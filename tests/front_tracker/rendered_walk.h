@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "front_tracker/options.h"
-#include "rumi/synth/sequence_renderer.h"
 #include "slam/geometry/alignment.h"
 #include "slam/map/submap.h"
+#include "synth/sequence_renderer.h"
 
 namespace rumi::testing {
 using namespace rumi::front_tracker;
@@ -27,16 +27,16 @@ struct RenderedWalk {
 
 // seed: of the room and the path.
 inline RenderedWalk render_walk(double seconds, double rate_hz, uint64_t seed = 1,
-                                std::vector<tool::HardPassage> hard = {}) {
-  tool::SynthOptions options;
+                                std::vector<synth::HardPassage> hard = {}) {
+  synth::SynthOptions options;
   options.hard = std::move(hard);
   options.seed = seed;
   options.seconds = seconds;
   options.rate_hz = rate_hz;
   options.grey = true;
-  options.camera = tool::default_synth_camera(320, 240);
+  options.camera = synth::default_synth_camera(320, 240);
   options.exposure_s = 0;
-  tool::SequenceRenderer renderer(options);
+  synth::SequenceRenderer renderer(options);
   RenderedWalk made;
   made.camera = renderer.camera();
   for (int i = 0; i < renderer.frames(); ++i) {

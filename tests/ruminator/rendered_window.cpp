@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "bus/wire/jpeg_image.h"
-#include "rumi/synth/sequence_renderer.h"
+#include "synth/sequence_renderer.h"
 
 namespace rumi::testing {
 using namespace rumi::ruminator;
@@ -14,15 +14,15 @@ constexpr int kApproach = 7, kGap = 6, kFrames = 20;
 constexpr int kJpegQuality = 92;
 
 RenderedWindow render() {
-  tool::SynthOptions options;
+  synth::SynthOptions options;
   options.seed = 4;
   options.seconds = 5;
   options.rate_hz = 4;
-  options.camera = tool::default_synth_camera(320, 240);
+  options.camera = synth::default_synth_camera(320, 240);
   options.camera.k1 = -0.05;
   options.exposure_s = 0;
   options.grey = true;
-  tool::SequenceRenderer renderer(options);
+  synth::SequenceRenderer renderer(options);
 
   RenderedWindow window;
   window.job.camera = renderer.camera();

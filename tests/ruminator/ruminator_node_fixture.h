@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"

@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
 

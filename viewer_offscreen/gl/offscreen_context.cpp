@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "base/account_limits.h"
+#include "base/this_process/account_limits.h"
 #include "viewer_offscreen/gl/gl.h"
 #include "viewer_offscreen/gl/gl_platform.h"
 

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/account_limits.h"
+#include "base/this_process/account_limits.h"
 #include "viewer_offscreen/gl/gl_platform.h"
 
 namespace rumi::viewer_offscreen {

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/due.h"
-#include "base/log.h"
-#include "base/stage_clock.h"
+#include "base/running/due.h"
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "base/account_limits.h"
+#include "base/this_process/account_limits.h"
 #include "viewer_offscreen/picture/renderer.h"
 
 namespace rumi::viewer_offscreen {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <optional>
 
-#include "base/log.h"
+#include "base/running/log.h"
 #include "viewer_offscreen/picture/draw_map.h"
 
 namespace rumi::viewer_offscreen {

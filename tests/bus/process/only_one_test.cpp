@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 #include "bus/transport/memory_bus.h"
 
 namespace rumi {

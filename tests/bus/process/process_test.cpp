@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/process_name.h"
-#include "base/stage_clock.h"
+#include "base/running/stage_clock.h"
+#include "base/this_process/process_name.h"
 #include "bus/transport/lcm_bus.h"
 #include "bus/transport/memory_bus.h"
 #include "lcmtypes/rumi/process_status_t.hpp"

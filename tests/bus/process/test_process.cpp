@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "base/command_line.h"
+#include "base/command_line/command_line.h"
 #include "bus/process/process.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 

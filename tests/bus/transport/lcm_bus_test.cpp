@@ -9,7 +9,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "base/process_name.h"
+#include "base/this_process/process_name.h"
 #include "bus/process/process.h"
 #include "bus/transfer/chunked_transfer.h"
 #include "lcmtypes/rumi/image_t.hpp"

@@ -7,7 +7,7 @@
 
 #include "bus/transport/bus.h"
 #include "bus/wire/jpeg_image.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::camera_driver {
 namespace {

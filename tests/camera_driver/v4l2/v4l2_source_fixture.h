@@ -11,8 +11,8 @@
 
 #include "bus/wire/jpeg_image.h"
 #include "camera_driver/v4l2/v4l2_source.h"
-#include "tests/camera_driver/recording.h"
 #include "tests/camera_driver/v4l2/fake_camera.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::testing {
 using namespace rumi::camera_driver;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "bus/transport/memory_bus.h"
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"

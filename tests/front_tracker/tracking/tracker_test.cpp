@@ -201,7 +201,7 @@ const testing::RenderedWalk& turning_walk(unsigned seed) {
   static std::map<unsigned, testing::RenderedWalk> walks;
   auto walk = walks.find(seed);
   if (walk == walks.end())
-    walk = walks.emplace(seed, testing::render_walk(12, 10, seed, {{tool::HardPassage::Kind::kRotation, 2, 6}})).first;
+    walk = walks.emplace(seed, testing::render_walk(12, 10, seed, {{synth::HardPassage::Kind::kRotation, 2, 6}})).first;
   return walk->second;
 }
 

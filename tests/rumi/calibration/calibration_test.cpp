@@ -6,8 +6,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "bus/transport/log_file.h"
-#include "bus/wire/camera_file.h"
 #include "bus/wire/image_codec.h"
+#include "formats/camera/camera_file.h"
 #include "rumi/calibration/capture.h"
 #include "rumi/calibration/report.h"
 #include "tests/rumi/calibration/board_scene.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "tests/rumi/calibration/board_scene.h"
 
 int main(int argc, char** argv) {

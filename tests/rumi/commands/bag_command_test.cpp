@@ -3,7 +3,7 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tests/camera_driver/recording/bag/write_bag.h"
+#include "tests/formats/bag/write_bag.h"
 #include "tests/rumi/commands/replay_fixture.h"
 
 namespace rumi::tool {

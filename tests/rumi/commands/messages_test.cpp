@@ -10,7 +10,7 @@
 #include "bus/transport/bus.h"
 #include "bus/transport/log_file.h"
 #include "bus/wire/image_codec.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 #include "tests/rumi/commands/end_to_end.h"
 
 namespace rumi::tool {

@@ -8,7 +8,7 @@
 
 #include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 #include "tests/rumi/small_atlas.h"
 
 namespace rumi::tool {

@@ -6,13 +6,14 @@
 
 #include <map>
 
-#include "bus/wire/camera_file.h"
+#include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "camera_driver/open_source.h"
-#include "camera_driver/recording/bag/bag_file.h"
+#include "formats/bag/bag_file.h"
+#include "formats/camera/camera_file.h"
 #include "rumi/recordings/export_recording.h"
 #include "rumi/recordings/truth_of_recording.h"
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::tool {
 namespace {
@@ -122,7 +123,7 @@ TEST_P(ExportBag, HasSmallChunks) {
   for (int i = 0; i < 12; ++i) cv::imwrite(folder_ / fmt::format("data/rgb/{}.png", i), picture(i, 320, 240));
   ASSERT_EQ(run_export(these), 0);
   std::map<int32_t, int64_t> bytes_in_chunk;
-  camera_driver::open_bag_file(bag())->scan([&](const camera_driver::BagMessage& message) {
+  open_bag_file(bag())->scan([&](const BagMessage& message) {
     bytes_in_chunk[message.place.chunk] += message.place.bytes;
     return true;
   });
@@ -150,9 +151,9 @@ TEST_P(ExportBag, HasPosesForOthersToo) {
   ExportOptions with_poses = options();
   with_poses.poses = folder_.write("poses.txt", poses(1000));
   ASSERT_EQ(run_export(with_poses), 0);
-  const auto read = camera_driver::open_bag_file(bag());
+  const auto read = open_bag_file(bag());
   int64_t visited = 0;
-  read->scan([&](const camera_driver::BagMessage&) {
+  read->scan([&](const BagMessage&) {
     ++visited;
     return true;
   });
@@ -171,8 +172,8 @@ TEST_P(ExportBag, OfAnotherTopicHasItsCalibrationBesideIt) {
   other.channel = "cam1/image";
   ASSERT_EQ(run_export(other), 0);
   expect_the_same();
-  const auto read = camera_driver::open_bag_file(bag());
-  read->scan([](const camera_driver::BagMessage&) { return true; });
+  const auto read = open_bag_file(bag());
+  read->scan([](const BagMessage&) { return true; });
   std::set<std::string> topics;
   for (const auto& [id, connection] : read->connections()) topics.insert(connection.topic);
   EXPECT_THAT(topics, ::testing::ElementsAre("/cam1/camera_info", "/cam1/image"));

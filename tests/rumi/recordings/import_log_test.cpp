@@ -4,10 +4,10 @@
 
 #include <gmock/gmock.h>
 
-#include "bus/wire/camera_file.h"
-#include "rumi/evaluation/truth.h"
+#include "formats/camera/camera_file.h"
+#include "formats/truth/truth.h"
 #include "tests/camera_driver/opened_source.h"
-#include "tests/camera_driver/recording/bag/bag_fixture.h"
+#include "tests/formats/bag/bag_fixture.h"
 
 namespace rumi::camera_driver {
 namespace {
@@ -78,7 +78,7 @@ TEST_F(ImportOfABag, WithTransformsHasItsTruth) {
     add("/tf", "tf2_msgs/TFMessage", i,
         transforms_message(true, {{stamp_ns(i), "world", "camera", {1.0 * i, 0.25, 0}, {0, 0, 0.6, 0.8}}}));
   import(write("mcap lz4"));
-  const tool::TruthFile truth = tool::read_groundtruth(folder_ / "imported/groundtruth.txt");
+  const TruthFile truth = read_groundtruth(folder_ / "imported/groundtruth.txt");
   ASSERT_EQ(truth.error, "");
   ASSERT_EQ(truth.poses.size(), 4u);
   EXPECT_EQ(truth.poses[3].utime_us, stamp_ns(3) / 1000);

@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/camera_driver/downloads.h"
-#include "tests/camera_driver/recording/bag/write_bag.h"
+#include "tests/formats/bag/write_bag.h"
+#include "tests/formats/downloads.h"
 
 namespace rumi::tool {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/camera_driver/recording.h"
+#include "tests/formats/recording.h"
 
 namespace rumi::tool {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "base/file_descriptor.h"
+#include "base/files/file_descriptor.h"
 #include "rumi/web/http_server.h"
 #include "tests/support/patience.h"
 

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <limits>
 
-#include "base/run_child.h"
-#include "base/sqlite.h"
+#include "base/child/run_child.h"
+#include "base/files/sqlite.h"
 #include "tests/slam/synthetic_scene.h"
 #include "tests/support/temporary_folder.h"
 

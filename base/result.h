@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The one way to say that something failed as it may: a file that is not there, a message that is wrong. (A broken
+// invariant throws; see docs/architecture.md, "Rules".) Based on tl::expected, which is what std::expected became.
+//
+//   Result<Camera> read(const std::string& file);           Result<> write(const std::string& file);
+//   const Result<Camera> camera = read(file);
+//   if (!camera) return camera.error();                      // an Error is a Result of any type
+//   use(*camera);
+#pragma once
+
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace rumi {
+
+// For a person. `where`: file, line, field, message; `remedy`: what to do. Both may be empty.
+struct Error {
+  std::string what, where = {}, remedy = {};
+
+  // "where: what; remedy"
+  std::string text() const {
+    return (where.empty() ? "" : where + ": ") + what + (remedy.empty() ? "" : "; " + remedy);
+  }
+  bool operator==(const Error&) const = default;
+};
+
+// A value, or an Error. The compiler refuses to ignore one.
+template <class T = void>
+class [[nodiscard]] Result : public tl::expected<T, Error> {
+  using Base = tl::expected<T, Error>;
+
+ public:
+  using Base::Base;
+  Result(Error error) : Base(tl::unexpect, std::move(error)) {}  // NOLINT(google-explicit-constructor)
+
+  // Empty where there is a value: for messages, and for tests.
+  std::string error_text() const { return this->has_value() ? "" : this->error().text(); }
+};
+
+}  // namespace rumi

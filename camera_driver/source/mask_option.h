@@ -1,8 +1,0 @@
-// SPDX-License-Identifier: BSD-3-Clause
-#pragma once
-
-namespace rumi::camera_driver {
-
-inline constexpr const char* kNoMask = "none";  // as camera_driver.mask: not even the one beside the data
-
-}  // namespace rumi::camera_driver

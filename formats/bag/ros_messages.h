@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Messages of ROS as bytes: as ROS 1 writes them, and as ROS 2 does (CDR).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/bag/bag_file.h"
+#include "slam/geometry/transform.h"
+
+namespace rumi {
+
+using Bytes = std::span<const uint8_t>;
+
+struct RosImage {  // sensor_msgs/Image
+  uint32_t height = 0, width = 0, step = 0;
+  std::string encoding;
+  bool is_big_endian = false;
+  Bytes data;
+};
+
+struct RosCompressedImage {
+  std::string format;
+  Bytes data;
+};
+
+struct RosCameraInfo {
+  uint32_t height = 0, width = 0;
+  std::string distortion_model;
+  std::vector<double> d;
+  std::array<double, 9> k{}, r{};
+  std::array<double, 12> p{};
+  uint32_t binning_x = 0, binning_y = 0;
+  uint32_t roi_x = 0, roi_y = 0, roi_height = 0, roi_width = 0;
+};
+
+struct RosTransform {  // geometry_msgs/TransformStamped
+  int64_t stamp_ns = 0;
+  std::string parent, child;  // frames, without a slash before them
+  SE3 parent_from_child;
+};
+
+// Each is false if the bytes are no such message; what they give points into them.
+bool parse(Bytes message, RosEncoding encoding, RosImage* image);
+bool parse(Bytes message, RosEncoding encoding, RosCompressedImage* image);
+bool parse(Bytes message, RosEncoding encoding, RosCameraInfo* info);
+bool parse(Bytes message, RosEncoding encoding,
+           std::vector<RosTransform>* transforms);  // TFMessage; those that are any
+// Of the header that all three begin with, of which the first kHeadBytes are enough.
+int64_t stamp_ns(Bytes head, RosEncoding encoding);
+// The frame that such a header names, without a slash before it; empty if there is none.
+std::string frame_of(Bytes message, RosEncoding encoding);
+
+}  // namespace rumi

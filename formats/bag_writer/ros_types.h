@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The types of the messages that are written into bags, as ROS 1 and ROS 2 define them.
+#pragma once
+
+#include <string>
+
+namespace rumi {
+
+enum class Ros { k1, k2 };
+
+// Of the types that are written a bag holds the definition, so that its readers need not know them.
+inline constexpr const char* kImageType = "sensor_msgs/Image";
+inline constexpr const char* kCompressedImageType = "sensor_msgs/CompressedImage";
+inline constexpr const char* kCameraInfoType = "sensor_msgs/CameraInfo";
+inline constexpr const char* kPoseType = "geometry_msgs/PoseStamped";
+inline constexpr const char* kPathType = "nav_msgs/Path";
+inline constexpr const char* kTransformsType = "tf2_msgs/TFMessage";
+
+// With those of the types that it consists of, each behind a line of '='. Precondition: it is one of the above.
+std::string definition_of(const std::string& type, Ros ros);
+// By which ROS 1 tells definitions apart.
+std::string md5_of(const std::string& type);
+// "sensor_msgs/msg/Image" in ROS 2.
+std::string full_name(const std::string& type, Ros ros);
+
+}  // namespace rumi

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "formats/camera/camera_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "base/files/file_access.h"
+#include "base/running/log.h"
+#include "bus/wire/calibration.h"
+#include "bus/wire/image_fold.h"
+#include "formats/camera/formats.h"
+#include "formats/camera/lens.h"
+
+namespace rumi {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxListBytes = 4 << 20;  // of devices and cameras
+
+constexpr const char* kExpected =
+    "expected our YAML (fx: 525 ... width: 640, see config/cameras), or a file of a tool that docs/calibration.md "
+    "names";
+
+// With an error, or with cameras.
+FileCameras read_text(const std::string& text, const std::string& name) {
+  FileCameras refused;
+  if (const std::string stranger = known_stranger(text); !stranger.empty()) {
+    refused.error = fmt::format("{}: {}", name, stranger);
+    return refused;
+  }
+  const std::optional<Fields> fields = fields_of_text(text, name, kExpected, &refused.error);
+  return fields ? read_fields(*fields) : refused;
+}
+
+// What is wrong with the numbers, or nothing.
+std::string check(const FileCamera& read, const std::string& file) {
+  if (!read.error.empty()) return read.error;
+  const std::string wrong = check_calibration(read.camera);
+  return wrong.empty() ? "" : fmt::format("{}: {}", read.name.empty() ? file : file + ", " + read.name, wrong);
+}
+
+std::vector<std::string> lenses_of(const FileCameras& all) {
+  std::vector<std::string> lenses;
+  for (const FileCamera& camera : all.cameras)
+    if (std::find(lenses.begin(), lenses.end(), camera.lens) == lenses.end()) lenses.push_back(camera.lens);
+  return lenses;
+}
+
+// Of COLMAP's there may be one an image.
+std::string in_short(const std::vector<std::string>& lenses) {
+  constexpr size_t kMostNamed = 8;
+  const size_t named = std::min(lenses.size(), kMostNamed);
+  const std::string more = lenses.size() > named ? fmt::format(" and {} more", lenses.size() - named) : "";
+  return fmt::format("{}{}", fmt::join(lenses.begin(), lenses.begin() + static_cast<std::ptrdiff_t>(named), ", "),
+                     more);
+}
+
+// The camera of this name (any case), or the one of the file that is meant if there is no name.
+CameraFileResult choose(const FileCameras& all, const std::string& file, const std::string& choice) {
+  CameraFileResult result;
+  result.format = all.format, result.error = all.error, result.file = file;
+  if (!result.ok()) return result;
+  const auto is_meant = [&choice](const FileCamera& camera) {
+    const std::string wanted = lower_case(choice);
+    return wanted.empty() || lower_case(camera.name) == wanted || lower_case(camera.lens) == wanted;
+  };
+  const auto chosen = std::find_if(all.cameras.begin(), all.cameras.end(), is_meant);
+  const std::vector<std::string> lenses = lenses_of(all);
+  if (chosen == all.cameras.end()) {
+    result.error = lenses.size() < 2 ? fmt::format("{}: has one camera only: give it without ':{}'", file, choice)
+                                     : fmt::format("{}: has no camera '{}': it has {}", file, choice, in_short(lenses));
+    return result;
+  }
+  result.camera = chosen->camera, result.error = check(*chosen, file);
+  result.name = chosen->name, result.lens = chosen->lens, result.notes = chosen->notes;
+  if (!chosen->mask.empty()) result.mask = (fs::path(file).parent_path() / chosen->mask).string();
+  if (!result.ok()) {
+    result.camera = Camera();
+    if (choice.empty() && lenses.size() > 1)
+      result.error +=
+          fmt::format(" (or name another camera of the file, {}, as in {}:{})", in_short(lenses), file, lenses[1]);
+    return result;
+  }
+  if (const Fold fold = fold_of(result.camera); !fold.note.empty())
+    result.notes.push_back(fmt::format("{}: {}", file, fold.note));
+  for (const FileCamera& other : all.cameras)
+    if (other.name != chosen->name && check(other, file).empty())
+      result.others.push_back({other.name, other.lens, other.camera});
+  if (choice.empty() && lenses.size() > 1)
+    result.notes.push_back(fmt::format("{}: has {} cameras ({}): {} is taken; {}:{} would name another", file,
+                                       lenses.size(), in_short(lenses), chosen->lens, file, lenses[1]));
+  return result;
+}
+
+// Files that are more than YAML of a few kB.
+FileCameras read_file_text(const std::string& text, const std::string& name) {
+  try {
+    if (is_realsense_listing(text)) return read_realsense(text, name);
+    if (is_nerf_list(text)) return read_nerf_list(text, name);
+    if (is_colmap_list(text)) return read_colmap(text, name);
+  } catch (const YAML::Exception& e) {  // their lines become YAML
+    return {"", {}, fmt::format("{}: cannot be read ({}): {}", name, e.msg, kExpected)};
+  }
+  const std::string yaml = text.size() <= kMaxYamlBytes ? yaml_of_opencv_xml(text) : "";
+  return read_text(yaml.empty() ? text : yaml, name);
+}
+
+CameraFileResult read_chosen(const std::string& file, const std::string& choice) {
+  CameraFileResult result;
+  std::error_code code;
+  const std::string why = why_unreadable(file, "give the camera's calibration with --camera FILE");
+  if (!why.empty()) {
+    result.error = fmt::format("{}: {}", file, why);
+  } else if (fs::is_directory(file, code)) {
+    result.error = fmt::format("{}: is a folder; give the calibration file in it", file);
+  } else {
+    std::ifstream stream(file, std::ios::binary);
+    const std::uintmax_t size = fs::file_size(file, code);  // a pipe has none
+    std::string text(code ? kMaxListBytes : std::min<std::uintmax_t>(size, kMaxListBytes) + 1, '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+    if (stream.is_open() && !stream.bad()) return choose(read_file_text(text, file), file, choice);
+    result.error = fmt::format("{}: cannot be read; is the disk in order?", file);
+  }
+  return result;
+}
+
+}  // namespace
+
+CameraFileResult parse_camera(const std::string& text, const std::string& name) {
+  CameraFileResult result = choose(read_text(text, name), name, "");
+  result.mask.clear();  // a text from the network names no files here
+  return result;
+}
+
+CameraFileResult read_camera_file(const std::string& file) {
+  std::error_code code;
+  const size_t colon = file.rfind(':');
+  const bool names_camera = colon != std::string::npos && colon + 1 < file.size() && !fs::exists(file, code) &&
+                            fs::is_regular_file(file.substr(0, colon), code);
+  return names_camera ? read_chosen(file.substr(0, colon), file.substr(colon + 1)) : read_chosen(file, "");
+}
+
+void choose_size(int width, int height, CameraFileResult* result) {
+  if (result->camera.width == width && result->camera.height == height) return;
+  for (CameraFileResult::Other& other : result->others) {
+    if (other.lens != result->lens || other.camera.width != width || other.camera.height != height) continue;
+    std::swap(other.name, result->name);
+    std::swap(other.camera, result->camera);
+    return;
+  }
+}
+
+std::string advice_on_size(const CameraFileResult& calibration, int width, int height) {
+  for (const CameraFileResult::Other& other : calibration.others)
+    if (other.camera.width == width && other.camera.height == height)
+      return fmt::format("{} of the same file is for this size: if it is this camera, give --camera {}:{}", other.name,
+                         calibration.file, other.lens);
+  const Camera& camera = calibration.camera;
+  if (camera.width == height && camera.height == width)
+    return "the images are turned by 90 degrees: turn them back, or calibrate with images as they are now";
+  if (camera.width * static_cast<int64_t>(height) != camera.height * static_cast<int64_t>(width))
+    return "their shape differs, too, so they show another part of the sensor: give the calibration of this camera and "
+           "size (--camera FILE)";
+  const Camera c = camera.resized(width, height);
+  return fmt::format(
+      "give the calibration of this camera and size (--camera FILE); if these are the calibrated images made {}, that "
+      "is "
+      "the same with fx: {:.6g}, fy: {:.6g}, cx: {:.6g}, cy: {:.6g}, width: {}, height: {}",
+      width < camera.width ? "smaller" : "larger", c.fx, c.fy, c.cx, c.cy, width, height);
+}
+
+void log_notes(const CameraFileResult& result) {
+  for (const std::string& note : result.notes) log_warning("{}", note);
+  if (result.name != result.lens) log_info("{}: its camera {} is taken", result.file, result.name);
+}
+
+}  // namespace rumi

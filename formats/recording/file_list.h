@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings of one file per image: TUM-style (rgb.txt), EuRoC (data.csv), and plain folders.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/image/image_file.h"
+#include "formats/recording/frame_reader.h"
+
+namespace rumi {
+
+struct FileList {
+  static constexpr int kWholeFile = -1;
+  struct Entry {
+    int64_t utime_us = 0;
+    std::filesystem::path file;
+    int line = 0;           // in the list, 0 for a plain folder
+    int page = kWholeFile;  // of a TIFF file of several
+  };
+  std::vector<Entry> entries;      // in the order of the list
+  std::filesystem::path source;    // the list, or the folder
+  Malformed malformed;             // lines, names without a time among those that have one
+  int64_t not_read = 0;            // pictures of a kind that is not read, pages behind the first one
+  std::string why_no_times;        // empty, or why the times of all entries are 0
+  std::vector<std::string> notes;  // what the user should know of how it was read
+  std::string error;               // empty, or file, what is wrong, and what to do
+};
+
+struct ListOptions {
+  std::string files;        // pattern of the images that are wanted, see choose_images(); empty: those of one camera
+  bool needs_times = true;  // else times need not be readable, and a line may be a path alone
+};
+
+// rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
+// ("seconds path seconds path", as of colour and depth, or "seconds left right") give the first one.
+FileList read_tum_list(const std::filesystem::path& rgb_txt, const ListOptions& options);
+// data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
+FileList read_euroc_list(const std::filesystem::path& data_csv, const ListOptions& options);
+// All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
+FileList list_image_folder(const std::filesystem::path& folder, const ListOptions& options);
+
+// The pages of a TIFF file, in their order.
+FileList list_pages(const std::filesystem::path& tiff);
+
+// `grey_range`: of images with 16 bits; without it that of the recording is measured when the first one is met.
+std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range);
+
+}  // namespace rumi

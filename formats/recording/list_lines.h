@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The lines of a list of images: "time name", by any separator.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "formats/recording/file_list.h"
+
+namespace rumi {
+
+// The parts of a line as they are written.
+struct ListLine {
+  std::string time, name;
+  int number = 0;
+  size_t images = 1;     // that it names
+  bool is_first = true;  // of these
+  bool has_decimal_comma = false;
+};
+
+// Any of these stands between a time and a name.
+inline constexpr const char* kSeparators = " \t,;";
+
+// Splits "time name" at any separator.
+void split_line(const std::string& text, ListLine* line);
+
+// Takes a line without comment apart; returns what is wrong with it, or an empty string.
+using LineParser = std::function<std::string(const std::string& text, ListLine* line)>;
+
+// What is wrong with a line that gave a time and no name.
+std::string no_name_after(const std::string& time);
+void add_malformed(FileList* list, int line, const std::string& problem);
+// Counts the lines that `parse` refuses as malformed.
+std::vector<ListLine> read_lines(FileList* list, const LineParser& parse);
+// Removes lines that repeat an earlier one: some recorders write a line twice.
+std::vector<ListLine> without_repeats(FileList* list, std::vector<ListLine> lines);
+// Tells of lines of several images, and of decimal commas, in the notes.
+void tell_of_lines(FileList* list, const std::vector<ListLine>& lines);
+
+// Replaces control characters, so that a binary file cannot upset the terminal.
+std::string printable(const std::string& text);
+
+}  // namespace rumi

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times in the names of image files.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "formats/times/timestamps.h"
+
+namespace rumi {
+
+struct FileNameTimes {
+  std::vector<std::string> times;  // decimal numbers, one a name; empty: the name has none
+  TimeUnit usual = TimeUnit::kSeconds;
+  bool count_within_second = false;  // what looks like decimals counts the images of each second (_000, _001 ...)
+  bool have_another_order = false;   // than the names: they have to be sorted
+  std::string note;                  // empty, or how odd times are read
+};
+
+// Of "1305031102.175304" (seconds, at least three decimals, or nine digits before them), "1403636579763555584" (seconds
+// to nanoseconds, at least ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
+// "10-15-00.250" (of a day), with anything before and after.
+// What most of the names have. Times of a day that leave out more than half of it go on past midnight.
+FileNameTimes times_in_names(const std::vector<std::string>& names);
+
+// "0000000a.jpg" behind "00000009.jpg": names of one length and one beginning, of which some have letters up to f and
+// others digits alone.
+bool are_hexadecimal(const std::vector<std::string>& names);
+
+}  // namespace rumi

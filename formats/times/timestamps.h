@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times in dataset files -> int64 microseconds, by integer arithmetic: a double has no room for 1305031102.175304 s and
+// all its neighbours.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "base/text/time_units.h"
+
+namespace rumi {
+
+// From image to image where it is not known: 30 Hz.
+inline constexpr int64_t kUsualPeriodUs = 33'333;
+
+// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
+// Nothing for anything else, negative numbers, and 2^53 us (the year 2255) and above.
+std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
+// "1305031102.175304": what parse_time_us reads back. Precondition: not negative.
+std::string format_seconds(int64_t utime_us);
+
+}  // namespace rumi

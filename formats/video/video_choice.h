@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which stream of a video file is played, and what its header says of its pictures.
+#pragma once
+
+#include <filesystem>
+#include <opencv2/core/types.hpp>
+#include <string>
+#include <vector>
+
+namespace rumi {
+
+struct VideoChoice {
+  int stream = -1;  // -1: the file is no video, or cannot be read
+  bool is_interlaced = false;
+  std::vector<std::string> notes;  // of several streams, and of pixels that are not square
+};
+
+// The stream of one of the sizes that are wanted, else the largest; of equals the one that FFmpeg holds for the best.
+// Pictures of the cover count only if there is nothing else.
+VideoChoice choose_video_stream(const std::filesystem::path& file, const std::vector<cv::Size>& wanted);
+
+}  // namespace rumi

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pictures of a video, one after the other (FFmpeg's libavcodec; OpenCV's reader tells neither when a picture is
+// shown nor that its size has changed, and makes 8 bits of 16).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "formats/video/video_stream.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libswscale/swscale.h>
+}
+
+namespace rumi {
+
+class VideoDecoder {
+ public:
+  // Null if the file has no such stream (see VideoStream), or this FFmpeg cannot decode it.
+  static std::unique_ptr<VideoDecoder> open(const std::filesystem::path& file, int stream);
+
+  // To the next picture, in the order of showing. False after the last one; what cannot be decoded is passed over.
+  bool next();
+
+  // FFmpeg found the present picture damaged: it has guessed a part of it.
+  bool is_damaged() const;
+  // The present picture says that its rows are of two moments in turn.
+  bool is_interlaced() const;
+  // Of the present picture: its time of showing, as it is stored in its packet.
+  std::optional<int64_t> stamp() const { return usable_time(frame_->pts); }
+  // The same where only some packets have such a time: what FFmpeg makes of it.
+  std::optional<int64_t> likely_stamp() const { return usable_time(frame_->best_effort_timestamp); }
+  // The right way up. Grey of more than 8 bits: 16 bits, the values as they are stored. All else: 8 bits, BGR if colour
+  // is wanted and there, else grey. Empty if the pixels are of a kind that cannot be converted.
+  cv::Mat pixels(bool colour);
+
+ private:
+  struct FreeCodec {
+    void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
+  };
+  struct FreeFrame {
+    void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+  };
+  struct FreeScaler {
+    void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
+  };
+  using Codec = std::unique_ptr<AVCodecContext, FreeCodec>;
+
+  VideoDecoder(std::unique_ptr<VideoStream> stream, Codec codec);
+  cv::Mat convert(AVPixelFormat to, int type);
+
+  std::unique_ptr<VideoStream> stream_;
+  Codec codec_;
+  std::unique_ptr<AVFrame, FreeFrame> frame_;
+  std::unique_ptr<SwsContext, FreeScaler> scaler_;
+  bool is_flushed_ = false;
+};
+
+}  // namespace rumi

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ruminator/rebuild/window_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "base/running/log.h"
+#include "base/running/stage_clock.h"
+#include "ruminator/colmap/write_model.h"
+#include "ruminator/rebuild/model_completion.h"
+
+namespace rumi::ruminator {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kCompleteRatio = 0.95;  // of the images that hang together: a model with so many needs no rival
+constexpr double kWallPerCpuTime = 30;   // a mapper that takes longer hangs; below, other programs may have the cores
+
+class Attempts {
+ public:
+  Attempts(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
+           const std::atomic<bool>& cancel)
+      : in_(input),
+        o_(options),
+        folder_(folder),
+        cancel_(cancel),
+        mapper_(options.colmap_program ? options.colmap_program : std::make_shared<ColmapProgram>(options.colmap)),
+        completion_(input, options) {
+    rotations_ = relative_rotations(in_.camera, in_.images, in_.pairs);
+    for (const WindowImage& image : in_.images) keypoint_counts_.push_back(static_cast<int>(image.keypoints.size()));
+    const std::vector<int> group = connected_images(static_cast<int>(in_.images.size()), in_.pairs, 1);
+    connected_ = static_cast<int>(std::count(group.begin(), group.end(), 0));
+  }
+
+  // Makes the global model, and lets COLMAP extend it.
+  void global() {
+    auto model = build_global_model(in_.camera, in_.images, rotations_, o_.global_track_images);
+    ++result.attempts;
+    if (!model || cancel_) return;
+    // The global model is rough: it is pruned and adjusted with limits that shrink in steps.
+    for (double max_error_px : {50.0, 10.0}) {
+      ModelRefinementOptions rough = o_.refinement;
+      rough.max_error_px = max_error_px;
+      prune_model(in_.camera, in_.images, rough, &*model);
+      adjust_model(in_.camera, in_.images, rough, &*model);
+    }
+    WindowModel ours = completion_.complete(std::move(*model), "global model");
+    const std::string seed = folder_ + "/seed";
+    std::error_code ignored;
+    fs::create_directories(seed, ignored);
+    if (const std::string error = write_colmap_model(seed, in_.camera, in_.images, ours.model); !error.empty())
+      result.warning = error;
+    else
+      extend(seed, &ours);
+    add(std::move(ours));
+    globals_ = candidates_.size();
+  }
+
+  void colmap_alone(double angle_deg) {
+    MapperSettings settings = common_settings();
+    settings.init_min_tri_angle_deg = angle_deg;
+    const MapperOutcome outcome = run_mapper("", settings);
+    const std::string origin = fmt::format("COLMAP, first pair at {:.0f} degrees", angle_deg);
+    for (const SparseModel& model : outcome.models) add_rival(completion_.complete(model, origin));
+    for (const SparseModel& model : completion_.joined(outcome.models))
+      add_rival(completion_.complete(model, origin + ", two models joined"));
+  }
+
+  bool is_complete() const {
+    return std::any_of(candidates_.begin(), candidates_.end(), [this](const WindowModel& c) {
+      return c.doubt.empty() && images_of(c) >= kCompleteRatio * connected_;
+    });
+  }
+
+  // Prefers most images; among candidates with about as many, the smallest error.
+  void choose() {
+    double most = 0;
+    for (const WindowModel& c : candidates_)
+      if (c.doubt.empty()) most = std::max(most, images_of(c));
+    const WindowModel* best = nullptr;
+    for (const WindowModel& c : candidates_) {
+      const bool has_most = images_of(c) >= kCompleteRatio * most;
+      if (c.doubt.empty() && has_most && (!best || c.quality.rmse_px < best->quality.rmse_px)) best = &c;
+    }
+    if (best)
+      result.best = *best;
+    else if (!candidates_.empty())
+      result.failure = fmt::format("no credible model in {} attempts: {}", result.attempts, doubts());
+    else
+      result.failure = result.warning.empty() ? "no model found" : result.warning;
+  }
+
+  WindowModelResult result;
+
+ private:
+  // Counts images that were broken off, too: another candidate that has them connected has only guessed how.
+  static double images_of(const WindowModel& c) {
+    return static_cast<double>(c.model.cam_from_world.size()) + c.broken_off;
+  }
+
+  MapperSettings common_settings() const {
+    MapperSettings settings;
+    settings.min_model_size = std::max(3, connected_ / 4);
+    settings.min_num_matches = kMinInliers;
+    settings.abs_pose_min_num_inliers = o_.refinement.resection_min_inliers;
+    return settings;
+  }
+
+  MapperOutcome run_mapper(const std::string& seed, const MapperSettings& settings) {
+    MapperCommand command;
+    command.database = folder_ + "/database.db";
+    command.output_folder = fmt::format("{}/models-{}", folder_, ++result.attempts);
+    command.input_model = seed;
+    command.log_file = folder_ + "/colmap.log";
+    command.keypoint_counts = keypoint_counts_;
+    command.cpu_limit_s = o_.mapper_cpu_limit_s;
+    command.time_limit_s = kWallPerCpuTime * o_.mapper_cpu_limit_s;
+    command.nice = o_.nice;
+    MapperOutcome outcome = mapper_.run(command, settings, cancel_);
+    result.child_cpu_s += outcome.cpu_s;
+    add_stage_cpu("ruminator.colmap", outcome.cpu_s);
+    if (!outcome.failure.empty()) result.warning = outcome.failure;
+    result.retryable = result.retryable || outcome.retryable();
+    return outcome;
+  }
+
+  // Lets COLMAP add images to our model.
+  void extend(const std::string& seed, WindowModel* ours) {
+    MapperSettings settings = common_settings();
+    settings.min_model_size = 3;
+    MapperOutcome outcome = run_mapper(seed, settings);
+    if (outcome.models.empty()) return;
+    // COLMAP goes on with a new model when ours cannot be extended.
+    SparseModel& extended = *std::max_element(
+        outcome.models.begin(), outcome.models.end(),
+        [](const SparseModel& a, const SparseModel& b) { return a.cam_from_world.size() < b.cam_from_world.size(); });
+    if (extended.cam_from_world.size() <= ours->model.cam_from_world.size()) return;
+    add(completion_.complete(std::move(extended), "global model extended by COLMAP"));
+  }
+
+  void add(WindowModel candidate) {
+    judge_model(in_, rotations_, o_, &candidate);
+    keep(std::move(candidate));
+  }
+
+  // A model that began with one pair may have begun with a wrong pair. So it must not contradict a credible global
+  // model, but it may have more images.
+  void add_rival(WindowModel candidate) {
+    judge_model(in_, rotations_, o_, &candidate);
+    for (size_t i = 0; i < globals_ && candidate.doubt.empty(); ++i)
+      if (candidates_[i].doubt.empty())
+        candidate.doubt = contradiction(candidates_[i].model, candidate.model, in_.utimes_us, o_);
+    keep(std::move(candidate));
+  }
+
+  void keep(WindowModel candidate) {
+    log_debug("{}: {} of {} images, {} left out, {:.2f} px, pair rotations {:.1f} degrees off{}{}", candidate.origin,
+              candidate.model.cam_from_world.size(), in_.images.size(), candidate.broken_off, candidate.quality.rmse_px,
+              candidate.pair_rotation_deg, candidate.doubt.empty() ? "" : "; ", candidate.doubt);
+    candidates_.push_back(std::move(candidate));
+  }
+
+  std::string doubts() const {
+    std::string text;
+    for (const WindowModel& c : candidates_)
+      text += fmt::format("{}{} ({} of {} images): {}", text.empty() ? "" : "; ", c.origin,
+                          c.model.cam_from_world.size(), in_.images.size(), c.doubt);
+    return text;
+  }
+
+  const WindowModelInput& in_;
+  const BuildOptions& o_;
+  std::string folder_;
+  const std::atomic<bool>& cancel_;
+  ColmapMapper mapper_;
+  ModelCompletion completion_;
+  std::vector<RelativeRotation> rotations_;
+  std::vector<int> keypoint_counts_;
+  int connected_ = 0;  // images of the largest connected group
+  std::vector<WindowModel> candidates_;
+  size_t globals_ = 0;  // so many of them, the first ones, come from the global model
+};
+
+}  // namespace
+
+void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
+                 const BuildOptions& options, WindowModel* candidate) {
+  std::map<int64_t, SE3> poses;
+  for (const auto& [image, pose] : candidate->model.cam_from_world) poses[input.utimes_us[image]] = pose;
+  candidate->agreement = compare_with_front(input.front, poses);
+  candidate->pair_rotation_deg = median_rotation_error_deg(rotations, candidate->model);
+  candidate->doubt.clear();
+  if (poses.size() < 3) {
+    candidate->doubt = fmt::format("{} images have a pose", poses.size());
+  } else if (candidate->quality.rmse_px > options.max_rmse_px) {
+    candidate->doubt = fmt::format("reprojection error {:.2f} px", candidate->quality.rmse_px);
+  } else if (candidate->pair_rotation_deg > options.max_pair_rotation_deg) {
+    candidate->doubt = fmt::format("its rotations differ from those between its images by {:.1f} degrees",
+                                   candidate->pair_rotation_deg);
+  }
+}
+
+std::string contradiction(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
+                          const BuildOptions& options) {
+  constexpr int32_t kGlobal = 1;
+  std::vector<Sample> samples;
+  for (const auto& [image, pose] : global.cam_from_world) samples.push_back({utimes_us[image], false, kGlobal, pose});
+  std::map<int64_t, SE3> poses;
+  for (const auto& [image, pose] : rival.cam_from_world) poses[utimes_us[image]] = pose;
+  const std::vector<FrontAgreement> shape = compare_with_front(samples, poses);
+  if (shape.empty() || shape[0].position_ratio <= options.max_rival_position_ratio) return {};
+  return fmt::format("its positions differ from those of the global model by {:.2f} of their spread",
+                     shape[0].position_ratio);
+}
+
+namespace {
+
+WindowModelResult attempt(const WindowModelInput& input, const BuildOptions& options, const std::string& folder,
+                          const std::function<void(double)>& progress, const std::atomic<bool>& cancel) {
+  Attempts attempts(input, options, folder, cancel);
+  if (std::string error = write_colmap_database(folder + "/database.db", input.camera, input.images, input.pairs);
+      !error.empty()) {
+    attempts.result.failure = std::move(error);
+    attempts.result.retryable = true;
+    return attempts.result;
+  }
+  attempts.global();
+  progress(0.5);
+  for (const double angle_deg : {4.0, 8.0, 16.0}) {
+    if (attempts.is_complete() || cancel) break;
+    attempts.colmap_alone(angle_deg);
+    progress(0.5 + 0.5 * angle_deg / 20);
+  }
+  if (cancel) {
+    attempts.result.cancelled = true;
+    attempts.result.failure = "cancelled";
+    return attempts.result;
+  }
+  attempts.choose();
+  return attempts.result;
+}
+
+// True if front_tracker has poses of a part of the window, and the model has none of those images.
+bool is_adrift(const WindowModelInput& input, const WindowModelResult& result) {
+  if (!result.failure.empty() || result.best.broken_off == 0 || !result.best.agreement.empty()) return false;
+  std::map<int32_t, size_t> known;
+  for (const Sample& sample : input.front) ++known[sample.submap_id];
+  return std::any_of(known.begin(), known.end(), [](const auto& submap) { return submap.second >= kMinFrontFrames; });
+}
+
+}  // namespace
+
+WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,
+                                     const std::string& work_folder, const std::function<void(double)>& progress,
+                                     const std::atomic<bool>& cancel) {
+  const StageClock clock("ruminator.model");
+  WindowModelResult first = attempt(input, options, work_folder, progress, cancel);
+  if (!is_adrift(input, first)) return first;
+  // Between sharp and blurred images noise severs more matches than among either kind. With a wider limit a real tear
+  // may be missed, but a model of the blurred images alone would be useless.
+  BuildOptions lenient = options;
+  lenient.tear_max_severed = std::max(options.tear_max_severed, kMaxSeveredAdrift);
+  const std::string folder = work_folder + "/lenient";
+  std::error_code ignored;  // write_colmap_database reports what is wrong with the folder
+  fs::create_directories(folder, ignored);
+  WindowModelResult second = attempt(
+      input, lenient, folder, [](double) {}, cancel);
+  WindowModelResult& better =
+      second.cancelled || (second.failure.empty() && !second.best.agreement.empty()) ? second : first;
+  const int attempts = first.attempts + second.attempts;
+  const double child_cpu_s = first.child_cpu_s + second.child_cpu_s;
+  better.attempts = attempts;
+  better.child_cpu_s = child_cpu_s;
+  return better;
+}
+
+}  // namespace rumi::ruminator

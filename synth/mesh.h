@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The room as triangles, built from painted quads and boxes. Room axes: z up, metres.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "slam/geometry/transform.h"
+#include "synth/painter.h"
+#include "synth/texture_atlas.h"
+
+namespace rumi::synth {
+
+struct Vertex {
+  float position[3];
+  float uv[2];  // 0..1 in the atlas layer
+  float layer;
+  float light;  // brightness, baked
+  uint8_t dark[4], bright[4], accent[4];
+};
+
+// A run of triangles that is shown or skipped as a whole.
+struct Part {
+  uint32_t first_index = 0, indices = 0;
+  uint32_t first_vertex = 0, vertices = 0;
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // bounds
+  bool detailed_light = false;  // large: shadows per vertex; small things get one shadow value
+  float glow = 0;               // > 0: shines by itself with this brightness
+};
+
+struct OccluderBox {
+  SE3 box_from_room;
+  Eigen::Vector3d half;
+};
+
+struct Mesh {
+  std::vector<Vertex> vertices;
+  std::vector<Eigen::Vector3f> normals;
+  std::vector<uint32_t> indices;
+  std::vector<Part> parts;
+  std::vector<OccluderBox> occluders;
+  TextureAtlas atlas;
+};
+
+struct Look {
+  Material material;
+  Palette palette;
+  double px_per_m;
+};
+
+class MeshBuilder {
+ public:
+  MeshBuilder(uint64_t seed, double px_per_m) : rng(seed * 1000003 + 11), px_per_m_(px_per_m) {}
+
+  Look look(Material material) { return {material, random_palette(material, rng), px_per_m_}; }
+  // Everything added between begin_part and the next one is one part.
+  void begin_part(bool detailed_light = false, float glow = 0);
+  // Seen from its front: `corner` is its upper left, u leads right, v down (metres). Split into cells of cell_m for
+  // light.
+  void quad(const SE3& room_from_local, const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
+            const Eigen::Vector3d& v, const Look& look, double cell_m = 0.25);
+  // Upright box around `center`; its underside is not drawn.
+  void box(const SE3& room_from_local, const Eigen::Vector3d& center, const Eigen::Vector3d& size, const Look& look,
+           bool underside = false);
+  // A leaf from `base` along `along` with its width `across`, both sides.
+  void leaf(const SE3& room_from_local, const Eigen::Vector3d& base, const Eigen::Vector3d& along,
+            const Eigen::Vector3d& across, const TextureAtlas::Patch& patch, const Palette& palette);
+  TextureAtlas::Patch paint_patch(const Look& look, double width_m, double height_m);
+  Mesh finish();
+
+  cv::RNG rng;
+  double uniform(double low, double high) { return rng.uniform(low, high); }
+
+ private:
+  uint32_t vertex(const Eigen::Vector3d& room, const Eigen::Vector3d& normal, const TextureAtlas::Patch& patch,
+                  double u, double v, const Palette& palette);
+  Mesh mesh_;
+  double px_per_m_;
+};
+
+}  // namespace rumi::synth

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A walk on which a camera is lost: about in one room, through the doorway in a fast turn, out of focus and in half
+// the light, and about in the next room. Neither room is ever seen from the other one: no place is seen twice, and
+// only the images of the turn tell how the two rooms lie to each other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "synth/camera_path.h"
+#include "synth/options.h"
+#include "synth/room.h"
+
+namespace rumi::synth {
+
+// What a camera does, and what of the building and of the images belongs to it.
+struct Walk {
+  CameraPath path;
+  std::optional<Doorway> doorway = {};
+  std::vector<HardPassage> hard = {};  // at_s: after the path's begin
+};
+
+inline constexpr double kMinNextRoomSeconds = 14, kMaxNextRoomSeconds = 60;
+
+// The doorway is at the map's origin, the wall that it is in along y, z is up.
+Walk walk_to_next_room(double seconds, uint64_t seed);
+
+}  // namespace rumi::synth

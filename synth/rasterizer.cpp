@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "synth/rasterizer.h"
+
+#include <array>
+#include <cstddef>
+
+#include "viewer_offscreen/gl/gl.h"
+
+namespace rumi::synth {
+
+using namespace viewer_offscreen;  // OpenGL's functions
+
+namespace {
+
+constexpr double kNear_m = 0.05, kFar_m = 80;
+constexpr int kMipLevels = 6;
+
+const char* const kVertexShader = R"(#version 330 core
+uniform mat4 clip_from_room;
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 uv_layer;
+layout(location = 2) in float light;
+layout(location = 3) in vec3 dark;
+layout(location = 4) in vec3 bright;
+layout(location = 5) in vec3 accent;
+out vec3 f_uv;
+out float f_light;
+flat out vec3 f_dark, f_bright, f_accent;
+void main() {
+  gl_Position = clip_from_room * vec4(position, 1.0);
+  f_uv = uv_layer;
+  f_light = light;
+  f_dark = dark;
+  f_bright = bright;
+  f_accent = accent;
+})";
+
+const char* const kFragmentShader = R"(#version 330 core
+uniform sampler2DArray atlas;
+uniform float blankness;
+in vec3 f_uv;
+in float f_light;
+flat in vec3 f_dark, f_bright, f_accent;
+out vec4 colour;
+void main() {
+  vec2 t = texture(atlas, f_uv).rg;
+  vec3 paint = mix(mix(f_dark, f_bright, t.r), f_accent, t.g * 0.85);
+  colour = vec4(mix(paint * f_light * 0.78, vec3(0.42), blankness), 1.0);
+})";
+
+Eigen::Matrix4d clip_from_camera(const Camera& c) {
+  // Positive clip y is downwards in the image: see OffscreenContext::read.
+  Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
+  m(0, 0) = 2 * c.fx / c.width;
+  m(0, 2) = 2 * (c.cx + 0.5) / c.width - 1;
+  m(1, 1) = 2 * c.fy / c.height;
+  m(1, 2) = 2 * (c.cy + 0.5) / c.height - 1;
+  m(2, 2) = (kFar_m + kNear_m) / (kFar_m - kNear_m);
+  m(2, 3) = -2 * kFar_m * kNear_m / (kFar_m - kNear_m);
+  m(3, 2) = 1;
+  return m;
+}
+
+void upload_textures(const std::vector<cv::Mat>& layers) {
+  glTexImage3D(GL_TEXTURE_2D_ARRAY, 0, GL_RG8, TextureAtlas::kSize, TextureAtlas::kSize,
+               static_cast<GLsizei>(layers.size()), 0, GL_RG, GL_UNSIGNED_BYTE, nullptr);
+  for (size_t i = 0; i < layers.size(); ++i)
+    glTexSubImage3D(GL_TEXTURE_2D_ARRAY, 0, 0, 0, static_cast<GLint>(i), TextureAtlas::kSize, TextureAtlas::kSize, 1,
+                    GL_RG, GL_UNSIGNED_BYTE, layers[i].data);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAX_LEVEL, kMipLevels);
+  glGenerateMipmap(GL_TEXTURE_2D_ARRAY);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  glTexParameteri(GL_TEXTURE_2D_ARRAY, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+void attribute(GLuint location, GLint components, GLenum type, bool normalized, size_t offset) {
+  glEnableVertexAttribArray(location);
+  glVertexAttribPointer(location, components, type, normalized ? GL_TRUE : GL_FALSE, sizeof(Vertex),
+                        reinterpret_cast<const void*>(offset));
+}
+
+}  // namespace
+
+Rasterizer::Rasterizer(Mesh mesh, const Camera& pinhole)
+    : context_(pinhole.width, pinhole.height, 4), camera_(pinhole), parts_(std::move(mesh.parts)) {
+  program_ = viewer_offscreen::compile_program(kVertexShader, kFragmentShader);
+  glGenVertexArrays(1, &vertex_array_);
+  glBindVertexArray(vertex_array_);
+  glGenBuffers(1, &vertex_buffer_);
+  glBindBuffer(GL_ARRAY_BUFFER, vertex_buffer_);
+  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)), mesh.vertices.data(),
+               GL_STATIC_DRAW);
+  glGenBuffers(1, &index_buffer_);
+  glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_buffer_);
+  glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(uint32_t)),
+               mesh.indices.data(), GL_STATIC_DRAW);
+  attribute(0, 3, GL_FLOAT, false, offsetof(Vertex, position));
+  attribute(1, 3, GL_FLOAT, false, offsetof(Vertex, uv));
+  attribute(2, 1, GL_FLOAT, false, offsetof(Vertex, light));
+  attribute(3, 3, GL_UNSIGNED_BYTE, true, offsetof(Vertex, dark));
+  attribute(4, 3, GL_UNSIGNED_BYTE, true, offsetof(Vertex, bright));
+  attribute(5, 3, GL_UNSIGNED_BYTE, true, offsetof(Vertex, accent));
+  glGenTextures(1, &texture_);
+  glBindTexture(GL_TEXTURE_2D_ARRAY, texture_);
+  upload_textures(mesh.atlas.layers());
+
+  const double l = (-0.5 - camera_.cx) / camera_.fx, r = (camera_.width - 0.5 - camera_.cx) / camera_.fx;
+  const double t = (-0.5 - camera_.cy) / camera_.fy, b = (camera_.height - 0.5 - camera_.cy) / camera_.fy;
+  frustum_ = {{1, 0, -l}, {-1, 0, r}, {0, 1, -t}, {0, -1, b}, {0, 0, 1}};
+}
+
+Rasterizer::~Rasterizer() = default;  // the context takes everything with it
+
+bool Rasterizer::in_sight(const Part& part, const SE3& cam_from_room) const {
+  for (const Eigen::Vector3d& inward : frustum_) {
+    const Eigen::Vector3d n = cam_from_room.rotation.conjugate() * inward;
+    const Eigen::Vector3d farthest = (n.array() > 0).select(part.high, part.low);
+    if (n.dot(farthest) + inward.dot(cam_from_room.translation) < 0) return false;
+  }
+  return true;
+}
+
+void Rasterizer::draw(const SE3& cam_from_room, double blankness, cv::Mat* rgba) {
+  context_.make_current();
+  glClearColor(0.1f, 0.1f, 0.1f, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glEnable(GL_DEPTH_TEST);
+  // Fronts are clockwise, but the image is drawn upside down.
+  glEnable(GL_CULL_FACE);
+  glFrontFace(GL_CCW);
+  glUseProgram(program_);
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
+  view.topLeftCorner<3, 3>() = cam_from_room.rotation.toRotationMatrix();
+  view.topRightCorner<3, 1>() = cam_from_room.translation;
+  const Eigen::Matrix4f clip = (clip_from_camera(camera_) * view).cast<float>();
+  glUniformMatrix4fv(glGetUniformLocation(program_, "clip_from_room"), 1, GL_FALSE, clip.data());
+  glUniform1f(glGetUniformLocation(program_, "blankness"), static_cast<float>(blankness));
+  std::vector<GLsizei> counts;
+  std::vector<const void*> offsets;
+  for (const Part& part : parts_) {
+    if (part.indices == 0 || !in_sight(part, cam_from_room)) continue;
+    counts.push_back(static_cast<GLsizei>(part.indices));
+    offsets.push_back(reinterpret_cast<const void*>(static_cast<size_t>(part.first_index) * sizeof(uint32_t)));
+  }
+  glMultiDrawElements(GL_TRIANGLES, counts.data(), GL_UNSIGNED_INT, offsets.data(),
+                      static_cast<GLsizei>(counts.size()));
+  context_.read(rgba);
+}
+
+}  // namespace rumi::synth

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "synth/sequence_renderer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <stdexcept>
+
+#include "synth/camera_path.h"
+#include "synth/lens.h"
+#include "synth/next_room_walk.h"
+#include "synth/rasterizer.h"
+#include "synth/room.h"
+
+namespace rumi::synth {
+namespace {
+
+constexpr double kRamp_s = 0.25;                // a hard passage comes and goes in this time
+constexpr double kTurn_rad = 110 * M_PI / 180;  // of a hard rotation, there and back
+constexpr double kBlurPx = 5.0;                 // standard deviation out of focus, at 640 pixels of width
+constexpr double kDarkGain = 0.035;
+constexpr double kExposureGain = 1.2;
+
+// How much of a hard passage is on at t seconds after the first frame: 0 .. 1.
+double amount(const HardPassage& passage, double t) {
+  const double ramp = std::min(kRamp_s, passage.for_s / 4);
+  const double inside = std::min(t - passage.at_s, passage.at_s + passage.for_s - t);
+  return std::clamp(inside / ramp, 0.0, 1.0);
+}
+
+double amount(const std::vector<HardPassage>& passages, HardPassage::Kind kind, double t) {
+  double most = 0;
+  for (const HardPassage& passage : passages)
+    if (passage.kind == kind) most = std::max(most, passage.strength * amount(passage, t));
+  return most;
+}
+
+Walk make_walk(const SynthOptions& options) {
+  if (const std::string error = options.check(); !error.empty()) throw std::runtime_error(error);
+  if (!options.path_file.empty()) return {.path = CameraPath::load(options.path_file)};
+  if (options.walk == WalkKind::kNextRoom) return walk_to_next_room(options.seconds, options.seed);
+  return {.path = CameraPath::walk(options.seconds, options.seed)};
+}
+
+}  // namespace
+
+struct SequenceRenderer::Impl {
+  explicit Impl(const SynthOptions& o) : Impl(o, make_walk(o)) {}
+
+  Impl(const SynthOptions& o, Walk walk)
+      : options(o),
+        path(std::move(walk.path)),
+        up(path.up()),
+        lens(options.camera),
+        sensor({options.camera.width, options.camera.height}, options.grey ? 1 : 3, options.noise) {
+    for (HardPassage& passage : walk.hard) {
+      passage.at_s -= options.start_s;
+      options.hard.push_back(passage);
+    }
+    choose_times();
+    const double begin = times_s.front(), end = times_s.back();
+    // The room holds the whole path if only part of it is asked for: the same room for every part.
+    shape = fit_room(path, options.seed, walk.doorway);
+    first_s = begin;
+    if (end <= begin)
+      throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
+    Mesh mesh = build_room(shape, options.seed, options.camera.fx);
+    bake_light(mesh, shape);
+    rasterizer = std::make_unique<Rasterizer>(std::move(mesh), lens.pinhole());
+  }
+
+  void choose_times() {
+    const std::vector<double>& all = path.times_s();
+    const double begin = all.front() + options.start_s;
+    const double end = options.duration_s > 0 ? std::min(all.back(), begin + options.duration_s) : all.back();
+    if (begin >= end)
+      throw std::runtime_error(
+          fmt::format("start is {} s: the path lasts only {:.1f} s", options.start_s, all.back() - all.front()));
+    const bool own_times = options.rate_hz == 0 && !options.path_file.empty();
+    if (own_times) {
+      for (const double t : all)
+        if (t >= begin - 1e-9 && t <= end + 1e-9) times_s.push_back(t);
+    } else {
+      const double rate = options.rate_hz > 0 ? options.rate_hz : 30;
+      for (int i = 0; begin + i / rate < end - 1e-9; ++i) times_s.push_back(begin + i / rate);
+    }
+    if (times_s.size() < 2)
+      throw std::runtime_error("the sequence has fewer than two frames; give more seconds or a higher rate");
+  }
+
+  SE3 pose(double t) const {
+    SE3 map_from_cam = path.at(t);
+    double turn = 0;
+    for (const HardPassage& passage : options.hard) {
+      if (passage.kind != HardPassage::Kind::kRotation) continue;
+      const double phase = (t - first_s - passage.at_s) / passage.for_s;
+      if (phase > 0 && phase < 1) turn += passage.strength * kTurn_rad * std::pow(std::sin(M_PI * phase), 2);
+    }
+    if (turn != 0) map_from_cam.rotation = (so3_exp(turn * up) * map_from_cam.rotation).normalized();
+    return map_from_cam;
+  }
+
+  // How far the picture moves during the exposure, about, in pixels: decides how many images are averaged.
+  int sub_exposures(double t) const {
+    if (options.exposure_s <= 0) return 1;
+    const SE3 move = pose(t - options.exposure_s / 2).inverse() * pose(t + options.exposure_s / 2);
+    constexpr double kTypicalDepth_m = 2.5, kStep_px = 2.5;
+    const double px = options.camera.fx * (move.angle_rad() + move.translation.norm() / kTypicalDepth_m);
+    return std::clamp(static_cast<int>(std::ceil(px / kStep_px)), 1, options.max_sub_exposures);
+  }
+
+  void add_exposure(double t, double weight, double blankness, cv::Mat* sum) {
+    const SE3 cam_from_room = pose(t).inverse() * shape.room_from_map.inverse();
+    rasterizer->draw(cam_from_room, blankness, &rgba);
+    cv::cvtColor(rgba, plain, options.grey ? cv::COLOR_RGBA2GRAY : cv::COLOR_RGBA2BGR);
+    lens.apply(plain, &bent);
+    if (sum->empty())
+      bent.convertTo(*sum, CV_32F, weight);
+    else
+      cv::accumulateWeighted(bent, *sum, weight);
+  }
+
+  SynthOptions options;
+  CameraPath path;
+  Eigen::Vector3d up;
+  Lens lens;
+  Sensor sensor;
+  RoomShape shape;
+  std::unique_ptr<Rasterizer> rasterizer;
+  std::vector<double> times_s;
+  double first_s = 0;
+  cv::Mat rgba, plain, bent;
+};
+
+SequenceRenderer::SequenceRenderer(const SynthOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+SequenceRenderer::~SequenceRenderer() = default;
+
+int SequenceRenderer::frames() const { return static_cast<int>(impl_->times_s.size()); }
+int64_t SequenceRenderer::utime_us(int frame) const { return std::llround(impl_->times_s.at(frame) * 1e6); }
+SE3 SequenceRenderer::map_from_cam(int frame) const { return impl_->pose(impl_->times_s.at(frame)); }
+const Camera& SequenceRenderer::camera() const { return impl_->options.camera; }
+
+cv::Mat SequenceRenderer::render(int frame) {
+  Impl& s = *impl_;
+  const double t = s.times_s.at(frame), since_first = t - s.first_s;
+  using Kind = HardPassage::Kind;
+  const auto hard = [&](Kind kind) { return amount(s.options.hard, kind, since_first); };
+  const int n = s.sub_exposures(t);
+  cv::Mat sum;
+  for (int k = 0; k < n; ++k) {
+    const double offset = n > 1 ? s.options.exposure_s * ((k + 0.5) / n - 0.5) : 0;
+    // A running mean: after k images each of them weighs 1 / (k + 1).
+    s.add_exposure(t + offset, 1.0 / (k + 1), hard(Kind::kTextureless), &sum);
+  }
+  if (const double blur = hard(Kind::kBlur); blur > 0) {
+    const double sigma = std::max(0.3, blur * kBlurPx * s.options.camera.width / 640);
+    cv::GaussianBlur(sum, sum, {}, sigma, sigma, cv::BORDER_REPLICATE);
+  }
+  const double swing =
+      s.options.exposure_swing * std::sin(2 * M_PI * since_first / 9.7 + static_cast<double>(s.options.seed % 7));
+  const double gain = kExposureGain * (1 + swing) * (1 - (1 - kDarkGain) * hard(Kind::kDark));
+  return s.sensor.expose(sum, gain, s.options.seed * 1000033 + static_cast<uint64_t>(frame));
+}
+
+}  // namespace rumi::synth
