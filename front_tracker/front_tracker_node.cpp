@@ -40,8 +40,8 @@ bool dropped_many(const ChannelCounts& images) { return images.dropped * 100 > i
 
 FrontTrackerNode::FrontTrackerNode(Bus& bus, const FrontTrackerOptions& options, const std::optional<Camera>& camera)
     : bus_(bus),
-      given_camera_(camera),
       options_(options),
+      given_camera_(camera),
       publisher_(bus, unique_process_name("front_tracker"), options.publish_interval_s),
       tracks_(bus),
       mask_publisher_(bus) {

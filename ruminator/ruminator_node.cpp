@@ -34,8 +34,8 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
                              const std::optional<Camera>& camera)
     : bus_(bus),
       options_(options),
-      given_camera_(camera),
       hooks_(std::move(hooks)),
+      given_camera_(camera),
       sampler_(options.window),
       ring_(options.ring_mb * kBytesPerMb, kJpegQuality),
       queue_(bus, options, hooks_.builder, hooks_.on_built) {
