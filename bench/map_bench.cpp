@@ -141,7 +141,7 @@ class Server {
     time("update", [&] {
       submap_update_t update;
       Bus::decode(encode_message(make_submap_update(made, 0)), &update);
-      atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
+      atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap).error_text(); });
     });
     time("store it", [&] { save(); });
     time("copy", [&] { copy(); });

@@ -48,7 +48,7 @@ Recording read_recording(const std::string& folder, const camera_driver::CameraO
   r.camera = opened.source->camera();
   while (const auto image = opened.source->next()) {
     std::string error;
-    r.grey.push_back(decode_grey(*image, &error));
+    r.grey.push_back(decode_grey(*image).value());
     if (r.grey.back().empty()) throw std::runtime_error(error);
     r.utime_us.push_back(image->utime);
   }

@@ -59,36 +59,35 @@ std::string calibration_in_images(FrameReader& reader) {
 }
 
 // In a file that has the camera in several sizes the one of the first image that can be read.
-void choose_size_of_images(FrameReader& reader, CameraFileResult* calibration) {
+void choose_size_of_images(FrameReader& reader, CameraFile* calibration) {
   if (calibration->others.empty()) return;
   std::string ignored;
   if (const std::optional<image_t> image = first_readable_image(reader, &ignored))
     choose_size(image->width, image->height, calibration);
 }
 
-CameraFileResult find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
-                             const std::string& input) {
+CameraFile find_camera(const CameraOptions& options, const std::vector<fs::path>& candidates,
+                       const std::string& input) {
   if (!options.camera_file.empty()) return read_camera_file(options.camera_file);
   for (const fs::path& file : candidates)
     if (may_be_there(file)) return read_camera_file(file.string());
-  CameraFileResult missing;
+  CameraFile missing;
   missing.error = fmt::format("{}: no calibration of the camera; give --camera FILE or put {} there{}", input,
                               candidates.front().string(), advice_on_known_camera(input, options.log_channel));
   return missing;
 }
 
 // Of the images that the calibration may be of.
-std::vector<cv::Size> sizes_of(const CameraFileResult& calibration) {
+std::vector<cv::Size> sizes_of(const CameraFile& calibration) {
   if (!calibration.ok()) return {};
   std::vector<cv::Size> sizes = {{calibration.camera.width, calibration.camera.height}};
-  for (const CameraFileResult::Other& other : calibration.others)
-    sizes.emplace_back(other.camera.width, other.camera.height);
+  for (const CameraFile::Other& other : calibration.others) sizes.emplace_back(other.camera.width, other.camera.height);
   return sizes;
 }
 
 struct Opened {
   OpenedReader reader;
-  CameraFileResult camera;
+  CameraFile camera;
   std::vector<fs::path> folders = {};  // of the recording, which may have masks
   std::string note = {};               // of what lies beside it, to be logged
 };
@@ -102,7 +101,7 @@ MaskPlaces places_of_masks(const Opened& opened, const CameraOptions& options) {
   return places;
 }
 
-Opened from_list(FileList list, CameraFileResult camera, const CameraOptions& options, const std::string& note) {
+Opened from_list(FileList list, CameraFile camera, const CameraOptions& options, const std::string& note) {
   if (!list.error.empty()) return {{nullptr, list.error}, std::move(camera)};
   if (!note.empty()) list.notes.push_back(note);
   auto reader = make_file_list_reader(std::move(list), parse_grey_range(options.grey_range));
@@ -215,9 +214,8 @@ Opened with_camera(const fs::path& file, OpenedReader opened, bool may_bring_cal
     return {{nullptr, fmt::format("{}: {}; give --rate HZ", file.string(), no_times)}, {}};
   const bool asks_images = may_bring_calibration && options.camera_file.empty();
   const std::string in_images = asks_images ? calibration_in_images(*opened.reader) : "";
-  CameraFileResult camera = in_images.empty()
-                                ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
-                                : parse_camera(in_images, file.string() + " (calibration in its images)");
+  CameraFile camera = in_images.empty() ? find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string())
+                                        : parse_camera(in_images, file.string() + " (calibration in its images)");
   const std::string why = opened.reader->why_no_calibration();
   if (!why.empty() && camera.ok()) camera.notes.push_back(fmt::format("{}; {} is used", why, camera.file));
   if (!why.empty() && !camera.ok()) camera.error += "; " + why;
@@ -244,7 +242,7 @@ Opened open_file(const fs::path& file, const CameraOptions& options) {
     return {{nullptr, fmt::format("{}: is a text file; give the folder that it is the list of", file.string())}, {}};
   if (is_lcm_log(file.string()) || is_log_damaged_at_its_beginning(file))
     return open_messages(file, open_log(file, options.log_channel), first_recorded_in_log, options);
-  const CameraFileResult camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
+  const CameraFile camera = find_camera(options, {file.parent_path() / "calibration.yaml"}, file.string());
   // FFmpeg would take it for a video of one image.
   if (pages_of_tiff(file).size() > 1) return from_list(list_pages(file), camera, options, "");
   Opened video = with_camera(file, open_video(file, parse_grey_range(options.grey_range), sizes_of(camera)),

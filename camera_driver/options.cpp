@@ -11,7 +11,7 @@
 #include "camera_driver/v4l2/pixel_format.h"
 #include "camera_driver/v4l2/video_controls.h"
 #include "formats/image/image_file.h"
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi::camera_driver {
 namespace {

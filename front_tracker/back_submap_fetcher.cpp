@@ -95,7 +95,7 @@ ChunkReceiver::Verdict BackSubmapFetcher::on_payload(const ChunkReceiver::Payloa
   else if (update.session != session_ || update.submap_id != id)
     why = fmt::format("back submap {}: submap {} of session {} came instead", id, update.submap_id, update.session);
   else
-    why = apply_submap_update(update, &submap);
+    why = apply_submap_update(update, &submap).error_text();
   if (why.empty()) why = handlers_.take(std::move(submap));
   if (!why.empty()) refuse(why);
   ask(bus_.now_us());

@@ -14,7 +14,7 @@
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/working_image.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
 #include "slam/features/lens_mask.h"
@@ -81,20 +81,20 @@ bool FrontTrackerNode::on_message(std::span<const uint8_t> data) {
 
 std::optional<Camera> FrontTrackerNode::camera_of(const image_t& image, int64_t arrived_us) {
   if (given_camera_) return given_camera_;
-  const std::string text = metadata(image, kCalibrationKey);
+  const std::string text(metadata(image, kCalibrationKey));
   if (tracker_ && (text.empty() || text == session_calibration_)) return image_camera_;
   if (text.empty()) {
     refuse(Kind::kCalibration,
            "it carries no calibration: give the camera's with --camera FILE (front_tracker, rumi up)");
     return std::nullopt;
   }
-  const Calibration parsed = parse_calibration(text, "calibration of the image");
-  if (!parsed.ok()) {
-    refuse(Kind::kCalibration, parsed.error);
+  const Result<Calibration> parsed = parse_calibration(text, "calibration of the image");
+  if (!parsed) {
+    refuse(Kind::kCalibration, parsed.error_text());
     return std::nullopt;
   }
-  if (!tracker_) return parsed.camera;
-  const Camera& other = parsed.camera;
+  if (!tracker_) return parsed->camera;
+  const Camera& other = parsed->camera;
   wait_as_foreign(
       image, arrived_us,
       fmt::format("it is calibrated as {} x {} px with fx {:.2f}, and the session's images as {} x {} "
@@ -231,20 +231,18 @@ cv::Mat FrontTrackerNode::usable_image(const image_t& image, int64_t arrived_us)
                                     camera->width, camera->height));
     return {};
   }
-  std::string error;
-  cv::Mat grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side), &error);
-  if (grey.empty())
-    refuse(Kind::kDamaged, error);
+  Result<cv::Mat> grey = decode_working_image(image, *camera, working_camera(*camera, options_.max_image_side));
+  if (!grey)
+    refuse(Kind::kDamaged, grey.error_text());
   else if (!tracker_)
     begin_session(*camera, image);
-  return grey;
+  return grey.value_or(cv::Mat());
 }
 
 const ImageMask& FrontTrackerNode::mask_of(const image_t& image, const cv::Size& size) {
-  std::string error;
-  const ImageMask& mask = masks_.read(image, size, &error);
-  if (!error.empty() && !std::exchange(told_of_mask_, true))
-    log_warning("{}: the image is used as if it had none (further images like it are not said)", error);
+  const ImageMask& mask = masks_.read(image, size);
+  if (!masks_.problem().empty() && !std::exchange(told_of_mask_, true))
+    log_warning("{}: the image is used as if it had none (further images like it are not said)", masks_.problem());
   return mask;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {

@@ -18,6 +18,7 @@
 #include "base/this_process/cpu_clock.h"
 #include "base/this_process/process_name.h"
 #include "bus/wire/submap_update.h"
+#include "bus/wire/tracking_state.h"
 #include "map_server/atlas/other_calibration.h"
 #include "map_server/map_messages.h"
 
@@ -120,7 +121,8 @@ ChunkReceiver::Verdict MapServerNode::on_payload(const ChunkReceiver::Payload& p
       fixed_.contains(key)
           ? fmt::format("submap {} of session {} is of the map, which stays as it is (map_server.localize_only)",
                         key.id, key.session)
-          : atlas_.change_submap(key, [&update](Submap* submap) { return apply_submap_update(update, submap); });
+          : atlas_.change_submap(
+                key, [&update](Submap* submap) { return apply_submap_update(update, submap).error_text(); });
   if (reason.empty() && is_new) note_calibration(key);
   if (reason.empty()) {
     // Also when the update brought nothing new: it may have been applied before but not stored.
@@ -161,14 +163,14 @@ bool MapServerNode::is_of_older_run(const submap_update_t& update, const std::st
 }
 
 void MapServerNode::on_track(const track_t& track) {
-  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST) {
+  const std::optional<TrackingState> state = state_from_wire(track.state);
+  if (!state) {
     ++rejected_;
     return;
   }
   if (!sessions_.take(track.session, bus_.now_us())) return;
   atlas_.note_present(track.session);
-  const FrameRecord record{
-      .session = track.session, .state = static_cast<TrackingState>(track.state), .submap_id = track.submap_id};
+  const FrameRecord record{.session = track.session, .state = *state, .submap_id = track.submap_id};
   const ImageId image{track.utime, track.stream};
   if (atlas_.record_frame(image, record)) unsaved_frames_.insert(image);
   last_utime_us_ = std::max(last_utime_us_, track.utime);

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {

@@ -14,7 +14,7 @@
 #include "base/running/stage_clock.h"
 #include "base/this_process/process_name.h"
 #include "bus/wire/jpeg_image.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "viewer_offscreen/picture/draw_map.h"
 

@@ -5,12 +5,12 @@
 #include <signal.h>
 #include <sys/types.h>
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/files/file_descriptor.h"
+#include "base/result.h"
 
 namespace rumi {
 
@@ -40,8 +40,8 @@ struct ChildEnd {
 // and starts with default signal handling.
 class Child {
  public:
-  // Nothing, and the reason in *error, if the program cannot be executed.
-  static std::optional<Child> start(const ChildLaunch& launch, std::string* error);
+  // An Error if the program cannot be executed.
+  static Result<Child> start(const ChildLaunch& launch);
   Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, 0)), output_(std::move(other.output_)) {}
   Child& operator=(Child&& other) noexcept;
   ~Child();  // kills it and its group

@@ -189,9 +189,8 @@ ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& canc
       return not_started(fmt::format("{}: {}", command.log_file, std::strerror(errno)));
   }
   const Clock::time_point start = Clock::now();
-  std::string error;
-  std::optional<Child> child = Child::start(launch_of(command), &error);
-  if (!child) return not_started(error);
+  Result<Child> child = Child::start(launch_of(command));
+  if (!child) return not_started(child.error_text());
   Output output(&*child, std::move(log), command);
   result.outcome = supervise(*child, command, cancel, &output, &result.was_idle);
   note_end(child->reap(), &result);

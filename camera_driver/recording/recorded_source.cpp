@@ -33,8 +33,8 @@ std::vector<OrderedFrame> select(const std::vector<OrderedFrame>& frames, const 
 
 }  // namespace
 
-RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader,
-                               const CameraFileResult& calibration, const CameraOptions& options)
+RecordedSource::RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFile& calibration,
+                               const CameraOptions& options)
     : name_(std::move(name)),
       reader_(std::move(reader)),
       calibration_file_(calibration),
@@ -166,7 +166,7 @@ std::optional<image_t> RecordedSource::fetch() {
     // The metadata of a logged image, such as the time of publication, no longer hold. Its stream and its mask do.
     const int64_t in_log = options_.rate_hz > 0 || frame.part > 0 ? kNoStream : stream_of(*image);
     const std::string mask = options_.mask.empty() ? metadata(*image, kMaskKey) : "";
-    const CameraFileResult& camera = camera_of(*image);
+    const CameraFile& camera = camera_of(*image);
     image->metadata.clear();
     set_stream(in_log == kNoStream ? streams_[static_cast<size_t>(frame.part)] : in_log, &*image);
     set_metadata(&*image, kCalibrationKey, camera_to_yaml(camera.camera));
@@ -223,7 +223,7 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
   const bool colour = options_.encoding == "rgb" || options_.encoding == "jpeg";
   std::string error;
   std::optional<image_t> image = reader_->load(frame, colour, &error);
-  const CameraFileResult* camera = &calibration_file_;
+  const CameraFile* camera = &calibration_file_;
   if (image) camera = &camera_of(*image);
   if (camera->ok()) tell_of_other_camera(frame, *camera);
   if (!camera->ok()) {
@@ -253,7 +253,7 @@ std::optional<image_t> RecordedSource::load_checked(size_t frame) {
 }
 
 // The calibration that an image of a log brings, unless the user gives another one.
-const CameraFileResult& RecordedSource::camera_of(const image_t& image) {
+const CameraFile& RecordedSource::camera_of(const image_t& image) {
   const std::string text = options_.camera_file.empty() ? metadata(image, kCalibrationKey) : "";
   if (text.empty()) return calibration_file_;
   const auto [camera, is_new] = cameras_.try_emplace(text);
@@ -261,7 +261,7 @@ const CameraFileResult& RecordedSource::camera_of(const image_t& image) {
   return camera->second;
 }
 
-void RecordedSource::tell_of_other_camera(size_t frame, const CameraFileResult& camera) {
+void RecordedSource::tell_of_other_camera(size_t frame, const CameraFile& camera) {
   std::string yaml = camera_to_yaml(camera.camera);
   if (pass_ == 0 && !last_calibration_.empty() && last_calibration_ != yaml)
     log_warning("{}: from here on the calibration in the images is another one: a new session begins",

@@ -14,7 +14,7 @@ namespace rumi::camera_driver {
 
 class RecordedSource : public ImageSource {
  public:
-  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFileResult& calibration,
+  RecordedSource(std::string name, std::unique_ptr<FrameReader> reader, const CameraFile& calibration,
                  const CameraOptions& options);
 
   // Decides on the order and reads the first image. Returns an empty string, or why the recording cannot be used with
@@ -43,15 +43,15 @@ class RecordedSource : public ImageSource {
   bool begin_next_pass();
   int64_t new_time(const OrderedFrame& frame);
   std::optional<image_t> load_checked(size_t frame);
-  const CameraFileResult& camera_of(const image_t& image);
-  void tell_of_other_camera(size_t frame, const CameraFileResult& camera);
+  const CameraFile& camera_of(const image_t& image);
+  void tell_of_other_camera(size_t frame, const CameraFile& camera);
   void skip(int64_t SkippedFrames::*reason, const std::string& message);
   void report_end();
 
   std::string name_;
   std::unique_ptr<FrameReader> reader_;
-  CameraFileResult calibration_file_;
-  std::map<std::string, CameraFileResult> cameras_;  // by the calibration that an image of a log brings
+  CameraFile calibration_file_;
+  std::map<std::string, CameraFile> cameras_;  // by the calibration that an image of a log brings
   std::string last_calibration_;
   Camera camera_;
   CameraOptions options_;

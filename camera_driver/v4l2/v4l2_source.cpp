@@ -265,7 +265,7 @@ void V4l2Source::skip(int64_t SkippedFrames::*reason, const std::string& message
 namespace {
 
 // The user's, or that of the calibration; what is wrong with it comes back.
-std::string read_mask(const CameraOptions& options, const CameraFileResult& calibration, std::string* png) {
+std::string read_mask(const CameraOptions& options, const CameraFile& calibration, std::string* png) {
   const std::string& file = options.mask.empty() ? calibration.mask : options.mask;
   if (file.empty() || file == kNoMask) return {};
   const MaskFile mask = read_camera_mask(file, {calibration.camera.width, calibration.camera.height});
@@ -282,7 +282,7 @@ OpenedSource open_camera(VideoSystem& system, const std::string& input, const Ca
   const auto refuse = [&input](const std::string& why) { return OpenedSource{nullptr, input + ": " + why}; };
   if (options.loop) return refuse("loop is true: a camera has no end to begin again from");
   if (options.speed != 1) return refuse(fmt::format("speed is {}: a camera has its own", options.speed));
-  CameraFileResult file;
+  CameraFile file;
   if (options.camera_file.empty()) {
     file.camera.width = options.width > 0 ? options.width : kDefaultWidth;
     file.camera.height = options.height > 0 ? options.height : kDefaultHeight;

@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {

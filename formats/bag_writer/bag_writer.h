@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "base/result.h"
 #include "formats/bag_writer/ros_types.h"
 
 namespace rumi {
@@ -16,12 +17,12 @@ class BagWriter {
   virtual ~BagWriter() = default;
   Ros ros() const { return ros_; }
 
-  // Of one topic all messages are of one type. Errors are kept, for problem() and close().
+  // All messages of a topic must have the same type. Failures are kept for so_far() and close().
   virtual void write(const std::string& topic, const std::string& type, int64_t time_ns,
                      const std::string& message) = 0;
-  // Empty, or the name of the file and why it could not be written.
-  virtual std::string problem() const = 0;
-  virtual std::string close() = 0;
+  // An Error names the file and why it could not be written.
+  virtual const Result<>& so_far() const = 0;
+  virtual Result<> close() = 0;
 
  private:
   Ros ros_;

@@ -85,9 +85,9 @@ class McapWriter : public BagWriter {
     span_.add(utime_ns);
   }
 
-  std::string problem() const override { return file_.problem(); }
+  const Result<>& so_far() const override { return file_.so_far(); }
 
-  std::string close() override {
+  Result<> close() override {
     end_chunk();
     std::string content;
     put(crc_, &content);

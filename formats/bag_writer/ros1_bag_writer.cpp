@@ -74,9 +74,9 @@ class Ros1BagWriter : public BagWriter {
     last_ns_ = std::max(last_ns_, time_ns);
   }
 
-  std::string problem() const override { return file_.problem(); }
+  const Result<>& so_far() const override { return file_.so_far(); }
 
-  std::string close() override {
+  Result<> close() override {
     end_chunk();
     const uint64_t index_at = position_;
     add(connection_records_ + chunk_infos_);

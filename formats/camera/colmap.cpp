@@ -86,8 +86,8 @@ bool is_colmap_list(const std::string& text) {
   return false;
 }
 
-FileCameras read_colmap(const std::string& text, const std::string& file) {
-  FileCameras all{"COLMAP", {}, ""};
+Result<FileCameras> read_colmap(const std::string& text, const std::string& file) {
+  FileCameras all{"COLMAP", {}};
   std::istringstream in(text);
   for (std::string line; std::getline(in, line) && all.cameras.size() < kMostLines;)
     if (const std::vector<std::string> words = words_of(line); is_camera_line(words))

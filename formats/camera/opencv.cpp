@@ -70,7 +70,7 @@ void refuse_other_fisheyes(Fields& in) {
 
 }  // namespace
 
-FileCameras read_opencv(Fields in) {
+Result<FileCameras> read_opencv(Fields in) {
   Camera camera;
   const std::string matrix =
       matrix_key(in, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "CameraMatrix", "intrinsic_matrix", "mtx"});
@@ -111,7 +111,7 @@ FileCameras read_opencv(Fields in) {
                 "camera_name"});
   in.pass_over({"camera_matrix.", "Camera_Matrix.", "cameraMatrix.", "CameraMatrix.", "distortion_coefficients.",
                 "Distortion_Coefficients.", "dist_coeffs.", "distCoeffs.", "distortionCoefficients.", "DistCoeffs."});
-  return {"OpenCV", {file_camera("", camera, in)}, ""};
+  return FileCameras{"OpenCV", {file_camera("", camera, in)}};
 }
 
 std::string yaml_of_opencv_xml(const std::string& xml) {

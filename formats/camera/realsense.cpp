@@ -93,7 +93,7 @@ FileCamera read_block(const Block& block, const std::string& file) {
   camera.width = in.size("Width"), camera.height = in.size("Height");
   camera.fx = in.number("Fx", "pixels"), camera.fy = in.number("Fy", "pixels");
   camera.cx = in.number("PPX", "pixels"), camera.cy = in.number("PPY", "pixels");
-  if (in.error().empty()) set_lens(in, &camera);
+  if (!in.error()) set_lens(in, &camera);
   FileCamera read = file_camera(name, camera, in);
   read.lens = block.stream;
   read.notes.clear();  // what else is in a block is its field of view
@@ -112,8 +112,8 @@ bool is_realsense_listing(const std::string& text) {
          (text.find("Device info:") != std::string::npos && text.find("RealSense") != std::string::npos);
 }
 
-FileCameras read_realsense(const std::string& text, const std::string& file) {
-  FileCameras all{"RealSense", {}, ""};
+Result<FileCameras> read_realsense(const std::string& text, const std::string& file) {
+  FileCameras all{"RealSense", {}};
   for (const Block& block : blocks_of(text)) {
     try {
       FileCamera camera = read_block(block, file);

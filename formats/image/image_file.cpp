@@ -14,7 +14,7 @@
 #include "bus/wire/jpeg_decoder.h"
 #include "formats/image/image_header.h"
 #include "formats/image/library_messages.h"
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi {
 namespace {

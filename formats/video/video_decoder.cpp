@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "formats/image/max_side.h"
+#include "slam/geometry/max_side.h"
 
 extern "C" {
 #include <libavutil/intreadwrite.h>

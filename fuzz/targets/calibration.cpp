@@ -10,7 +10,7 @@
 namespace rumi::fuzz {
 namespace {
 
-void use(const CameraFileResult& result) {
+void use(const CameraFile& result) {
   if (!result.ok()) return;
   const Camera& camera = result.camera;
   if (!parse_camera(camera_to_yaml(camera), "again").ok()) throw std::logic_error("a camera is not read back");
@@ -22,11 +22,11 @@ void use(const CameraFileResult& result) {
 void run(View input) {
   use(parse_camera(to_text(input), "input"));
   const std::string file = scratch().write("camera", input);
-  CameraFileResult result = read_camera_file(file);
+  CameraFile result = read_camera_file(file);
   use(result);
   if (result.others.empty()) return;
   for (const std::string name : {"cam1", "2", "Infrared 1"}) use(read_camera_file(file + ":" + name));
-  const CameraFileResult::Other other = result.others.back();
+  const CameraFile::Other other = result.others.back();
   use(read_camera_file(file + ":" + other.lens));
   advice_on_size(result, other.camera.width, other.camera.height);
   choose_size(other.camera.width, other.camera.height, &result);

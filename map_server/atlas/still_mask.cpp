@@ -8,14 +8,15 @@
 
 #include "bus/transport/bus.h"
 #include "bus/wire/image_masks.h"
+#include "slam/geometry/max_side.h"
 
 namespace rumi::map_server {
 namespace {
 
 constexpr size_t kMostBytes = 1'000'000;  // of a PNG; an image of two colours has far fewer
-constexpr int kLeastSide = 16, kMostSide = 16384;
+constexpr int kLeastSide = 16;
 
-bool is_side(int side) { return side >= kLeastSide && side <= kMostSide; }
+bool is_side(int side) { return side >= kLeastSide && side <= kMaxSide; }
 
 // The header comes first: a small PNG may unpack to gigabytes.
 std::string check_png(const StillMask& mask) {
@@ -25,8 +26,7 @@ std::string check_png(const StillMask& mask) {
   if (size.empty()) return "it is no PNG";
   if (size != cv::Size(mask.width, mask.height))
     return fmt::format("its PNG is {} x {} pixels, not {} x {}", size.width, size.height, mask.width, mask.height);
-  std::string error;
-  return decode_mask(mask.png, &error).empty() ? error : "";
+  return decode_mask(mask.png).error_text();
 }
 
 }  // namespace

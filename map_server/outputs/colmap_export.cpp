@@ -206,7 +206,7 @@ std::string write_text(const ColmapExport& model, const fs::path& folder) {
     points.write(line + "\n");
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = file->commit(); !written) return written.error_text();
   return {};
 }
 
@@ -253,7 +253,7 @@ std::string write_binary(const ColmapExport& model, const fs::path& folder) {
     }
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = file->commit(); !written) return written.error_text();
   return {};
 }
 

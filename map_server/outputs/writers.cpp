@@ -87,14 +87,14 @@ std::string write_trajectory_tum(const Atlas& atlas, const std::string& file, in
   for (const auto& [key, record] : frames_after(atlas, after))
     if (const auto pose = trajectory.find(key.second); pose != trajectory.end())
       out.write(tum_line(key.second.utime_us, pose->second));
-  return out.commit();
+  return out.commit().error_text();
 }
 
 std::string write_submap_tum(const Submap& submap, const std::string& file) {
   WholeFile out(file);
   for (const auto& [utime_us, frame] : submap.frames)
     out.write(tum_line(utime_us, submap.cam_from_submap(frame).inverse()));
-  return out.commit();
+  return out.commit().error_text();
 }
 
 std::string submap_file_name(const Atlas& atlas, SubmapKey key) {
@@ -117,7 +117,7 @@ std::string write_frames_csv(const Atlas& atlas, const std::string& file, int64_
                            : ",,",
         record->session));
   }
-  return out.commit();
+  return out.commit().error_text();
 }
 
 Colour colour_of(const LandmarkRef& landmark, const LandmarkColours& colours) {
@@ -151,7 +151,7 @@ std::string write_ply(const Atlas& atlas, const std::string& file, const Landmar
                   "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n",
                   landmarks, vertices - landmarks, vertices));
   out.write(body);
-  return out.commit();
+  return out.commit().error_text();
 }
 
 std::vector<std::string> write_outputs(const Atlas& atlas, const std::string& folder, int64_t after,

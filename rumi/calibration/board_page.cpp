@@ -143,7 +143,7 @@ std::string write_board_page(const Board& board, const Paper& paper, double png_
   if (bytes.empty()) return file + ": the picture could not be made";
   WholeFile out(file);
   out.write(bytes);
-  return out.commit();
+  return out.commit().error_text();
 }
 
 }  // namespace rumi::tool

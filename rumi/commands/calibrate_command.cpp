@@ -105,7 +105,7 @@ std::string collect(const Arguments& arguments, ViewCollector* collector) {
 std::string write_text(const std::string& file, const std::string& text) {
   WholeFile out(file);
   out.write(text);
-  return out.commit();
+  return out.commit().error_text();
 }
 
 // With everything that speaks against it; nothing is written then.

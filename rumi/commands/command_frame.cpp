@@ -67,10 +67,9 @@ void add_bus_flags(CommandLine* command, BusFlags* flags) {
 }
 
 std::unique_ptr<LcmBus> open_bus(const BusFlags& flags) {
-  std::string error;
-  std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
-  fail_if(error);
-  return bus;
+  Result<std::unique_ptr<LcmBus>> bus = LcmBus::open(flags.lcm_url, flags.names);
+  fail_if(bus.error_text());
+  return std::move(*bus);
 }
 
 }  // namespace rumi::tool

@@ -132,7 +132,7 @@ class Demo {
     }
     WholeFile report((out_ / "rumi" / "report.html").string());
     report.write(make_report((out_ / "rumi").string(), {.groundtruth = truth().string()}));
-    fail_if(report.commit());
+    fail_if(report.commit().error_text());
   }
 
   void tell_files() const {

@@ -52,8 +52,7 @@ Looked look_at(camera_driver::ImageSource& source) {
   Looked looked;
   ProgressLine line(true);
   while (const auto image = source.next()) {
-    std::string ignored;
-    const cv::Mat grey = decode_working_image(*image, camera, working, &ignored);
+    const cv::Mat grey = decode_working_image(*image, camera, working).value_or(cv::Mat());
     if (grey.empty()) continue;
     still.add(image->utime, grey);
     ++looked.images;
@@ -71,7 +70,7 @@ std::string write_mask(const ImageMask& mask, const Camera& camera, const std::s
   const cv::Size size(camera.width, camera.height);
   WholeFile file(name);
   file.write(encode_mask(mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.resized(size).pixels()));
-  return file.commit();
+  return file.commit().error_text();
 }
 
 int run_mask(const Arguments& arguments) {

@@ -68,7 +68,7 @@ class WindowOutput {
     WholeFile csv((out_ / "windows.csv").string());
     csv.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
-    const std::string error = csv.commit();
+    const std::string error = csv.commit().error_text();
     return error_.empty() ? error : error_;
   }
   // A line for each that gave nothing.

@@ -76,7 +76,7 @@ std::string write_results(const Arguments& arguments, const std::string& name, c
   const std::vector<uint8_t> bytes = encode_message(make_submap_update(submap, 0));
   WholeFile file(base.string() + ".submap");
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  const std::string error = file.commit();
+  const std::string error = file.commit().error_text();
   return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt") : error;
 }
 
@@ -101,7 +101,7 @@ class Ruminate {
     WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
     file.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
-    return file.commit();
+    return file.commit().error_text();
   }
 
  private:

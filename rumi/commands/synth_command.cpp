@@ -37,7 +37,7 @@ std::string resolve(Flags& f) {
     f.synth.camera = synth::default_synth_camera(width, height);
   }
   if (!f.camera_file.empty()) {
-    const CameraFileResult read = read_camera_file(f.camera_file);
+    const CameraFile read = read_camera_file(f.camera_file);
     if (!read.ok()) return read.error;
     log_notes(read);
     f.synth.camera = read.camera;

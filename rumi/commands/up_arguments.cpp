@@ -32,7 +32,7 @@ std::string sort_out_camera(const AllOptions& options, UpArguments* arguments) {
     if (!setting.starts_with("--camera "))
       return fmt::format("{}: there is no INPUT that this could be meant for", setting.substr(0, setting.find(' ')));
     arguments->calibration = options.camera_driver.camera_file;
-    const CameraFileResult read = read_camera_file(arguments->calibration);
+    const CameraFile read = read_camera_file(arguments->calibration);
     if (!read.ok()) return read.error;
     if (!read.mask.empty())
       complain("up", fmt::format("{} is put on the images of an INPUT only: those from elsewhere carry their own",

@@ -94,11 +94,10 @@ std::string why_not_here(const AllOptions& options) {
   ChannelNames names;
   names.prefix = up.channel_prefix;
   names.camera = up.channel;
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names, &error);
-  if (!bus) return error;
+  const Result<std::unique_ptr<LcmBus>> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names);
+  if (!bus) return bus.error_text();
   const std::string camera_channel = up.input.empty() ? "" : names.on_wire(channels::kCamera);
-  return find_other_system(*bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
+  return find_other_system(**bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
 }
 
 // A live system goes on for who knows how long.

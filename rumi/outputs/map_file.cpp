@@ -46,7 +46,7 @@ map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::stri
   const std::string received = folder.path() + "/map.db";
   WholeFile file(received);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);
+  if (const Result<> written = file.commit(); !written) throw std::runtime_error(written.error_text());
   map_server::MapStore store(received);
   *copy_problem = store.write_copy(copy_to);
   return store.load();

@@ -33,12 +33,11 @@ bool may_be_of(const cv::Size& size, const map_server::StillMask& mask) {
 }
 
 std::string write_mask(const map_server::StillMask& mask, const cv::Size& image_size, const std::string& name) {
-  std::string error;
-  const cv::Mat pixels = decode_mask(mask.png, &error);
-  if (pixels.empty()) return fmt::format("{}: {}", name, error);
+  const Result<cv::Mat> pixels = decode_mask(mask.png);
+  if (!pixels) return fmt::format("{}: {}", name, pixels.error_text());
   WholeFile file(name);
-  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(pixels).resized(image_size).pixels()) : mask.png);
-  return file.commit();
+  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(*pixels).resized(image_size).pixels()) : mask.png);
+  return file.commit().error_text();
 }
 
 void remove_masks(const fs::path& folder) {

@@ -151,7 +151,7 @@ std::string write_run_json(const std::string& folder, const ordered_json& run) {
   json.update(run);
   WholeFile file((fs::path(folder) / "run.json").string());
   file.write(json_text(json, 2) + "\n");
-  return file.commit();
+  return file.commit().error_text();
 }
 
 ordered_json options_to_json(const std::string& yaml) { return to_json(YAML::Load(yaml)); }

@@ -56,8 +56,9 @@ std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::stri
     return ".jpg";
   }
   const bool grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
-  const cv::Mat pixels = grey ? decode_grey(image, error) : decode_bgr(image, error);
-  if (pixels.empty() || !cv::imencode(".png", pixels, *bytes)) return {};
+  const Result<cv::Mat> pixels = grey ? decode_grey(image) : decode_bgr(image);
+  *error = pixels.error_text();
+  if (!pixels || !cv::imencode(".png", *pixels, *bytes)) return {};
   return ".png";
 }
 
@@ -82,7 +83,7 @@ std::string write_truth(const ImportOptions& options) {
 
 // As camera_driver finds it again. Empty, or what went wrong.
 std::string write_mask(const image_t& image, const fs::path& folder, const std::string& name) {
-  const std::string mask = metadata(image, kMaskKey);
+  const std::string mask(metadata(image, kMaskKey));
   if (mask.empty()) return {};
   const fs::path file = folder / "masks" / (name + ".png");
   std::error_code code;

@@ -117,7 +117,7 @@ void add_errors(const std::string& folder, const std::string& groundtruth, const
 }
 
 std::vector<uint8_t> thumbnail(const image_t& image) {
-  const cv::Mat bgr = decode_bgr(image, nullptr);
+  const cv::Mat bgr = decode_bgr(image).value_or(cv::Mat());
   if (bgr.empty()) return {};
   cv::Mat small;
   cv::resize(bgr, small, {kThumbnailWidth, std::max(1, kThumbnailWidth * bgr.rows / bgr.cols)}, 0, 0, cv::INTER_AREA);
@@ -202,8 +202,8 @@ void add_masks(const std::string& folder, const map_server::Atlas& atlas, HtmlPa
   page->section("Masks", "What never moves in the images is not the world: no landmark is made of it.");
   for (const std::string& line : describe_masks(masks)) page->paragraph(line);
   for (const auto& [stream, mask] : masks) {
-    std::string none;  // no image, then
-    const cv::Mat picture = draw_mask(mask.png, decode_bgr(image_of_stream(folder, stream), &none));
+    const Result<cv::Mat> image = decode_bgr(image_of_stream(folder, stream));
+    const cv::Mat picture = draw_mask(mask.png, image.value_or(cv::Mat()));
     if (!picture.empty())
       page->picture(viewer_offscreen::encode_png(picture), "png", fmt::format("Left out of stream {}", stream));
   }

@@ -28,8 +28,7 @@ std::vector<Look> look_at(camera_driver::ImageSource& source) {
   std::vector<Look> looks;
   const int64_t step = std::max<int64_t>(1, source.total() / kLooks);
   for (int64_t i = 0; const std::optional<image_t> image = source.next(); ++i) {
-    std::string ignored;
-    const cv::Mat grey = i % step == 0 ? decode_grey(*image, &ignored) : cv::Mat();
+    const cv::Mat grey = i % step == 0 ? decode_grey(*image).value_or(cv::Mat()) : cv::Mat();
     if (grey.empty()) continue;
     cv::Scalar mean, deviation, of_detail, detail;
     cv::meanStdDev(grey, mean, deviation);

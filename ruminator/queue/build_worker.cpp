@@ -47,11 +47,11 @@ void BuildWorker::work(const BuildTask& task) {
   // map_server would refuse what is not consistent, again and again.
   Submap copy;
   copy.key = report_.result.submap->key;
-  const std::string problem = apply_submap_update(update, &copy);
-  if (problem.empty())
+  const Result<> applied = apply_submap_update(update, &copy);
+  if (applied)
     report_.submap = encode_message(update);
   else
-    report_.result.failure = fmt::format("the back submap is not consistent: {}", problem);
+    report_.result.failure = fmt::format("the back submap is not consistent: {}", applied.error_text());
 }
 
 }  // namespace rumi::ruminator

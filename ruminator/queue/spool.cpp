@@ -214,7 +214,7 @@ std::string Spool::store_submap(JobName name, std::span<const uint8_t> submap) {
   const StageClock clock("ruminator.store");
   WholeFile stored(file(name, kSubmap));
   stored.write({reinterpret_cast<const char*>(submap.data()), submap.size()});
-  if (std::string error = stored.commit(); !error.empty()) return error;
+  if (const Result<> written = stored.commit(); !written) return written.error_text();
   for (const char* suffix : {kWindow, kTries, kWork}) remove_quietly(file(name, suffix));
   return "";
 }

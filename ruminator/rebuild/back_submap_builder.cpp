@@ -60,11 +60,10 @@ WindowImages extract(const WindowJob& job, const Camera& camera, const BuildOpti
   MaskReader masks(lens_mask(camera));
   for (size_t i = 0; i < job.images.size() && !cancel; ++i) {
     progress(BuildStage::kExtracting, static_cast<double>(i) / static_cast<double>(job.images.size()));
-    std::string ignored;
     const image_t& image = job.images[i];
-    cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
+    cv::Mat grey = decode_working_image(image, job.camera, camera).value_or(cv::Mat());
     if (grey.empty()) continue;  // broken, or of another camera
-    const ImageMask& mask = masks.read(image, grey.size(), &ignored);
+    const ImageMask& mask = masks.read(image, grey.size());
     const auto before = known.find(i);
     images.features.push_back(before != known.end() ? before->second
                                                     : extract_sift(grey, camera, options.sift_keypoints, mask));

@@ -35,10 +35,9 @@ class Looker {
 
   // False: a pair of images shows depth, or the look is called off.
   bool look_at(size_t image) {
-    std::string ignored;
-    const cv::Mat grey = decode_working_image(job_.images[image], job_.camera, camera_, &ignored);
+    const cv::Mat grey = decode_working_image(job_.images[image], job_.camera, camera_).value_or(cv::Mat());
     if (grey.empty()) return true;
-    const ImageMask& mask = masks_.read(job_.images[image], grey.size(), &ignored);
+    const ImageMask& mask = masks_.read(job_.images[image], grey.size());
     const SiftFeatures features = extract_sift(grey, camera_, o_.sift_keypoints, mask);
     for (const auto& [other, seen] : look_.features) {
       if (cancel_) return false;

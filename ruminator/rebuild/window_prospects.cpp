@@ -88,11 +88,10 @@ std::string find_blind_gap(const WindowJob& job, const BuildOptions& options) {
   MaskReader masks(lens_mask(camera));
   size_t most = 0;
   for (size_t i = 0; i < kLooks; ++i) {
-    std::string ignored;
     const image_t& image = *gap[i * (gap.size() - 1) / (kLooks - 1)];
-    const cv::Mat grey = decode_working_image(image, job.camera, camera, &ignored);
+    const cv::Mat grey = decode_working_image(image, job.camera, camera).value_or(cv::Mat());
     if (grey.empty()) continue;
-    const ImageMask& mask = masks.read(image, grey.size(), &ignored);
+    const ImageMask& mask = masks.read(image, grey.size());
     most = std::max(most, extract_sift(grey, camera, options.sift_keypoints, mask).size());
     if (most >= kMinKeypoints) return "";
   }

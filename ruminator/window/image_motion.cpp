@@ -83,9 +83,8 @@ double sharpness_of(const cv::Mat& grey) {
 
 ImageMeasure ImageMotion::measure(const image_t& image) {
   ImageMeasure measure;
-  std::string error;
   const int reduction = reduction_for(image.width);
-  cv::Mat grey = decode_reduced_grey(image, reduction, &error);
+  cv::Mat grey = decode_reduced_grey(image, reduction).value_or(cv::Mat());
   if (grey.empty()) return measure;  // the next one is compared with the last good one
   measure.sharpness = sharpness_of(grey);
   if (previous_.size() == grey.size() && std::min(grey.cols, grey.rows) >= kMinSide) {

@@ -11,7 +11,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/window_job_t.hpp"
 #include "ruminator/window/window_message.h"
@@ -91,9 +91,9 @@ std::string read_manifest(const window_job_t& m, WindowJob* job) {
   if (error.empty())
     error = read_part(m, w.departure_utime, w.approach_utime.size() + w.gap_utime.size(), &window.departure);
   if (!error.empty()) return error;
-  const Calibration camera = parse_calibration(m.calibration, "calibration");
-  job->camera = camera.camera;
-  return camera.error;
+  const Result<Calibration> calibration = parse_calibration(m.calibration, "calibration");
+  if (calibration) job->camera = calibration->camera;
+  return calibration.error_text();
 }
 
 // Takes the images one by one and finds what does not fit the manifest.
@@ -139,7 +139,7 @@ std::string read_images(LogReader& log, const window_job_t& manifest, WindowJobF
     if (!Bus::decode(event->data, &image))
       return fmt::format("image {}: {}", event->utime_us, why_undecodable<image_t>(event->data));
     if (std::string error = checker.take(image); !error.empty()) return error;
-    if (check_image(image).empty())
+    if (check_image(image))
       result->job.images.push_back(std::move(image));
     else
       ++result->broken_images;
@@ -208,7 +208,7 @@ std::string write_window_job(const std::string& file, const WindowJob& job) {
     const std::string& error = log.error();
     return error.starts_with(temporary) ? file + error.substr(temporary.size()) : error;
   }
-  return commit_file(temporary, file);
+  return commit_file(temporary, file).error_text();
 }
 
 }  // namespace rumi::ruminator

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "slam/geometry/max_side.h"
 #include "slam/geometry/radial_distortion.h"
 
 namespace rumi {
@@ -109,8 +110,8 @@ std::string Camera::check() const {
                                                     {"k2", k2}, {"p1", p1}, {"p2", p2}, {"k3", k3}, {"k4", k4}};
   for (const auto& [name, value] : numbers)
     if (!std::isfinite(value)) return fail(name, value, "must be a finite number");
-  if (width < 16 || width > 16384) return fail("width", width, "must be 16 to 16384 pixels");
-  if (height < 16 || height > 16384) return fail("height", height, "must be 16 to 16384 pixels");
+  if (width < 16 || width > kMaxSide) return fail("width", width, "must be 16 to 16384 pixels");
+  if (height < 16 || height > kMaxSide) return fail("height", height, "must be 16 to 16384 pixels");
   const auto is_focal_length = [this](double f) { return f >= 0.05 * width && f <= 100.0 * width; };
   if (!is_focal_length(fx)) return fail("fx", fx, "must be in pixels, and of the order of the image width");
   if (!is_focal_length(fy)) return fail("fy", fy, "must be in pixels, and of the order of the image width");

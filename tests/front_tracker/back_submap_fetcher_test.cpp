@@ -7,6 +7,7 @@
 #include <random>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/front_tracker/feature_scene.h"

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "map_server/map_server_node.h"

@@ -204,7 +204,7 @@ TEST(FormatsInTheDocs, CameraFilesAreRead) {
   EXPECT_EQ(list(between(page, "also reads, as they are, the files of ", ". Of several"), known), known);
   const TemporaryFolder folder;
   for (const auto& [name, text] : camera_files()) {
-    const CameraFileResult read = read_camera_file(folder.write("camera", text));
+    const CameraFile read = read_camera_file(folder.write("camera", text));
     EXPECT_EQ(read.error, "") << name;
     EXPECT_EQ(read.camera.fy, 51) << name;
     EXPECT_EQ(read.camera.cx, 32) << name;

@@ -15,7 +15,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
 #include "bus/wire/jpeg_image.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "ruminator/ruminator_node.h"
 #include "tests/ruminator/test_jobs.h"
 

@@ -222,7 +222,7 @@ TEST(WriteSequence, MakesATumFolder) {
     EXPECT_EQ(image.size(), cv::Size(320, 240));
     EXPECT_EQ(image.channels(), 1);
   }
-  const CameraFileResult camera = read_camera_file(folder / "out/calibration.yaml");
+  const CameraFile camera = read_camera_file(folder / "out/calibration.yaml");
   ASSERT_TRUE(camera.ok()) << camera.error;
   EXPECT_EQ(camera.camera.k1, -0.1);
   int poses = 0;

@@ -11,6 +11,7 @@
 
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "tests/support/temporary_folder.h"

@@ -7,6 +7,7 @@
 #include "base/running/due.h"
 #include "base/running/log.h"
 #include "base/running/stage_clock.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 
@@ -50,7 +51,7 @@ ChunkReceiver::Verdict SubmapCopies::on_payload(const ChunkReceiver::Payload& pa
   std::string reason = "not a submap update";
   if (Bus::decode(payload.bytes, &update)) {
     if (update.base_revision == 0) copy->submap = Submap();
-    reason = apply_submap_update(update, &copy->submap);
+    reason = apply_submap_update(update, &copy->submap).error_text();
     copy->placement_revision = copy->asked_placement_revision;
   }
   if (!reason.empty()) {

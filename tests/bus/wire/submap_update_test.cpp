@@ -9,6 +9,7 @@
 #include <random>
 
 #include "bus/transport/bus.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/track_t.hpp"
 #include "tests/bus/wire/submap_editor.h"
 

@@ -14,7 +14,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 Camera parse(const std::string& text, const std::string& format) {
-  const CameraFileResult result = parse_camera(text, "c.yaml");
+  const CameraFile result = parse_camera(text, "c.yaml");
   EXPECT_EQ(result.error, "");
   EXPECT_EQ(result.format, format);
   return result.camera;

@@ -18,7 +18,7 @@ TEST_F(CameraFiles, OfColmapAreShiftedByHalfAPixel) {
             "# Camera list with one line of data per camera:\n# Number of cameras: 4\n"
             "1 OPENCV 64 48 50 51 32.5 24.5 0.1 0.2 0.3 0.4\n2 SIMPLE_RADIAL 64 48 50 32.5 24.5 0.7\n"
             "3 OPENCV_FISHEYE 64 48 50 51 32.5 24.5 0.1 0.2 0.3 0.4\n4 FOV 64 48 50 51 32.5 24.5 0.9\n");
-  const CameraFileResult first = read_camera_file(file);
+  const CameraFile first = read_camera_file(file);
   ASSERT_EQ(first.error, "");
   EXPECT_EQ(first.format, "COLMAP");
   expect_size_and_matrix(first.camera);

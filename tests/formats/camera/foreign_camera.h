@@ -14,7 +14,7 @@
 
 namespace rumi::testing {
 
-inline CameraFileResult parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
+inline CameraFile parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
 inline std::string error_of(const std::string& text) { return parse(text).error; }
 
 inline void expect_size_and_matrix(const Camera& c) {

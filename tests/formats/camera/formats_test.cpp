@@ -17,7 +17,7 @@ using testing::parse;
 using testing::with;
 
 TEST(AdviceOnSize, TellsWhatTheSizesHaveInCommon) {
-  CameraFileResult result = parse(kOpenVslam);
+  CameraFile result = parse(kOpenVslam);
   EXPECT_THAT(advice_on_size(result, 48, 64), HasSubstr("turned by 90 degrees"));
   EXPECT_THAT(advice_on_size(result, 32, 24),
               AllOf(HasSubstr("made smaller"), HasSubstr("fx: 25"), HasSubstr("width: 32")));
@@ -29,7 +29,7 @@ TEST(CameraOfCamodocal, IsReadOrRefusedByItsModel) {
       "%YAML:1.0\n---\nmodel_type: PINHOLE\ncamera_name: camera\nimage_width: 64\nimage_height: 48\n"
       "distortion_parameters:\n   k1: 0.1\n   k2: 0.2\n   p1: 0.3\n   p2: 0.4\n"
       "projection_parameters:\n   fx: 50\n   fy: 51\n   cx: 32\n   cy: 24\n";
-  CameraFileResult result = parse(pinhole);
+  CameraFile result = parse(pinhole);
   ASSERT_EQ(result.error, "");
   expect_size_and_matrix(result.camera);
   EXPECT_EQ(result.camera.p2, .4);
@@ -43,7 +43,7 @@ TEST(CameraOfCamodocal, IsReadOrRefusedByItsModel) {
 }
 
 TEST(CamerasOfBasaltAndDepthAi, AreReadByTheirNames) {
-  const CameraFileResult basalt = parse(
+  const CameraFile basalt = parse(
       "{\"value0\": {\"T_imu_cam\": [{\"px\": 0, \"qw\": 1}, {\"px\": 0.1, \"qw\": 1}], \"intrinsics\": "
       "[{\"camera_type\": \"kb4\", "
       "\"intrinsics\": {\"fx\": 50, \"fy\": 51, \"cx\": 32, \"cy\": 24, \"k1\": 0.1, \"k2\": 0.2, \"k3\": 0.3, \"k4\": "
@@ -62,7 +62,7 @@ TEST(CamerasOfBasaltAndDepthAi, AreReadByTheirNames) {
       "\"height\": 48, \"width\": 64, \"intrinsicMatrix\": [[50, 0, 32], [0, 51, 24], [0, 0, 1]], \"extrinsics\": "
       "{\"toCameraSocket\": "
       "1}}]]}";
-  const CameraFileResult read = parse(depthai);
+  const CameraFile read = parse(depthai);
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.name, "CAM_A");
   expect_size_and_matrix(read.camera);

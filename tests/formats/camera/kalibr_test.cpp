@@ -26,12 +26,12 @@ constexpr const char* kCamchain =
 
 TEST_F(CameraFiles, OfKalibrNameTheirCameras) {
   const std::string file = write("camchain.yaml", kCamchain);
-  const CameraFileResult first = read_camera_file(file);
+  const CameraFile first = read_camera_file(file);
   ASSERT_EQ(first.error, "");
   EXPECT_EQ(first.camera.width, 80);
   EXPECT_THAT(first.notes, ElementsAre(AllOf(HasSubstr("cam0, cam1"), HasSubstr("cam0 is taken"))));
   EXPECT_THAT(advice_on_size(first, 64, 48), HasSubstr("give --camera " + file + ":cam1"));
-  const CameraFileResult second = read_camera_file(file + ":cam1");
+  const CameraFile second = read_camera_file(file + ":cam1");
   ASSERT_EQ(second.error, "");
   expect_size_and_matrix(second.camera);
   EXPECT_THAT(second.notes, IsEmpty());
@@ -43,7 +43,7 @@ TEST_F(CameraFiles, OfKalibrNameTheirCameras) {
 
 TEST_F(CameraFiles, MayHaveAColonInTheirName) {
   write("rig.yaml", kCamchain);
-  const CameraFileResult result = read_camera_file(write("rig.yaml:cam1", with(kCamchain, "[80, 60]", "[100, 60]")));
+  const CameraFile result = read_camera_file(write("rig.yaml:cam1", with(kCamchain, "[80, 60]", "[100, 60]")));
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.camera.width, 100);
 }

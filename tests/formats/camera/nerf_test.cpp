@@ -25,7 +25,7 @@ TEST_F(CameraFiles, OfNerfAreReadWithoutTheirFrames) {
   // More of them than a calibration may have bytes.
   std::string frames;
   for (int i = 0; i < 2000; ++i) frames += R"({"file_path": "images/1.png", "transform_matrix": [[1, 0, 0, 0]]}, )";
-  const CameraFileResult result = read_camera_file(write("transforms.json", with(text, "[{", "[" + frames + "{")));
+  const CameraFile result = read_camera_file(write("transforms.json", with(text, "[{", "[" + frames + "{")));
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.format, "transforms.json");
   expect_size_and_matrix(result.camera);
@@ -37,7 +37,7 @@ TEST_F(CameraFiles, OfNerfAreReadWithoutTheirFrames) {
 
 TEST_F(CameraFiles, OfNerfMayBeNestedAsDeepAsTheyLike) {
   const std::string deep = std::string(500'000, '[') + std::string(500'000, ']');
-  const CameraFileResult read = read_camera_file(write("deep.json", with(kTransforms, "\"srgb\"", deep)));
+  const CameraFile read = read_camera_file(write("deep.json", with(kTransforms, "\"srgb\"", deep)));
   EXPECT_EQ(read.error, "");
   EXPECT_EQ(read.camera.fx, 50);
 }
@@ -45,7 +45,7 @@ TEST_F(CameraFiles, OfNerfMayBeNestedAsDeepAsTheyLike) {
 TEST_F(CameraFiles, OfNerfMayHaveOnlyAnAngle) {
   const std::string frames = R"("frames": [{"file_path": "r_0"}]})";
   const std::string angle = R"({"camera_angle_x": 1.5707963267948966, )" + frames;
-  const CameraFileResult read =
+  const CameraFile read =
       read_camera_file(write("a.json", R"({"camera_angle_x": 1.5707963267948966, "w": 64, "h": 48, )" + frames));
   ASSERT_EQ(read.error, "");
   EXPECT_NEAR(read.camera.fx, 32, 1e-9);
@@ -57,7 +57,7 @@ TEST_F(CameraFiles, OfNerfMayHaveOnlyAnAngle) {
 TEST_F(CameraFiles, OfNerfMayHaveTheCameraWithEachImage) {
   const std::string camera = R"("fl_x": 50, "fl_y": 51, "cx": 32.5, "cy": 24.5, "w": 64, "h": 48})";
   const std::string text = R"({"frames": [{"file_path": "1", )" + camera + R"(, {"file_path": "2", )" + camera + "]}";
-  const CameraFileResult read = read_camera_file(write("a.json", text));
+  const CameraFile read = read_camera_file(write("a.json", text));
   ASSERT_EQ(read.error, "");
   expect_size_and_matrix(read.camera);
   EXPECT_THAT(read_camera_file(write("b.json", with(text, "50", "60"))).error, HasSubstr("they differ"));

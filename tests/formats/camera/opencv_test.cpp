@@ -24,7 +24,7 @@ constexpr const char* kOpenCv =
     "avg_reprojection_error: 0.21\n";
 
 TEST(CameraOfOpenCv, ASmallSkewIsLeftOutAndTold) {
-  const CameraFileResult result = parse(with(kOpenCv, "50., 0.,", "50., 0.083,"));
+  const CameraFile result = parse(with(kOpenCv, "50., 0.,", "50., 0.083,"));
   ASSERT_EQ(result.error, "");
   expect_size_and_matrix(result.camera);
   EXPECT_THAT(result.notes, ElementsAre(HasSubstr("0.083")));
@@ -34,7 +34,7 @@ TEST(CameraOfOpenCv, ASmallSkewIsLeftOutAndTold) {
 }
 
 TEST(CameraOfOpenCv, MayHaveListsOfRows) {
-  const CameraFileResult result = parse(
+  const CameraFile result = parse(
       "image_size: [64, 48]\ncamera_matrix: [[50, 0, 32], [0, 51, 24], [0, 0, 1]]\ndist_coeff: [[0.1, 0.2, 0.3, 0.4, "
       "0.5]]\n");
   ASSERT_EQ(result.error, "");
@@ -66,7 +66,7 @@ TEST_F(CameraFiles, OfOpenCvMayBeXmlOrJson) {
                                  "\"cols\": 1, \"dt\": \"d\", \"data\": [0.1, "
                                  "0.2, 0.3, 0.4, 0.5]}\n}\n");
   for (const std::string& file : {xml, json}) {
-    const CameraFileResult result = read_camera_file(file);
+    const CameraFile result = read_camera_file(file);
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.format, "OpenCV");
     expect_size_and_matrix(result.camera);
@@ -88,7 +88,7 @@ TEST(CameraOfOpenCv, MayBeAGroup) {
   const std::string camera =
       "image_width: 64, image_height: 48, camera_matrix: [50, 0, 32, 0, 51, 24, 0, 0, 1], distortion_coefficients: [0, "
       "0, 0, 0]";
-  const CameraFileResult result = parse(fmt::format("camera0: {{{0}}}\ncamera1: {{{0}}}\n", camera));
+  const CameraFile result = parse(fmt::format("camera0: {{{0}}}\ncamera1: {{{0}}}\n", camera));
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.name, "camera0");
   expect_size_and_matrix(result.camera);

@@ -20,7 +20,7 @@ using testing::parse;
 using testing::with;
 
 TEST(CameraOfOpenVslam, IsReadWithItsColumnsAndRows) {
-  const CameraFileResult result = parse(kOpenVslam);
+  const CameraFile result = parse(kOpenVslam);
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.format, "OpenVSLAM");
   expect_size_and_matrix(result.camera);
@@ -29,7 +29,7 @@ TEST(CameraOfOpenVslam, IsReadWithItsColumnsAndRows) {
 }
 
 TEST(CameraOfOpenVslam, IsReadAsAGroup) {
-  const CameraFileResult result = parse(
+  const CameraFile result = parse(
       "Camera:\n  name: a\n  setup: monocular\n  model: perspective\n  fx: 50\n  fy: 51\n  cx: 32\n  cy: 24\n  k1: "
       "0.1\n"
       "  k2: 0\n  p1: 0\n  p2: 0\n  k3: 0\n  fps: 30.0\n  cols: 64\n  rows: 48\n  color_order: RGB\n"
@@ -42,7 +42,7 @@ TEST(CameraOfOpenVslam, IsReadAsAGroup) {
 TEST(CameraOfOpenVslam, MayBeAFisheye) {
   const std::string fisheye =
       with(with(kOpenVslam, "perspective", "fisheye"), "Camera.p1: 0.3\nCamera.p2: 0.4\n", "Camera.k4: 0.6\n");
-  const CameraFileResult result = parse(fisheye);
+  const CameraFile result = parse(fisheye);
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.camera.model, Camera::Model::kKannalaBrandt);
   const Camera& c = result.camera;
@@ -68,14 +68,14 @@ TEST(CameraOfOpenVslam, DoesNotLoseACoefficient) {
 }
 
 TEST(CameraOfOrbSlam, IsReadWithoutAWordOnTheRest) {
-  const CameraFileResult result = parse(kOrbSlam);
+  const CameraFile result = parse(kOrbSlam);
   ASSERT_EQ(result.error, "");
   expect_size_and_matrix(result.camera);
   EXPECT_THAT(result.notes, IsEmpty());
 }
 
 TEST(CameraOfOrbSlam, RectifiedTellsWhatItLeavesOut) {
-  const CameraFileResult result = parse(with(kOrbSlam, "PinHole", "Rectified"));
+  const CameraFile result = parse(with(kOrbSlam, "PinHole", "Rectified"));
   ASSERT_EQ(result.error, "");
   EXPECT_FALSE(result.camera.has_distortion());
   EXPECT_THAT(result.notes, ElementsAre(AllOf(HasSubstr("c.yaml"), HasSubstr("Camera1.k1 (0.1)"),
@@ -91,7 +91,7 @@ TEST(CameraOfOrbSlam, TellsOfSizesThatItDoesNotUse) {
 
 TEST(CameraOfOrbSlam, MayHaveASecondOne) {
   const std::string second = "Camera2.fx: 40\nCamera2.fy: 41\nCamera2.cx: 32\nCamera2.cy: 24\nCamera2.k1: 0.7\n";
-  const CameraFileResult result = parse(kOrbSlam + second);
+  const CameraFile result = parse(kOrbSlam + second);
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.camera.fx, 50);
   ASSERT_EQ(result.others.size(), 1u);
@@ -104,7 +104,7 @@ TEST(CameraOfOrbSlam, MayHaveItsCoefficientsAsAList) {
       "%YAML:1.0\nCamera.fx: 50\nCamera.fy: 51\nCamera.cx: 32\nCamera.cy: 24\nCamera.width: 64\n"
       "Camera.height: 48\nDistCoef: !!opencv-matrix\n  rows: 4\n  cols: 1\n  dt: f\n"
       "  data: [0.1, 0.2, 0.3, 0.4]\n";
-  const CameraFileResult result = parse(list);
+  const CameraFile result = parse(list);
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(std::tie(result.camera.k1, result.camera.p2), std::make_tuple(.1, .4));
 }

@@ -29,7 +29,7 @@ constexpr const char* kRealSense =
 
 TEST_F(CameraFiles, OfRealSenseAreListingsOfAllSizes) {
   const std::string file = write("d435.txt", kRealSense);
-  CameraFileResult result = read_camera_file(file);
+  CameraFile result = read_camera_file(file);
   ASSERT_EQ(result.error, "");
   EXPECT_EQ(result.lens, "Color");
   choose_size(64, 48, &result);
@@ -48,12 +48,12 @@ TEST_F(CameraFiles, OfRealSenseWithALensThatWeDoNotHaveAreRefused) {
   const std::string file = write("c.txt", with(only, "Coeffs:\t0", "Coeffs:\t0.13"));
   EXPECT_THAT(read_camera_file(file).error,
               AllOf(HasSubstr("Distortion is 'Inverse Brown Conrady'"), HasSubstr("calibrate")));
-  const CameraFileResult brown =
+  const CameraFile brown =
       read_camera_file(write("b.txt", with(with(only, "Inverse Brown", "Brown"), "Coeffs:\t0  \t0  \t0  \t0  \t0",
                                            "Coeffs:\t0.1 0.2 0.3 0.4 0.5")));
   ASSERT_EQ(brown.error, "");
   EXPECT_EQ(std::tie(brown.camera.k1, brown.camera.k3), std::make_tuple(.1, .5));
-  const CameraFileResult fisheye =
+  const CameraFile fisheye =
       read_camera_file(write("f.txt", with(with(only, "Inverse Brown Conrady", "Kannala Brandt4"),
                                            "Coeffs:\t0  \t0  \t0  \t0  \t0", "Coeffs:\t0.1 0.2 0.3 0.4 0")));
   ASSERT_EQ(fisheye.error, "");

@@ -5,6 +5,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"

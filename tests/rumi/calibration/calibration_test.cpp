@@ -58,7 +58,7 @@ TEST_F(CalibrationTest, OfAFolderIsAFileThatTheOthersRead) {
   const Calibration calibration = calibrate_from(collector_);
   ASSERT_EQ(calibration.error, "");
   const std::string yaml = calibration_to_yaml(calibration, collector_);
-  const CameraFileResult read = parse_camera(yaml, "camera.yaml");
+  const CameraFile read = parse_camera(yaml, "camera.yaml");
   ASSERT_EQ(read.error, "");
   EXPECT_EQ(read.format, "rumi");
   EXPECT_EQ(std::tie(read.camera.fx, read.camera.cy, read.camera.k1, read.camera.p2),

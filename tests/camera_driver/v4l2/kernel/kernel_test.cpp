@@ -311,9 +311,9 @@ TEST_F(KernelTest, TheProcessOnLcm) {
   const auto write = [](const std::string& file, const std::string& text) { std::ofstream(file) << text; };
   write("/run/camera.yaml", "fx: 300\nfy: 300\ncx: 160\ncy: 90\nwidth: 320\nheight: 180\nfps: 15\n");
   write("/run/config.yaml", "camera_driver:\n  controls: \"brightness=100, osd_text_mode=2\"\n");
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   int64_t images = 0, last_us = 0, late = 0;
   process_status_t status{};
   bus->subscribe<image_t>(channels::kCamera, {}, [&](const image_t& image) {
