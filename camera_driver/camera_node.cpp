@@ -22,8 +22,8 @@ constexpr int64_t kDegradedLateUs = 500'000;  // behind the pace
 
 std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const CameraOptions& options) {
   OpenedSource opened = open_image_source(input, options);
-  if (!opened.ok()) throw std::runtime_error(opened.error);
-  return std::move(opened.source);
+  if (!opened) throw std::runtime_error(opened.error_text());
+  return std::move(*opened);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+
 namespace rumi::camera_driver {
 
 struct OrderedFrame {
@@ -22,7 +24,6 @@ struct FrameOrder {
   std::vector<size_t> duplicates;   // left out: another frame has the same time
   std::vector<size_t> wrong_times;  // left out: the time is far from those of the frames around it
   bool is_sorted = false;           // frames were not stored in the order of their times
-  std::string error;                // empty, or why these times cannot be used, and what to do
 };
 
 // - Times that rise, but for a few: those are put where their time is, or left out if it is far from there.
@@ -31,7 +32,7 @@ struct FrameOrder {
 //   parts whose times do not overlap are put into the order of their times, as one.
 // - Times in disorder: sorted.
 // - Most frames have the time of another one, or of another clock than the one before: an error.
-FrameOrder order_frames(const std::vector<int64_t>& utimes_us);
+Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us);
 
 // As they are stored, at this rate, from `first_us` on. Precondition: rate_hz > 0.
 FrameOrder frames_at_rate(size_t count, double rate_hz, int64_t first_us);

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "camera_driver/source/camera_options.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/geometry/camera.h"
@@ -37,12 +38,12 @@ struct SkippedFrames {
   std::vector<std::string> complaints(int64_t handed_out) const;
 };
 
-// Empty, or that images of this size can hardly be tracked.
+// Says that images of this size can hardly be tracked; empty if they can.
 std::string too_few_pixels(int width, int height);
 
-// How a camera does.
+// The state of a camera while it runs.
 struct LiveState {
-  std::string problem;  // why there are no images now, and what to do; empty: there are
+  std::string problem;  // why there are no images now, and what to do; empty while there are
   double rate_hz = 0;   // measured; 0: not yet
   bool ended = false;   // after options.duration_s
 };
@@ -57,29 +58,26 @@ class ImageSource {
   virtual const Camera& camera() const = 0;
   // The input, for messages.
   virtual const std::string& name() const = 0;
-  // How many images there are to hand out, those that will turn out unreadable included; -1: unknown or endless.
+  // The number of images to hand out, including those that will turn out unreadable; -1: unknown or endless.
   virtual int64_t total() const = 0;
   virtual const SkippedFrames& skipped() const = 0;
   // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
   // yet, unless it has ended; utime is when the image was taken, on the system clock.
   virtual const LiveState* live() const { return nullptr; }
-  // A recording hands out its images once more, from the beginning: those of these times only, in colour where they
-  // have any. Nothing more is counted or logged of what is skipped.
+  // A recording hands out its images of these times once more, from the beginning, in colour if they have any. Skipped
+  // images are no longer counted or logged.
   virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
-  // Whether playing few images again costs little: a video is decoded from its beginning on.
+  // True if playing few images again costs little. A video is decoded from its beginning on.
   virtual bool plays_few_quickly() const { return true; }
   // The file of the image that was handed out last, and the deepest folder that has all images of the recording; empty
-  // where images have no files.
+  // if images have no files.
   virtual std::filesystem::path file_of_last() const { return {}; }
   virtual std::filesystem::path image_folder() const { return {}; }
-  // A camera's controls are from now on these.
+  // Sets a camera's controls.
   virtual void set_controls(const CameraControls& /*controls*/) {}
 };
 
-struct OpenedSource {
-  std::unique_ptr<ImageSource> source;
-  std::string error;  // empty, or file, what is wrong, and what to do
-  bool ok() const { return source != nullptr; }
-};
+// Errors name the input, what is wrong, and what to do.
+using OpenedSource = Result<std::unique_ptr<ImageSource>>;
 
 }  // namespace rumi::camera_driver

@@ -106,11 +106,11 @@ BagPoses poses_in_bag(const std::filesystem::path& path, const std::string& chan
   if (!bag->refusal().empty()) return refuse(bag->refusal());
   result.has_transforms = !topics.transforms.empty();
   if (!result.has_transforms) return refuse("has no poses of the camera: no transforms of frames (/tf)");
-  const ChosenTopic chosen = choose_topic(topics, channel);
-  if (!chosen.topic) return refuse(chosen.error);
+  const Result<ChosenTopic> chosen = choose_topic(topics, channel);
+  if (!chosen) return refuse(chosen.error_text());
   const Edges edges = edges_of(*bag, topics.transforms);
   std::string why;
-  const std::vector<const Edge*> chain = chain_of(edges, frame_of_images(*bag, *chosen.topic), &why);
+  const std::vector<const Edge*> chain = chain_of(edges, frame_of_images(*bag, *chosen->topic), &why);
   const Edge* moving = chain.empty() ? nullptr : moving_one(chain, &why);
   if (!moving) return refuse(why);
   add_poses(chain, moving, &result.poses);

@@ -150,26 +150,24 @@ BagTopics read_topics(BagFile& bag) {
   return topics;
 }
 
-ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel) {
+Result<ChosenTopic> choose_topic(const BagTopics& topics, const std::string& channel) {
   const std::vector<BagTopic>& images = topics.images;
   for (const BagTopic& topic : images)
-    if (topic.name == channel || topic.name == "/" + channel) return {&topic, "", ""};
-  if (images.empty()) return {nullptr, "", why_no_images(topics)};
+    if (topic.name == channel || topic.name == "/" + channel) return ChosenTopic{&topic, ""};
+  if (images.empty()) return Error{why_no_images(topics)};
   const bool is_named = channel != channels::kCamera;
   const auto depths = std::count_if(images.begin(), images.end(), [](const BagTopic& topic) { return topic.is_depth; });
   const auto others = static_cast<ptrdiff_t>(images.size()) - depths;
-  if (!is_named && images.size() == 1) return {&images.front(), "", ""};
+  if (!is_named && images.size() == 1) return ChosenTopic{&images.front(), ""};
   if (!is_named && others == 1)
-    return {&images.front(),
-            fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
-                        list_of_channels(counts_of({images.begin() + 1, images.end()}))),
-            ""};
+    return ChosenTopic{&images.front(),
+                       fmt::format("{} is played; the other images of the bag are depth ({})", images.front().name,
+                                   list_of_channels(counts_of({images.begin() + 1, images.end()})))};
   if (!is_named && others == 2 && are_of_one_rig(images[0].name, images[1].name))
-    return {&images.front(),
-            fmt::format("{} is played, and not {}; --log-channel chooses", images[0].name, images[1].name), ""};
-  return {nullptr, "",
-          fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
-                      advice_on_channels(counts_of(images), images.front().name))};
+    return ChosenTopic{&images.front(),
+                       fmt::format("{} is played, and not {}; --log-channel chooses", images[0].name, images[1].name)};
+  return Error{fmt::format("{}{}", is_named ? fmt::format("no images on '{}'; ", channel) : "",
+                           advice_on_channels(counts_of(images), images.front().name))};
 }
 
 const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic) {

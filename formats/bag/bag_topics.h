@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/bag/bag_file.h"
 
 namespace rumi {
@@ -41,10 +42,11 @@ BagTopics read_topics(BagFile& bag);
 
 struct ChosenTopic {
   const BagTopic* topic = nullptr;
-  std::string note, error;  // what to do if there is none
+  std::string note;  // which topics are not played; may be empty
 };
-// `channel`: as the user gave it, or the default, which is no topic's name.
-ChosenTopic choose_topic(const BagTopics& topics, const std::string& channel);
+// `channel`: as the user gave it, or the default, which is no topic's name. An Error says how to choose, or that there
+// are no images.
+Result<ChosenTopic> choose_topic(const BagTopics& topics, const std::string& channel);
 // The camera_info beside the topic; null if there is none.
 const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic);
 

@@ -25,11 +25,11 @@ struct FileCameras {
   std::vector<FileCamera> cameras;  // the default camera first
 };
 
-// Of a file that has each as a group of its own.
+// The limit for a file that has each camera as a group of its own.
 inline constexpr size_t kMostCameras = 64;
-FileCameras too_many_cameras(const Fields& in);
+Error too_many_cameras(const Fields& in);
 
-// What a reader of one camera found.
+// The camera that a reader found, or the error that `in` has kept.
 FileCamera file_camera(const std::string& name, const Camera& camera, Fields& in);
 
 Result<FileCameras> read_rumi(const Fields& in);

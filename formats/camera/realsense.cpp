@@ -114,6 +114,8 @@ bool is_realsense_listing(const std::string& text) {
 
 Result<FileCameras> read_realsense(const std::string& text, const std::string& file) {
   FileCameras all{"RealSense", {}};
+  Error unreadable{"is a listing of RealSense cameras without their calibration: make it with rs-enumerate-devices -c",
+                   file};
   for (const Block& block : blocks_of(text)) {
     try {
       FileCamera camera = read_block(block, file);
@@ -121,17 +123,13 @@ Result<FileCameras> read_realsense(const std::string& text, const std::string& f
                                        [&camera](const FileCamera& other) { return other.name == camera.name; });
       if (is_new) all.cameras.push_back(std::move(camera));
     } catch (const YAML::Exception& e) {
-      all.error = fmt::format("{}, Intrinsic of \"{}\": cannot be read ({})", file, block.stream, e.what());
+      unreadable = {fmt::format("cannot be read ({})", e.what()),
+                    fmt::format("{}, Intrinsic of \"{}\"", file, block.stream)};
     }
   }
   std::stable_sort(all.cameras.begin(), all.cameras.end(),
                    [](const FileCamera& a, const FileCamera& b) { return rank(a.lens) < rank(b.lens); });
-  if (all.cameras.empty() && all.error.empty())
-    all.error = fmt::format(
-        "{}: is a listing of RealSense cameras without their calibration: make it with "
-        "rs-enumerate-devices -c",
-        file);
-  if (!all.cameras.empty()) all.error.clear();
+  if (all.cameras.empty()) return unreadable;
   return all;
 }
 

@@ -188,7 +188,7 @@ bool goes_with(const Kind& kind, const Kind& main) {
   return (kind.rank < -1) == (main.rank < -1) && !count_alike(kind, main);
 }
 
-ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
+Result<ImageChoice> choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
   ImageChoice choice;
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string last = names[i].substr(names[i].rfind('/') + 1);
@@ -196,7 +196,7 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
       choice.kept.push_back(i);
   }
   if (choice.kept.empty())
-    choice.error = fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front());
+    return Error{fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front())};
   return choice;
 }
 
@@ -204,8 +204,8 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 
 bool is_no_camera(const std::string& name) { return rank_of(name) == kRankOfNoCamera; }
 
-ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
-  if (names.empty()) return {};
+Result<ImageChoice> choose_images(const std::vector<std::string>& names, const std::string& pattern) {
+  if (names.empty()) return ImageChoice();
   if (!pattern.empty()) return choose_by_pattern(names, pattern);
   std::vector<Name> parts;
   parts.reserve(names.size());

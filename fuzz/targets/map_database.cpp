@@ -33,7 +33,7 @@ Bytes make_good_file() {
   Atlas atlas;
   for (const SubmapKey& key : {SubmapKey{kSession, 1}, SubmapKey{kSession, -1}}) {
     const submap_update_t update = make_submap_update(good_submap(key, 2), 0);
-    if (!atlas.change_submap(key, [&](Submap* s) { return apply_submap_update(update, s); }).empty())
+    if (!atlas.change_submap(key, [&](Submap* s) { return apply_submap_update(update, s).error_text(); }).empty())
       throw std::logic_error("no good submap");
   }
   Placement placement;

@@ -35,11 +35,11 @@ std::string parse(const Arguments& arguments, WindowCut* cut) {
 void cut_window(const Arguments& arguments) {
   WindowCut cut;
   refuse_if(parse(arguments, &cut));
-  refuse_if(check(arguments.camera));
+  refuse_if(check(arguments.camera).error_text());
   start_logging("rumi", false, arguments.quiet);
   camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  const CutWindow window = cut_window(*opened.source, cut);
+  fail_if(opened.error_text());
+  const CutWindow window = cut_window(**opened, cut);
   fail_if(window.error);
   fail_if(ruminator::write_window_job(arguments.file, window.job));
   const ruminator::RuminationWindow& w = window.job.window;

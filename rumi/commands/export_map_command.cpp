@@ -73,7 +73,7 @@ void read_options(Arguments& arguments) {
   OptionTable table;
   describe(table, arguments.camera);
   refuse_if(load_options(table, "", arguments.settings));
-  refuse_if(check(arguments.camera));
+  refuse_if(check(arguments.camera).error_text());
   if (!arguments.images.empty() && arguments.format == "tum")
     refuse_if("--images gives landmarks their colours, and --format tum has none: leave it out");
   if (arguments.images.empty() && !arguments.settings.empty())
@@ -89,9 +89,9 @@ void export_map(Arguments& arguments) {
   if (!arguments.images.empty()) {
     start_logging("rumi", false, false);
     const camera_driver::OpenedSource recording = camera_driver::open_recording(arguments.images, arguments.camera);
-    fail_if(recording.error);
-    colours = colours_from(arguments, atlas, *recording.source);
-    if (for_colmap) files = files_from(arguments, atlas, *recording.source);
+    fail_if(recording.error_text());
+    colours = colours_from(arguments, atlas, **recording);
+    if (for_colmap) files = files_from(arguments, atlas, **recording);
   }
   fail_if(write_map(atlas, colours, files, arguments.out, arguments.format));
   fmt::print("{} written to {}\n", arguments.format, arguments.out);

@@ -76,8 +76,8 @@ std::string write_mask(const ImageMask& mask, const Camera& camera, const std::s
 int run_mask(const Arguments& arguments) {
   fail_if(check_output(arguments.output));
   camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  camera_driver::ImageSource& source = *opened.source;
+  fail_if(opened.error_text());
+  camera_driver::ImageSource& source = **opened;
   const Looked looked = look_at(source);
   fail_if(looked.images == 0 ? arguments.input + ": no image can be read" : "");
   fail_if(write_mask(looked.mask, source.camera(), arguments.output));

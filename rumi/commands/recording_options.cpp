@@ -16,7 +16,7 @@ void load_recording_options(const std::vector<std::string>& settings, camera_dri
   OptionTable table;
   describe(table, *options);
   refuse_if(load_options(table, "", settings));
-  refuse_if(check(*options));
+  refuse_if(check(*options).error_text());
   if (options->loop) refuse_if("camera_driver.loop is true, and this would never end: leave it out");
 }
 

@@ -29,7 +29,7 @@ struct Arguments : OptionFlags {
 std::string check(const AllOptions& options, const std::string& out) {
   const map_server::MapServerOptions& map = options.map_server;
   if (out.empty()) return "--output is empty: give a folder";
-  const std::string problem = check(options.camera_driver);
+  const std::string problem = check(options.camera_driver).error_text();
   return problem.empty() && map.localize_only ? check_map_stays(map.database, out) : problem;
 }
 

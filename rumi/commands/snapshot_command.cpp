@@ -132,9 +132,9 @@ OfRecording look_at_recording(const Arguments& arguments, const map_server::Atla
   const std::string thrown = thrown_by([&] {
     spdlog::set_level(spdlog::level::err);  // what is odd in the recording was said when it began
     const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
-    fail_if(recording.error);
-    result.image_size = {recording.source->camera().width, recording.source->camera().height};
-    if (recording.source->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording.source).colours;
+    fail_if(recording.error_text());
+    result.image_size = {(*recording)->camera().width, (*recording)->camera().height};
+    if ((*recording)->plays_few_quickly()) result.colours = landmark_colours(atlas, **recording).colours;
   });
   if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
   return result;

@@ -37,10 +37,10 @@ std::string resolve(Flags& f) {
     f.synth.camera = synth::default_synth_camera(width, height);
   }
   if (!f.camera_file.empty()) {
-    const CameraFile read = read_camera_file(f.camera_file);
-    if (!read.ok()) return read.error;
-    log_notes(read);
-    f.synth.camera = read.camera;
+    const Result<CameraFile> read = read_camera_file(f.camera_file);
+    if (!read) return read.error_text();
+    log_notes(*read);
+    f.synth.camera = read->camera;
   }
   if (const std::string error = synth::parse_walk_kind(f.walk, &f.synth.walk); !error.empty()) return error;
   if (f.hard.size() != f.at_s.size() || f.hard.size() != f.for_s.size())

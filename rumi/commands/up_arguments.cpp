@@ -32,11 +32,11 @@ std::string sort_out_camera(const AllOptions& options, UpArguments* arguments) {
     if (!setting.starts_with("--camera "))
       return fmt::format("{}: there is no INPUT that this could be meant for", setting.substr(0, setting.find(' ')));
     arguments->calibration = options.camera_driver.camera_file;
-    const CameraFile read = read_camera_file(arguments->calibration);
-    if (!read.ok()) return read.error;
-    if (!read.mask.empty())
+    const Result<CameraFile> read = read_camera_file(arguments->calibration);
+    if (!read) return read.error_text();
+    if (!read->mask.empty())
       complain("up", fmt::format("{} is put on the images of an INPUT only: those from elsewhere carry their own",
-                                 read.mask));
+                                 read->mask));
   }
   return {};
 }
@@ -77,7 +77,7 @@ std::string read_options(UpArguments* arguments, AllOptions* options, OptionTabl
     const std::string replaced = check_map_stays(options->map_server.database, arguments->snapshot);
     if (!replaced.empty()) return replaced;
   }
-  return check(options->camera_driver);
+  return check(options->camera_driver).error_text();
 }
 
 }  // namespace rumi::tool

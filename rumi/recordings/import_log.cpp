@@ -128,14 +128,14 @@ int run_import(const ImportOptions& options) {
     return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
   }
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
-  if (!opened.ok()) return fail(opened.error);
+  if (!opened) return fail(opened.error_text());
 
   int64_t count = 0;
-  std::string problem = write_folder(*opened.source, options.folder, &count);
+  std::string problem = write_folder(**opened, options.folder, &count);
   if (problem.empty()) problem = write_truth(options);
   if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
   fmt::print("{}: {} images\n", options.folder, count);
-  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  const std::vector<std::string> complaints = (*opened)->skipped().complaints(count);
   for (const std::string& complaint : complaints) fmt::print(stderr, "rumi import: {}\n", complaint);
   return complaints.empty() ? 0 : kNotAll;
 }

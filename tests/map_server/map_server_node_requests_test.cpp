@@ -67,7 +67,7 @@ TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
   Submap copy;
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
-  ASSERT_EQ(apply_submap_update(update, &copy), "");
+  ASSERT_EQ(apply_submap_update(update, &copy).error_text(), "");
   EXPECT_EQ(copy.landmarks.size(), maker.submap().landmarks.size());
   EXPECT_EQ(copy.revision, 4);
   ASSERT_TRUE(Bus::decode(answers_[1].bytes, &update));
@@ -134,7 +134,7 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
   Submap placed;
-  ASSERT_EQ(apply_submap_update(update, &placed), "");
+  ASSERT_EQ(apply_submap_update(update, &placed).error_text(), "");
   for (const auto& [id, keyframe] : owner.submap.keyframes)
     EXPECT_LT((placed.keyframe(id)->cam_from_submap.center() - owner.placement.cam_from_map(keyframe).center()).norm(),
               1e-12);

@@ -66,7 +66,7 @@ submap_update_t small_update() {
   Submap map;
   map.key = {5, 1};
   map.revision = 3;
-  map.camera = parse_calibration(metadata(small_image(1), kCalibrationKey), "test").camera;
+  map.camera = parse_calibration(std::string(metadata(small_image(1), kCalibrationKey)), "test").value().camera;
   auto features = std::make_shared<Features>();
   for (int i = 0; i < 10; ++i) {
     features->keypoints.push_back({{5.0f * static_cast<float>(i), 9}, 0, 0});

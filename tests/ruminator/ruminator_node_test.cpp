@@ -109,9 +109,8 @@ TEST_F(RuminatorNodeTest, TheImagesOfAWindowCarryWhatWasLearnedToBeNoWorldAlsoLa
   ASSERT_EQ(jobs_.size(), 1U);
   ASSERT_EQ(jobs_[0].images.size(), 20U);
   for (const image_t& image : jobs_[0].images) {
-    std::string error;
-    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey), &error);
-    ASSERT_EQ(pixels.size(), cv::Size(160, 120)) << error;
+    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey)).value();
+    ASSERT_EQ(pixels.size(), cv::Size(160, 120));
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(0, 60)), 0);
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(61, 120)), 160 * 59);
   }
@@ -148,10 +147,9 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   ASSERT_NE(kept, nullptr);
   EXPECT_EQ(kept->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
   EXPECT_EQ(metadata(*kept, kCalibrationKey), "fx: 100");
-  std::string error;
-  const cv::Mat pixels = decode_grey(*kept, &error);
-  ASSERT_FALSE(pixels.empty()) << error;
-  const cv::Mat original = decode_grey(make_image(first, false), &error);
+  const cv::Mat pixels = decode_grey(*kept).value();
+  ASSERT_FALSE(pixels.empty());
+  const cv::Mat original = decode_grey(make_image(first, false)).value();
   EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
   for (int64_t t = first; t < now_; t += kPeriodUs)
     if (const image_t* image = node_->frames().find({t}))

@@ -83,10 +83,12 @@ TEST(CameraOfOrbSlam, RectifiedTellsWhatItLeavesOut) {
 }
 
 TEST(CameraOfOrbSlam, TellsOfSizesThatItDoesNotUse) {
-  EXPECT_THAT(parse(std::string(kOrbSlam) + "Camera.newWidth: 32\nCamera.newHeight: 48\n").notes,
+  EXPECT_THAT(parse(std::string(kOrbSlam) + "Camera.newWidth: 32\nCamera.newHeight: 48\n").value().notes,
               ElementsAre(HasSubstr("Camera.newWidth is '32'")));
-  EXPECT_THAT(parse(std::string(kOrbSlam) + "Camera.imageScale: 0.5\n").notes, ElementsAre(HasSubstr("imageScale")));
-  EXPECT_THAT(parse(std::string(kOrbSlam) + "Lens.maker: nobody\n").notes, ElementsAre(HasSubstr("Lens.maker")));
+  EXPECT_THAT(parse(std::string(kOrbSlam) + "Camera.imageScale: 0.5\n").value().notes,
+              ElementsAre(HasSubstr("imageScale")));
+  EXPECT_THAT(parse(std::string(kOrbSlam) + "Lens.maker: nobody\n").value().notes,
+              ElementsAre(HasSubstr("Lens.maker")));
 }
 
 TEST(CameraOfOrbSlam, MayHaveASecondOne) {

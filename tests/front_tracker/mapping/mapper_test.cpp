@@ -249,7 +249,7 @@ TEST(FrontSubmap, ItsEndIsCutOffHereAndInCopies) {
   auto s = scene.submap(walk(6));  // at 100, 200, ..., 600 ms
   ++s->map.revision;
   Submap copy;
-  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, 0), &copy), "");
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, 0), &copy).error_text(), "");
   ASSERT_EQ(copy.frames.size(), 6u);
   ++s->map.revision;
   s->cut_end(400'000);
@@ -261,7 +261,7 @@ TEST(FrontSubmap, ItsEndIsCutOffHereAndInCopies) {
     for (const Observation& o : lm.observations) EXPECT_LT(o.keyframe_id, 3);
   }
   for (const auto& [utime, frame] : s->map.frames) EXPECT_NE(s->map.keyframe(frame.reference_keyframe), nullptr);
-  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, copy.revision), &copy), "");
+  ASSERT_EQ(apply_submap_update(make_submap_update(s->map, copy.revision), &copy).error_text(), "");
   EXPECT_EQ(copy.frames.size(), 3u);
   EXPECT_EQ(copy.keyframes.size(), 3u);
   EXPECT_EQ(copy.landmarks.size(), s->map.landmarks.size());

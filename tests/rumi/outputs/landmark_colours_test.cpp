@@ -54,8 +54,8 @@ void write_recording(const Submap& submap, const std::filesystem::path& folder, 
 
 std::unique_ptr<camera_driver::ImageSource> open(const std::filesystem::path& folder) {
   camera_driver::OpenedSource opened = camera_driver::open_recording(folder.string(), {});
-  EXPECT_EQ(opened.error, "");
-  return std::move(opened.source);
+  EXPECT_EQ(opened.error_text(), "");
+  return std::move(*opened);
 }
 
 map_server::Atlas atlas_of(Submap submap, int64_t stream) {

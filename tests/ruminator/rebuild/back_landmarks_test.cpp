@@ -23,8 +23,7 @@ Fixture make_fixture() {
   Fixture f;
   f.camera = window.job.camera;
   for (int i = 0; i < 7; ++i) {
-    std::string error;
-    f.images.push_back({window.job.images[i].utime, decode_grey(window.job.images[i], &error)});
+    f.images.push_back({window.job.images[i].utime, decode_grey(window.job.images[i]).value()});
     if (i != 3) f.model.cam_from_world[i] = window.cam_from_map[i];
   }
   // Some points before the camera, 3 m away.

@@ -85,7 +85,7 @@ void expect_whole(const RenderedWindow& window, const BuildResult& result) {
   }
   Submap received;
   received.key = submap.key;
-  EXPECT_EQ(apply_submap_update(make_submap_update(submap, 0), &received), "");
+  EXPECT_EQ(apply_submap_update(make_submap_update(submap, 0), &received).error_text(), "");
   EXPECT_EQ(received.keyframes.size(), submap.keyframes.size());
   EXPECT_EQ(received.landmarks.size(), submap.landmarks.size());
 }
@@ -193,8 +193,7 @@ TEST_P(HopelessWindow, FailsAtOnceWithItsReason) {
 
 // The same picture, with a sensor's noise.
 void stand_still(WindowJob* job) {
-  std::string error;
-  const cv::Mat first = decode_grey(job->images[0], &error);
+  const cv::Mat first = decode_grey(job->images[0]).value();
   cv::RNG random(1);
   for (size_t i = 0; i < job->images.size(); ++i) {
     cv::Mat noise(first.size(), CV_16S), noisy;

@@ -38,11 +38,10 @@ image_t image(const cv::Mat& own_mask = {}, int width = 64, int height = 48) {
 int black_columns(const LearnedMasks& masks, const image_t& of, int64_t stream = 5) {
   std::vector<image_t> images = {of};
   masks.put_on(&images, stream);
-  const std::string png = metadata(images[0], kMaskKey);
+  const std::string png(metadata(images[0], kMaskKey));
   if (png.empty()) return 0;
-  std::string error;
-  const cv::Mat world = decode_mask(png, &error);
-  EXPECT_EQ(world.size(), cv::Size(images[0].width, images[0].height)) << error;
+  const cv::Mat world = decode_mask(png).value();
+  EXPECT_EQ(world.size(), cv::Size(images[0].width, images[0].height));
   return cv::countNonZero(world.row(0) == 0);
 }
 

@@ -105,7 +105,7 @@ TEST_F(KernelTest, EveryFormatIsTheSameToTheByteAsAnotherProgramGetsIt) {
     const int64_t lost = source_->skipped().total();
     source_.reset();
     for (const image_t& image : images) {
-      ASSERT_EQ(check_image(image), "");
+      ASSERT_EQ(check_image(image).error_text(), "");
       ASSERT_EQ(image.data, images[0].data);  // the picture stands still
     }
     expect_same_bytes(*format, KernelCamera::reference_frame(fourcc_text(fourcc)), images[0]);
@@ -284,7 +284,7 @@ TEST_F(KernelTest, UnpluggedAndPluggedInAgain) {
 
 TEST_F(KernelTest, ABusyCameraIsWaitedFor) {
   OpenedSource other = open_camera(kernel_video_system(), kDevice, options_);
-  ASSERT_EQ(other.error, "");
+  ASSERT_EQ(other.error_text(), "");
   ASSERT_EQ(open(), "");
   EXPECT_THAT(source_->live()->problem, HasSubstr("in use by another program"));
   EXPECT_TRUE(take(1, kSecondUs).empty());
@@ -320,7 +320,7 @@ TEST_F(KernelTest, TheProcessOnLcm) {
     ++images;
     late += image.utime <= last_us;
     last_us = image.utime;
-    EXPECT_EQ(check_image(image), "");
+    EXPECT_EQ(check_image(image).error_text(), "");
     EXPECT_THAT(metadata(image, kCalibrationKey), HasSubstr("fx: 300"));
   });
   bus->subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& message) { status = message; });
