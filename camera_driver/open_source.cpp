@@ -286,7 +286,7 @@ Error why_not_playable(const std::string& input, const CameraOptions& options, c
 }  // namespace
 
 bool is_camera(const std::string& input) {
-  constexpr unsigned kMajorOfVideo = 81;  // of Linux, for all V4L2 devices, whatever their names
+  constexpr unsigned kMajorOfVideo = 81;  // Linux's major number of all V4L2 devices, whatever their names
   struct stat info {};
   const bool is_video =
       stat(input.c_str(), &info) == 0 && S_ISCHR(info.st_mode) && major(info.st_rdev) == kMajorOfVideo;

@@ -21,7 +21,7 @@ constexpr double kMaxSeconds = 1e9;
 constexpr double kMaxRateHz = 10'000;
 constexpr double kMinSpeed = 0.001, kMaxSpeed = 10'000;
 
-// Also false for NaN.
+// False also for NaN.
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
 constexpr double kMaxLockS = 3600, kMinStallS = 0.1, kMaxStallS = 600;

@@ -87,7 +87,7 @@ struct Prepared {
   Pipe output, failure;
 };
 
-// Between fork and exec: async-signal-safe calls only.
+// Runs between fork and exec: only async-signal-safe calls are allowed.
 [[noreturn]] void become_program(const Prepared& launch) {
   const auto give_up = [&](int reason) {
     [[maybe_unused]] const ssize_t written = write(launch.failure.write.get(), &reason, sizeof(reason));

@@ -17,15 +17,15 @@ namespace rumi {
 struct ChildLaunch {
   std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
   std::vector<std::string> environment;  // NAME=value, besides ours
-  int nice = 0;                          // ours, if that is higher
-  int death_signal = SIGKILL;            // that it gets when the thread that started it ends
+  int nice = 0;                          // our niceness, if that is higher
+  int death_signal = SIGKILL;            // sent to the child when the thread that started it ends
   std::vector<int> held_signals = {};    // wait until the program unblocks them: it may not handle them at once
 };
 
 // How a process ended, as waitpid() tells.
 struct ChildEnd {
   int status = 0;
-  double cpu_s = 0;       // its own and that of the children it waited for
+  double cpu_s = 0;       // includes the children that it waited for
   bool is_known = false;  // false: another part of this process took its status (SIGCHLD is ignored?)
 
   bool exited() const;

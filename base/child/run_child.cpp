@@ -24,12 +24,12 @@ using Outcome = ChildResult::Outcome;
 
 constexpr size_t kLastOutputBytes = 16384;
 constexpr int kPollMs = 20;       // how soon `cancel` is seen
-constexpr double kGraceS = 1;     // from SIGTERM to SIGKILL
+constexpr double kGraceS = 1;     // time from SIGTERM to SIGKILL
 constexpr int kLastBuffers = 16;  // read after its end; not more: a process that left the group may write for ever
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// What the child says: the beginning goes into the log, the end is remembered.
+// Collects the child's output: its beginning goes into the log, its end is remembered.
 class Output {
  public:
   Output(Child* child, FileDescriptor log, const ChildCommand& command)

@@ -12,7 +12,7 @@ namespace rumi {
 // `remedy` is added where it is missing.
 std::string why_unreadable(const std::filesystem::path& path, const std::string& remedy = {});
 
-// Whether something of that name is there, or may be there, in a folder that may not be entered: reading it tells.
+// True if something of that name is there, or may be there in a folder that may not be entered: reading it will tell.
 bool may_be_there(const std::filesystem::path& path);
 
 // "; /srv belongs to root (uid 0), and this is anna (uid 1000)": to be put behind the reason for which `path` cannot be

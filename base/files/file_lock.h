@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one process at a time may do, tied to a file (flock). The kernel gives it back when the process ends, however it
-// ends.
+// Lets one process at a time do something, tied to a file (flock). The kernel releases the lock when the process ends,
+// however it ends.
 #pragma once
 
 #include <optional>

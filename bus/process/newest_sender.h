@@ -19,7 +19,7 @@ class NewestSender {
   // sent, or at which its session began. False for a lower one as long as the other one was heard in the last five
   // seconds.
   bool take(int64_t number, int64_t now_us);
-  // The same question, without telling or counting.
+  // As above, without telling or counting.
   bool is_older(int64_t number, int64_t now_us) const;
   int64_t refused() const { return refused_; }
 

@@ -35,7 +35,7 @@ class OnlyOne {
   const std::string& problem() const { return problem_; }
   // Somebody asked since the last call: the status is to be published now.
   bool take_question();
-  // Another process of this name that does not end although it is the later one, since the last call; for a person.
+  // Describes, for a person, a later process of this name that does not end although it should; since the last call.
   std::string take_warning();
 
   int64_t started_us() const { return started_us_; }

@@ -159,13 +159,13 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
   }
   const lcm_msg_handler_t callback = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
     auto* const to = static_cast<Subscription*>(user);
-    // Nothing may be thrown through LCM, which is C.
+    // Exceptions must not pass through LCM, which is C.
     const std::string reason = thrown_by([&] {
       to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
     });
     if (!reason.empty()) to->bus->note_dropped(*to);
   };
-  // Not by its C++ class, which takes a subscription that failed for one.
+  // LCM's C++ class is not used here: it takes a failed subscription for a good one.
   lcm_subscription_t* const made =
       lcm_subscribe(lcm_->getUnderlyingLCM(), escaped(names_.on_wire(channel)).c_str(), callback, added);
   if (!made) throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));

@@ -30,7 +30,7 @@ class LcmBus : public Bus {
   static Result<std::unique_ptr<LcmBus>> open(const std::string& url, const ChannelNames& names);
   ~LcmBus() override;
 
-  // From any thread.
+  // May be called from any thread.
   bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
   // Throws std::runtime_error if LCM refuses (its multicast self test failed). From the dispatching thread.
   void subscribe_raw(const std::string& channel, const QueueOptions& queue, RawHandler handler) override;
@@ -42,7 +42,7 @@ class LcmBus : public Bus {
 
  private:
   struct Message {
-    int64_t sequence = 0;  // of arrival, over all subscriptions
+    int64_t sequence = 0;  // order of arrival, over all subscriptions
     std::vector<uint8_t> data;
   };
   struct Subscription {
@@ -75,7 +75,8 @@ class LcmBus : public Bus {
 
 // The two commands that let multicast of this udpm:// URL work on one machine.
 std::string multicast_advice(const std::string& url);
-// What to do about a kernel receive buffer too small for raw images, given net.core.rmem_max; empty if all is well.
+// Advice on a kernel receive buffer that is too small for raw images, given net.core.rmem_max; empty if it is large
+// enough.
 std::string receive_buffer_advice(const std::string& url, int64_t rmem_max);
 
 }  // namespace rumi

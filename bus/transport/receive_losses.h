@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernel throws away when messages come faster than this process takes them: nobody else would notice.
+// Counts the datagrams that the kernel drops when they come faster than this process takes them: nobody else would
+// notice.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,7 @@ Result<> check_jpeg(const image_t& image) {
   if (image.size == 0) return Error{"size is 0: no JPEG data"};
   const Result<JpegSize> size = inspect_jpeg(image.data);
   if (!size) return size.error();
-  // Before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
+  // This comes before decoding: a bomb of 65535 x 65535 pixels must not be unpacked to be refused.
   if (size->width == image.width && size->height == image.height) return {};
   return Error{fmt::format("the JPEG is {} x {} pixels but width x height is {} x {}", size->width, size->height,
                            image.width, image.height)};
@@ -71,7 +71,7 @@ std::string name_of_format(int32_t format) {
 
 }  // namespace
 
-// Nothing is read before all this holds: messages come from the network.
+// No pixel is read before all of this holds: messages come from the network.
 Result<> check_image(const image_t& image) {
   const int bytes = bytes_per_pixel(image.pixelformat);
   if (bytes < 0)

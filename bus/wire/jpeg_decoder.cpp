@@ -36,7 +36,7 @@ void on_message(j_common_ptr info, int level) {
   if (warning && !stray) fail(info);
 }
 
-// Only trivial locals here: an error leaves by longjmp, which runs no destructors. `out` belongs to the caller.
+// Locals must be trivial: an error leaves by longjmp, which runs no destructors. `out` belongs to the caller.
 bool decode_into(std::span<const uint8_t> data, bool grey, int reduction, cv::Mat& out, ErrorManager& errors) {
   jpeg_decompress_struct jpeg;
   jpeg.err = jpeg_std_error(&errors.base);

@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// Of an 8-bit grey or BGR image.
+// `image`: 8 bits, grey or BGR.
 image_t make_jpeg_image(int64_t utime_us, const cv::Mat& image, int quality = 90);
 
 }  // namespace rumi

@@ -16,7 +16,7 @@ rigid_t to_wire(const SE3& pose);
 similarity_t to_wire(const Sim3& similarity);
 rigid_transform_t to_wire(int64_t utime, const SE3& pose);
 
-// Nothing if a number is not finite, or the length of the quaternion differs from 1 by more than 1e-3.
+// Returns nothing if a number is not finite, or the length of the quaternion differs from 1 by more than 1e-3.
 std::optional<SE3> from_wire(const rigid_t& pose);
 std::optional<Sim3> from_wire(const similarity_t& similarity);
 

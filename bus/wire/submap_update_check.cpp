@@ -65,7 +65,7 @@ class Validator {
       if (!into->insert(id)) return Error{fmt::format("{} id {}: twice in one update", what, id)};
       return {};
     };
-    // Also refused here: an element that is both changed and removed.
+    // Refuses also an element that is both changed and removed.
     const auto take_removed = [&](const char* what, int32_t id, int most, const IdSet& changed,
                                   IdSet* into) -> Result<> {
       if (changed.contains(id)) return Error{fmt::format("{} id {}: twice in one update", what, id)};
@@ -171,7 +171,7 @@ class Validator {
     return {};
   }
 
-  // Nothing that stays as it was may refer to something that goes.
+  // Refuses the removal of an element to which an unchanged element refers.
   Result<> check_removals() {
     for (int id : update_.removed_landmarks) {
       const Landmark* landmark = submap_.landmark(id);

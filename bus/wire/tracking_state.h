@@ -12,7 +12,7 @@ namespace rumi {
 
 inline int8_t to_wire(TrackingState state) { return static_cast<int8_t>(state); }
 
-// Nothing for a number that is no state.
+// Returns nothing for a number that is no state.
 inline std::optional<TrackingState> state_from_wire(int8_t state) {
   if (state < track_t::NOT_INITIALIZED || state > track_t::LOST) return std::nullopt;
   return static_cast<TrackingState>(state);

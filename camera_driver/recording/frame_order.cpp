@@ -15,11 +15,11 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr double kMaxDisorder = 0.1;    // steps back, of all: more of them is disorder
-constexpr double kMaxDuplicates = 0.5;  // of all
+constexpr double kMaxDisorder = 0.1;    // share of steps that go back; above it the times are in disorder
+constexpr double kMaxDuplicates = 0.5;  // share of the frames
 constexpr size_t kFew = 4;              // frames: of wrong times, or stored a little too early or too late
 constexpr size_t kNearPlaces = 16;      // frames
-constexpr int64_t kNearPeriods = 10;    // of the median period
+constexpr int64_t kNearPeriods = 10;    // multiples of the median period
 constexpr size_t kMostSessions = 3;
 constexpr int64_t kLongPauseUs = 60'000'000;
 constexpr int64_t kManyTimes = 10;

@@ -13,7 +13,7 @@
 namespace rumi::camera_driver {
 
 struct OrderedFrame {
-  size_t frame = 0;        // its number in the recording, from 0
+  size_t frame = 0;        // number in the recording, from 0
   int64_t utime_us = 0;    // rises strictly within a part
   int64_t elapsed_us = 0;  // since the first frame, the parts one after the other; rises strictly
   int part = 0;            // another one begins where the clock was set back
@@ -34,7 +34,8 @@ struct FrameOrder {
 // - Most frames have the time of another one, or of another clock than the one before: an error.
 Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us);
 
-// As they are stored, at this rate, from `first_us` on. Precondition: rate_hz > 0.
+// Gives frames new times at this rate, in the order in which they are stored, from `first_us` on. Precondition: rate_hz
+// > 0.
 FrameOrder frames_at_rate(size_t count, double rate_hz, int64_t first_us);
 
 }  // namespace rumi::camera_driver

@@ -181,7 +181,7 @@ std::optional<image_t> RecordedSource::fetch() {
 }
 
 bool RecordedSource::begin_next_pass() {
-  // Without any usable image another pass would give none either.
+  // If no image was usable, another pass would give none either.
   if (!options_.loop || handed_out_in_pass_ == 0) return false;
   const int64_t span_us = frames_.back().elapsed_us - frames_.front().elapsed_us;
   const double nominal_hz = camera_.fps > 0 ? camera_.fps : 30;
@@ -275,7 +275,7 @@ void RecordedSource::skip(int64_t SkippedFrames::*reason, const std::string& mes
   if (pass_ > 0) return;
   const bool refused = starting_ && reason == &SkippedFrames::wrong_size;  // said by whoever asked to start
   if (first_problem_.empty() || refused) first_problem_ = message;
-  // Of another size: what to do stands at the end.
+  // Messages about another size end with what to do.
   if (++(skipped_.*reason) == 1 && !refused)
     log_warning("{}{}", message, reason == &SkippedFrames::wrong_size ? "" : "; left out");
 }

@@ -54,11 +54,11 @@ class RecordedSource : public ImageSource {
   std::string last_calibration_;
   Camera camera_;
   CameraOptions options_;
-  std::vector<OrderedFrame> frames_;  // those that are wanted
+  std::vector<OrderedFrame> frames_;  // the frames that are played
   size_t next_ = 0;                   // index in frames_
   size_t fetched_ = 0;                // the frame that was fetched last
   RecordingMasks masks_;
-  std::vector<int64_t> streams_;  // of each part
+  std::vector<int64_t> streams_;  // stream of each part
   std::optional<image_t> ahead_;
   std::optional<std::set<int64_t>> only_;  // images of these times; without it all
   bool starting_ = false;                  // the first image decides whether the calibration fits

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where images come from: one interface, whatever the recording or the camera.
+// One interface for all sources of images, recordings and cameras.
 #pragma once
 
 #include <cstdint>
@@ -23,18 +23,18 @@ struct SkippedFrames {
   int64_t duplicate = 0;     // time equal to that of another frame
   int64_t out_of_order = 0;  // recording: time far from those around; camera: before that of the frame before
   int64_t unreadable = 0;    // missing or corrupt
-  int64_t wrong_size = 0;    // not that of the calibration
-  int64_t other_camera = 0;  // of another camera or stream on the same channel, in turn
+  int64_t wrong_size = 0;    // another size than the calibration's
+  int64_t other_camera = 0;  // from another camera or stream on the same channel
   int64_t lost = 0;          // camera: gaps in the driver's numbering
   int64_t repeated = 0;      // the same image as the one before, in a row that is not short
-  int64_t longest_row = 0;   // of such images
-  double longest_row_s = 0;  // where it begins, since the first image
+  int64_t longest_row = 0;   // longest run of such images
+  double longest_row_s = 0;  // its begin, since the first image
   int64_t total() const {
     return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost + repeated;
   }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
-  // Of a recording of which `handed_out` images were not skipped: a sentence for each reason for which more than 1 % of
-  // all were, with what to do.
+  // A sentence, with what to do, for each reason for which more than 1 % of the images were skipped; `handed_out` were
+  // not.
   std::vector<std::string> complaints(int64_t handed_out) const;
 };
 

@@ -20,7 +20,7 @@ cv::Mat compact_420(const PixelFormat& format, const RawImage& raw) {
   cv::Mat out(raw.height * 3 / 2, raw.width, CV_8UC1);
   view(raw, CV_8UC1).copyTo(out.rowRange(0, raw.height));
   const bool planar = format.layout == PixelLayout::kPlanarYuv;
-  const int rows = planar ? raw.height : raw.height / 2;  // of chroma
+  const int rows = planar ? raw.height : raw.height / 2;  // chroma rows
   const int width = planar ? raw.width / 2 : raw.width, stride = planar ? raw.stride / 2 : raw.stride;
   const size_t offset = static_cast<size_t>(raw.stride) * raw.height;
   const cv::Mat from(rows, width, CV_8UC1, const_cast<uint8_t*>(raw.data.data()) + offset, static_cast<size_t>(stride));

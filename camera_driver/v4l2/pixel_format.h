@@ -32,7 +32,7 @@ struct PixelFormat {
   int to_grey = -1, to_bgr = -1;  // cv::ColorConversionCodes; -1: not needed
 };
 
-// In the order in which they are preferred: least work and least loss first.
+// In order of preference: least work and least loss first.
 const std::vector<PixelFormat>& pixel_formats();
 const PixelFormat* find_pixel_format(uint32_t fourcc);
 // "YUYV"; letters that cannot be printed become '?'.

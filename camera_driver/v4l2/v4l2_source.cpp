@@ -22,12 +22,12 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int kWaitMs = 20;  // so that a request to stop is heard
+constexpr int kWaitMs = 20;  // short, so that a request to stop is heard
 constexpr int64_t kFirstRetryUs = 250'000, kLastRetryUs = 5'000'000;
 constexpr int64_t kRateWindowUs = 2'000'000;
-constexpr double kSlow = 0.8;  // part of the agreed rate
+constexpr double kSlow = 0.8;  // below this share of the agreed rate a camera is slow
 constexpr double kDefaultRateHz = 30;
-constexpr int64_t kExposureUnitUs = 100;  // of V4L2_CID_EXPOSURE_ABSOLUTE
+constexpr int64_t kExposureUnitUs = 100;  // unit of V4L2_CID_EXPOSURE_ABSOLUTE
 
 double wanted_rate(const CameraOptions& options, const Camera& camera) {
   if (options.rate_hz > 0) return options.rate_hz;
@@ -75,7 +75,7 @@ std::string V4l2Source::open_device(std::unique_ptr<VideoDevice>* device) {
   OpenedDevice opened = open_video_device(system_, found.path);
   busy_ = opened.busy;
   if (!opened.error.empty()) return opened.error;
-  // Another camera's images would go through this one's calibration.
+  // Images of another camera must not be tracked with this camera's calibration.
   if (!card_.empty() && opened.identity.card != card_)
     return fmt::format("{}: is another camera now, '{}' instead of '{}'; name cameras as in /dev/v4l/by-id", found.path,
                        opened.identity.card, card_);

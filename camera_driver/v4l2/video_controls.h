@@ -20,7 +20,7 @@ struct VideoControl {
 };
 
 std::vector<VideoControl> controls_of(const VideoDevice& device);
-// Nothing if it cannot be read.
+// Returns nothing if the control cannot be read.
 std::optional<int32_t> read_control(const VideoDevice& device, uint32_t id);
 
 // Sets the controls that the options name. Returns a line for each that could not be set: a camera that lacks a control

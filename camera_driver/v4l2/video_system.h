@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the V4L2 source wants of the operating system, so that tests can put a device of their own in its place.
+// The operating system as the V4L2 source needs it, so that tests can replace it by a device of their own.
 #pragma once
 
 #include <cstddef>

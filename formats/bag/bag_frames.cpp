@@ -125,7 +125,7 @@ class BagFrames : public FrameReader {
     std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
     for (const char* one : kFormats)
       if (format.find(one) != std::string::npos) return one;
-    // What H.264 and H.265 begin each of their units with.
+    // H.264 and H.265 begin each of their units with these bytes.
     static constexpr std::array<uint8_t, 4> kBegin = {0, 0, 0, 1};
     const bool begins_so = file.size() > 4 && (std::equal(kBegin.begin(), kBegin.end(), file.begin()) ||
                                                std::equal(kBegin.begin() + 1, kBegin.end(), file.begin()));
@@ -180,10 +180,10 @@ std::optional<RosCameraInfo> camera_info_in(BagFile& bag, const BagTopic& topic,
 }
 
 struct FoundCalibration {
-  std::string text;  // of the first message that is one; empty if there is none
+  std::string text;  // from the first message that has one; may be empty
   std::string note;
   std::string why_none;     // if there are messages
-  bool is_nominal = false;  // of the Kinect's driver, for all Kinects
+  bool is_nominal = false;  // the values that the driver has for all Kinects
 };
 
 FoundCalibration calibration_of(BagFile& bag, const BagTopics& topics, const std::string& images) {

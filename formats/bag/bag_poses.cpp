@@ -13,7 +13,7 @@
 namespace rumi {
 namespace {
 
-using Edge = std::vector<RosTransform>;  // of one child, by time
+using Edge = std::vector<RosTransform>;  // transforms of one child frame, by time
 using Edges = std::map<std::string, Edge>;
 
 std::string frame_of_images(BagFile& bag, const BagTopic& topic) {
@@ -47,7 +47,7 @@ bool is_moving(const Edge& edge) {
   });
 }
 
-// From the camera up; empty, and why in *error, if it is no chain.
+// Lists the edges from the camera up; empty, and why in *error, if they are no chain.
 std::vector<const Edge*> chain_of(const Edges& edges, const std::string& camera, std::string* error) {
   std::vector<const Edge*> chain;
   for (auto edge = edges.find(camera); edge != edges.end(); edge = edges.find(chain.back()->front().parent)) {
@@ -66,7 +66,7 @@ std::vector<const Edge*> chain_of(const Edges& edges, const std::string& camera,
   return chain;
 }
 
-// Of which it may have one that moves only: nothing is interpolated.
+// At most one transform of a chain may change in time, because nothing is interpolated.
 const Edge* moving_one(const std::vector<const Edge*>& chain, std::string* error) {
   std::vector<std::string> moving;
   const Edge* found = nullptr;

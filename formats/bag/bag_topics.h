@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is on the topics of a bag, and which of them is played.
+// Lists the topics of a bag, and chooses the one to play.
 #pragma once
 
 #include <map>
@@ -14,8 +14,8 @@ namespace rumi {
 struct BagEntry {
   BagPlace place;
   uint32_t connection = 0;
-  int64_t stamp_ns = 0;  // of the image
-  int64_t time_ns = 0;   // of the recording
+  int64_t stamp_ns = 0;  // stamp of the image
+  int64_t time_ns = 0;   // time of recording
 };
 
 // Images that are packets of a video need those before them.
@@ -36,7 +36,7 @@ bool read_message(BagFile& bag, const BagConnection& kind, const BagPlace& place
 struct BagTopics {
   std::vector<BagTopic> images, calibrations, transforms;         // none is empty; images that are no depth first
   std::map<std::string, std::pair<std::string, int64_t>> others;  // topic: type and messages
-  bool is_damaged = false;                                        // so there may have been more
+  bool is_damaged = false;                                        // there may have been more topics
 };
 BagTopics read_topics(BagFile& bag);
 

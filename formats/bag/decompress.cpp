@@ -88,7 +88,7 @@ class Unpacking {
  public:
   explicit Unpacking(Compression compression) : stream_(make_stream(compression)) {}
 
-  // All of `in`, or as much as the stream has.
+  // Reads all of `in`, or as much as the stream has.
   State take(std::span<uint8_t> in) {
     for (;;) {
       std::array<uint8_t, 64 << 10> piece;

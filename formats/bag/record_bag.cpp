@@ -78,7 +78,7 @@ int64_t RecordBag::take_chunk(int64_t at, int64_t stored_bytes, Compression comp
     inside = after;
   }
   if (next == kNoEnd || is_enough_) return next;
-  // What stands before the damage is good, as that of a file that was cut off.
+  // Records before the damage are good, as in a file that was cut off.
   const double taken = memory.size() == 0 ? 0 : static_cast<double>(inside) / static_cast<double>(memory.size());
   const auto lost = length - static_cast<int64_t>(taken * static_cast<double>(std::min(length, chunk.stored_bytes)));
   if (!chunk.is_whole || inside < memory.size())

@@ -53,7 +53,7 @@ struct Record {
   int64_t data_at = 0, data_bytes = 0;
 };
 
-// Its data may be beyond the end of what there is.
+// Reads the header of the record at `at`. The record's data may be cut off: its length is not checked against the file.
 std::optional<Record> read_record(ByteSource& source, int64_t at) {
   std::array<uint8_t, kLengthBytes> length;
   if (!source.read(at, length)) return std::nullopt;
@@ -102,7 +102,7 @@ class Ros1Bag : public RecordBag {
     return is_known ? next : kNoRecord;
   }
 
-  // By the field "op=" of what messages, connections and chunks begin with.
+  // Finds records by the field "op=", with which messages, connections and chunks begin.
   int64_t find_record(ByteSource& file, int64_t from) override {
     constexpr std::string_view kOpField("\4\0\0\0op=", 7);
     constexpr int64_t kPieceBytes = 1 << 20, kFarthestBack = 256;

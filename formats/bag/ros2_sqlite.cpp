@@ -104,7 +104,7 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  // All rows behind `from`; *last becomes the last one. What ended it before the end, or nothing.
+  // Reads all rows behind `from`; *last becomes the last one. Returns what ended it early, or nothing.
   std::optional<std::string> scan_from(int64_t from, const Visit& visit, Blob* blob, int64_t* last) {
     try {
       Statement select(database_, "SELECT rowid, topic_id, timestamp FROM messages WHERE rowid > ? ORDER BY rowid");

@@ -155,7 +155,7 @@ bool parse(Bytes message, RosEncoding encoding, std::vector<RosTransform>* trans
 }
 
 int64_t stamp_ns(Bytes head, RosEncoding encoding) {
-  // Behind seq in ROS 1, behind the preamble in ROS 2, both of 4 bytes.
+  // The stamp follows seq in ROS 1, and the preamble in ROS 2, both of 4 bytes.
   std::vector<uint8_t> padded(head.begin(), head.end());
   padded.resize(kHeadBytes);
   MessageReader in(padded, encoding);

@@ -31,9 +31,9 @@ class BagWriter {
 // Messages are collected up to this size, and written with an index: damage costs no more than what is in one chunk.
 inline constexpr size_t kChunkBytes = size_t{768} << 10;  // as rosbag does it
 
-// For ROS 2 and Foxglove: mcap.dev/spec, chunks compressed by zstd, messages in CDR.
+// Writes for ROS 2 and Foxglove: mcap.dev/spec, chunks compressed by zstd, messages in CDR.
 std::unique_ptr<BagWriter> write_mcap_file(const std::string& file);
-// For ROS 1: wiki.ros.org/Bags/Format/2.0, chunks as they are, which every reader knows.
+// Writes for ROS 1: wiki.ros.org/Bags/Format/2.0, chunks uncompressed, which every reader can read.
 std::unique_ptr<BagWriter> write_ros1_bag(const std::string& file);
 
 }  // namespace rumi

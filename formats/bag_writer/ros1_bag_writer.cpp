@@ -85,7 +85,7 @@ class Ros1BagWriter : public BagWriter {
   }
 
  private:
-  struct Index {  // of the messages of a connection in a chunk
+  struct Index {  // index of a connection's messages in a chunk
     uint32_t count = 0;
     std::string entries;
   };
@@ -144,7 +144,7 @@ class Ros1BagWriter : public BagWriter {
   std::string connection_records_, chunk_infos_, chunk_;
   std::map<uint32_t, Index> index_;
   static constexpr int64_t kNoTime = std::numeric_limits<int64_t>::max();
-  int64_t first_ns_ = kNoTime, last_ns_ = 0;  // of the chunk
+  int64_t first_ns_ = kNoTime, last_ns_ = 0;  // first and last time in the chunk
 };
 
 }  // namespace

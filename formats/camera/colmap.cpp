@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMostLines = 1000;
 
-// What the parameters of a model are, in their order.
+// The parameters of each model, in their order.
 const std::map<std::string, std::vector<std::string>>& parameters() {
   static const std::map<std::string, std::vector<std::string>> kParameters = {
       {"SIMPLE_PINHOLE", {"f", "cx", "cy"}},

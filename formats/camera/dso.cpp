@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-// What to write for the coefficients behind cy; nothing for a model that is not had here.
+// The fields for the coefficients behind cy; nothing for a model that is not supported here.
 std::string coefficients(const std::string& model, const std::vector<double>& d) {
   static const std::map<std::string, std::vector<const char*>> kNames = {{"RadTan", {"k1", "k2", "p1", "p2"}},
                                                                          {"EquiDistant", {"k1", "k2", "k3", "k4"}},

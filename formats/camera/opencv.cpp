@@ -80,7 +80,7 @@ Result<FileCameras> read_opencv(Fields in) {
   read_image_size(in, &camera);
   read_matrix(in, matrix, &camera);
   const std::vector<double> d = in.list(lens, "k1, k2, p1, p2, k3");
-  // Only the key written by OpenCV's calibration sample tells fisheye from pinhole.
+  // Only the key that OpenCV's calibration sample writes tells fisheye from pinhole.
   const bool fisheye = in.optional_number("fisheye_model") != 0;
   if (!fisheye && d.size() == 4) refuse_other_fisheyes(in);
   fisheye ? set_fisheye(in, d, lens, &camera) : set_radial_tangential(in, d, lens, &camera);

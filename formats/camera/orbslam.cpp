@@ -125,7 +125,7 @@ Camera read_camera(Fields& in, const std::string& prefix) {
   return camera;
 }
 
-// What is of the SLAM program, or of a stereo camera, an IMU or a depth image.
+// Skips keys of the SLAM program, of stereo cameras, IMUs and depth images.
 void pass_over_the_rest(Fields& in) {
   in.pass_over({"File.",
                 "System.",

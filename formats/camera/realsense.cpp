@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rs-enumerate-devices -c` prints: a block for each stream and size, for many people the only calibration.
+// Reads what `rs-enumerate-devices -c` prints: a block for each stream and size. For many people it is the only
+// calibration.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

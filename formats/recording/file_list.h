@@ -20,7 +20,7 @@ struct FileList {
     int64_t utime_us = 0;
     std::filesystem::path file;
     int line = 0;           // in the list, 0 for a plain folder
-    int page = kWholeFile;  // of a TIFF file of several
+    int page = kWholeFile;  // page of a TIFF file that has several
   };
   std::vector<Entry> entries;      // in the order of the list
   std::filesystem::path source;    // the list, or the folder
@@ -43,7 +43,7 @@ struct ListOptions {
 Result<FileList> read_tum_list(const std::filesystem::path& rgb_txt, const ListOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
 Result<FileList> read_euroc_list(const std::filesystem::path& data_csv, const ListOptions& options);
-// All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
+// Lists all images of a folder in natural order (2 before 10), with the times that their names give, if they do.
 Result<FileList> list_image_folder(const std::filesystem::path& folder, const ListOptions& options);
 
 // True for a folder with images that can be played.

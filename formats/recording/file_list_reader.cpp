@@ -84,7 +84,7 @@ class FileListReader : public FrameReader {
   }
 
   FileList list_;
-  int orientation_ = 0;  // of the last JPEG; 0: there was none
+  int orientation_ = 0;  // orientation of the last JPEG; 0: there was none
   bool is_turn_told_ = false;
   std::vector<int64_t> utimes_;
   std::optional<GreyRange> range_;

@@ -27,11 +27,11 @@ class FrameReader {
 
   // The time of each frame, as recorded, in the order in which they are stored. All 0 where there are none.
   virtual const std::vector<int64_t>& utimes() const = 0;
-  // Empty, or why the frames have no times.
+  // Says why the frames have no times; empty if they have.
   virtual std::string why_no_times() const { return {}; }
   // Why the calibration beside its images is none; empty if it is one, or is not there.
   virtual std::string why_no_calibration() const { return {}; }
-  // For messages: "…/rgb.txt:12".
+  // The frame's place, for messages: "…/rgb.txt:12".
   virtual std::string where(size_t frame) const = 0;
   // The image's own file, and the folder that names of its images are relative to; empty where frames have no files.
   virtual std::filesystem::path file(size_t /*frame*/) const { return {}; }

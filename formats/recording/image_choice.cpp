@@ -14,7 +14,7 @@ namespace rumi {
 namespace {
 
 constexpr char kNumber = '*';   // stands for digits in the form of a name
-constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts alike
+constexpr double kAlike = 0.5;  // this share of the smaller kind's numbers in common: they count alike
 
 constexpr int kRankOfNoCamera = -2;
 
@@ -140,7 +140,7 @@ std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, co
   return images;
 }
 
-// With the digit in the form of the names.
+// The form of the names with `value` for the digit at `place`.
 std::string form_with(const std::string& form, size_t place, const std::string& value) {
   size_t at = form.find(kNumber);
   for (size_t i = 0; i < place; ++i) at = form.find(kNumber, at + 1);

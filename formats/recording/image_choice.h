@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which images of a folder or list are those of one camera: colour and depth, or left and right, often lie together.
+// Chooses the images of one camera in a folder or list: colour and depth, or left and right, often lie together.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 namespace rumi {
 
 struct ImageChoice {
-  std::vector<size_t> kept;  // of the names, in their order
+  std::vector<size_t> kept;  // indices of names, in their order
   std::string note;          // what is left out, and how to choose it; may be empty
 };
 

@@ -236,7 +236,7 @@ class LogParts : public FrameReader {
   }
 
   std::vector<std::unique_ptr<FrameReader>> parts_;
-  std::vector<size_t> begins_;  // of each, its first frame
+  std::vector<size_t> begins_;  // first frame of each part
   std::vector<int64_t> utimes_;
   std::string why_no_times_;
   Malformed malformed_;

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr const char* kMaskName = "mask.png";
 constexpr const char* kFolderName = "masks";
 
-// Which files are there. Each folder is read once: a recording may have many thousand images, and no masks.
+// Knows which files exist. Each folder is read once: a recording may have many thousand images, and no masks.
 class Files {
  public:
   bool has(const fs::path& file) {

@@ -31,7 +31,7 @@ class RecordingMasks {
   // The PNG for the frame's metadata; empty if all of the image is the world. A mask that turns out broken is not used,
   // and the first one is logged.
   std::string png_of(size_t frame);
-  // For the log; empty if there are none.
+  // Describes the masks for the log; empty if there are none.
   const std::string& what() const { return what_; }
 
  private:

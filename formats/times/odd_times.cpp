@@ -105,7 +105,7 @@ std::string continue_sorted_32_bits(std::vector<std::string>* times) {
   std::vector<int64_t> sorted = *numbers;
   std::sort(sorted.begin(), sorted.end());
   const auto gap = std::adjacent_find(sorted.begin(), sorted.end(), [](int64_t a, int64_t b) { return b - a > kHalf; });
-  // One number far from all others is a mistake, and not the beginning.
+  // A single number far from all others is a mistake, and not the beginning.
   if (gap == sorted.end() || sorted.end() - gap < 3 || gap == sorted.begin()) return {};
   for (int64_t& number : *numbers) number += number <= *gap ? kWrap : 0;
   return are_microseconds(*numbers) ? take(*numbers, times) : "";

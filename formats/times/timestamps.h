@@ -12,7 +12,7 @@
 
 namespace rumi {
 
-// From image to image where it is not known: 30 Hz.
+// The step from image to image where it is not known: 30 Hz.
 inline constexpr int64_t kUsualPeriodUs = 33'333;
 
 // A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.

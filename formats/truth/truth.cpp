@@ -60,7 +60,7 @@ class TruthReader {
     result_.error = fmt::format("{}: {}", file_, why);
     return result_;
   }
-  // What is no text of poses, and is known all the same.
+  // Recognizes known files that are no text of poses.
   std::string known_stranger() const {
     std::error_code code;
     if (fs::is_directory(file_, code))

@@ -18,7 +18,7 @@ namespace {
 // A field in quotes is the same as one without.
 std::vector<std::string> fields_of(const std::string& line) {
   if (line.find(';') == std::string::npos) return split(line, " ,\t\r\"'");
-  // Where semicolons part the fields, a comma is that of a decimal number.
+  // If semicolons separate the fields, a comma is a decimal comma.
   std::vector<std::string> fields = split(line, " ;\t\r\"'");
   for (std::string& field : fields)
     if (std::count(field.begin(), field.end(), ',') == 1) std::replace(field.begin(), field.end(), ',', '.');
@@ -131,7 +131,7 @@ std::optional<size_t> column_of_seconds(const TruthTable& table) {
                                                                                      : std::nullopt;
 }
 
-// So that each line has one field for its time.
+// Joins the parts of a time, so that each line has one field for it.
 void join_seconds(TruthTable* table) {
   const std::optional<size_t> seconds = column_of_seconds(*table);
   if (!seconds) return;
@@ -204,7 +204,7 @@ std::optional<TruthTable> read_truth_table(const std::string& file) {
   }
   for (const auto& [columns, lines] : counts)
     if (table.columns == 0 || lines > counts[table.columns]) table.columns = columns;
-  // What stands in a comment names the columns if there are as many.
+  // A comment with as many words as there are columns names the columns.
   if (table.names.empty() && comment.size() == table.columns) table.names = comment;
   join_seconds(&table);
   return table;

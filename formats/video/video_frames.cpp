@@ -22,7 +22,7 @@ class VideoReader : public FrameReader {
         range_(range) {
     if (times_.utimes.empty()) return;
     begin();
-    // Some files only say it in their pictures.
+    // Some files tell only in their pictures that they are interlaced.
     if (go_to(0) && decoder_->is_interlaced()) choice_.is_interlaced = true;
   }
   bool opened() const { return decoder_ != nullptr; }
@@ -109,7 +109,7 @@ class VideoReader : public FrameReader {
   std::optional<GreyRange> range_;
   std::unique_ptr<VideoDecoder> decoder_;
   std::optional<size_t> is_at_;  // the picture that the decoder has
-  size_t begin_of_gap_ = 0;      // this one to is_at_ could not be decoded
+  size_t begin_of_gap_ = 0;      // frames from this one to is_at_ could not be decoded
   size_t next_ = 0;
 };
 

@@ -90,7 +90,7 @@ int quarter_turns(const AVStream& stream) {
 }
 
 std::optional<int64_t> usable_time(int64_t stored) {
-  constexpr int64_t kMost = int64_t{1} << 61;  // so that a difference is a number
+  constexpr int64_t kMost = int64_t{1} << 61;  // limits times, so that differences do not overflow
   return stored < -kMost || stored > kMost ? std::nullopt : std::optional(stored);
 }
 

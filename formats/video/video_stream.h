@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a video file has stored, packet by packet, not decoded (FFmpeg's libavformat).
+// Reads the packets that a video file stores, without decoding them (FFmpeg's libavformat).
 #pragma once
 
 #include <cstdint>
@@ -53,7 +53,7 @@ class VideoStream {
 // How often its pictures are turned by 90 degrees counter-clockwise to be upright, 0 to 3: phones say so.
 int quarter_turns(const AVStream& stream);
 
-// Of a packet or a picture, in the unit of its stream; nothing if there is none.
+// The time of a packet or a picture, in the unit of its stream; nothing if it has none.
 std::optional<int64_t> usable_time(int64_t stored);
 
 }  // namespace rumi

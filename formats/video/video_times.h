@@ -9,7 +9,7 @@
 namespace rumi {
 
 struct VideoTimes {
-  std::vector<int64_t> utimes;  // of each frame that is shown, in that order; the least is 0
+  std::vector<int64_t> utimes;  // times of the frames in the order of showing; the least is 0
   std::vector<int64_t> stamps;  // the same as stored in the packets; empty: not each packet has its time of showing
   bool has_times = false;       // else all utimes are 0
   int64_t stored = 0;           // frames, those that are not shown included
