@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Eigen's assertions throw, in every build type: a process that holds a map must not end because of one matrix.
-// cmake/RumiDefaults.cmake includes this file before everything else, so that all files have the same Eigen.
+// What Eigen asserts is thrown, in every build type: a process that holds a map does not end because of one matrix.
+// cmake/RumiDefaults.cmake puts this before everything else in every file, so that all have the same Eigen.
 #pragma once
 
 #include <stdexcept>
