@@ -335,7 +335,7 @@ std::string OptionTable::to_yaml(Which which) const {
       if (section_of(entry.key) != section || !is_meant(entry, which)) continue;
       if (which == Which::kExperts && entry.group != group) text += fmt::format("  # {}\n", entry.group);
       group = entry.group;
-      // What is below the section may have dots of its own; load_yaml puts the key together again.
+      // Keys below the section may have dots of their own; load_yaml puts them together again.
       const std::string name = entry.key.substr(section.size() + 1);
       text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.fields.front())), kHelpColumn,
                           describe(entry));

@@ -12,8 +12,8 @@ namespace rumi {
 
 class FileLock {
  public:
-  // Makes the file where it is missing. Nothing if another process holds it, or if it cannot be made: errno says which
-  // (EWOULDBLOCK: held).
+  // Creates the file if it does not exist. Returns nothing if another process holds it, or if it cannot be created:
+  // errno tells which (EWOULDBLOCK: held).
   static std::optional<FileLock> take(const std::string& file);
   // Writes the pid into the file, for people. On a full disk the lock holds without it.
   void sign() const;

@@ -39,7 +39,7 @@ class WholeFile {
   std::FILE* stream_ = nullptr;
 };
 
-// For writers that need a file of their own instead of a WholeFile: a name beside `file` that no other process uses ...
+// A name beside `file` that no other process uses, for writers that need a file of their own instead of a WholeFile ...
 std::string temporary_name(const std::string& file);
 // ... and the last step, which brings the finished temporary file to the disk and renames it to `file`. After an Error
 // the temporary file is gone.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does jobs one after another: in a thread of its own (live), or each at once where it is posted (replay). What a job
-// throws ends that job, not the process.
+// Does jobs one after another: in a thread of its own (live), or each at once when it is posted (replay). An exception
+// ends the job, not the process.
 #pragma once
 
 #include <condition_variable>

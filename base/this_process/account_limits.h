@@ -12,7 +12,7 @@ std::string write_error_text(int error);
 // True if there is such a limit.
 bool may_be_too_large();
 
-// "there is not enough memory", with the limit of the account where there is one.
+// Says that "there is not enough memory", with the account's limit if it has one.
 std::string no_memory_text(const std::string& what = "there is not enough memory");
 
 // As above, for a thread or process that cannot be started.

@@ -10,7 +10,7 @@ namespace rumi {
 // into that file. To be called before any file is opened: it occupies the closed streams, and writing to them fails.
 void hold_standard_streams();
 
-// Everything that was printed is on its way. Returns "cannot write: No space left on device" if not all of it could be
+// Flushes everything that was printed. Returns "cannot write: No space left on device" if not all of it could be
 // written since the program began, or an empty string.
 std::string flush_stdout();
 

@@ -80,12 +80,13 @@ int run_process(int argc, char** argv, const ProcessDescription& description);
 // The 1 Hz status of a node on any bus; call after every dispatch.
 class StatusPublisher {
  public:
-  // lost: how many datagrams found the receive buffer full so far (ReceiveLosses); nothing where there are none.
+  // lost: returns how many datagrams found the receive buffer full so far (ReceiveLosses); empty on buses that lose
+  // none.
   StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost = {});
   // See OnlyOne: when the process began, and the channel that it alone publishes on.
   void set_claim(int64_t started_us, const std::string& publishes);
   void tick(Node& node, int64_t now_us);
-  // Now, as somebody asked.
+  // Publishes now, because somebody asked.
   void answer(Node& node, int64_t now_us);
   void stopping(Node& node, int64_t now_us);
 

@@ -45,8 +45,9 @@ class ChunkSender {
   ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
               const TransferOptions& options = {});
 
-  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. One
-  // above max_payload_bytes is not sent: `done` says so at the next tick. The CRC-32 is computed where it is not given.
+  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. A
+  // payload above max_payload_bytes is not sent: `done` is told at the next tick. The CRC-32 is computed if it is not
+  // given.
   int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
                DoneHandler done, std::optional<int64_t> checksum = {});
   void tick(int64_t now_us);

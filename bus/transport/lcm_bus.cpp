@@ -78,8 +78,7 @@ bool is_multicast(const std::string& group) {
 
 bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
 
-// LCM has buses that are none for several processes, and one whose server may be missing (tcpq), which ends the
-// process.
+// Some of LCM's buses cannot connect several processes, and one ends the process if its server is missing (tcpq).
 Result<> check_url(const std::string& url) {
   if (url.starts_with("memq://"))
     return Error{

@@ -17,8 +17,8 @@ Result<> check_image(const image_t& image);
 // 8-bit grey image, width x height as the message says. Decodes GRAY, RGB, MJPEG (JPEG) and YUYV; Errors are those of
 // check_image(), and damage in a JPEG's pixels.
 Result<cv::Mat> decode_grey(const image_t& image);
-// The same image, as many times smaller as `reduction` says (1, 2, 4 or 8; sizes are rounded up): cheaper than decoding
-// in full.
+// Decodes the image as many times smaller as `reduction` says (1, 2, 4 or 8; sizes are rounded up): cheaper than
+// decoding in full.
 Result<cv::Mat> decode_reduced_grey(const image_t& image, int reduction);
 // 8-bit BGR (OpenCV's order); Errors as decode_grey().
 Result<cv::Mat> decode_bgr(const image_t& image);

@@ -4,9 +4,9 @@
 #include <csetjmp>
 #include <cstdio>
 
-// After <cstdio>, which it needs and does not include.
+// jpeglib.h needs <cstdio> and does not include it.
 #include <jpeglib.h>
-// After jpeglib.h.
+// jerror.h needs jpeglib.h.
 #include <jerror.h>
 
 #include "slam/geometry/max_side.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Submap <-> wire. What travels is what changed since a revision; see lcmtypes/submap.lcm.
+// Submap <-> wire. An update holds what changed since a revision; see lcmtypes/submap.lcm.
 #pragma once
 
 #include "base/result.h"
@@ -8,8 +8,8 @@
 
 namespace rumi {
 
-// Everything in the submap that changed after base_revision (0: all of it; also where the submap no longer remembers
-// all that was removed since: then the update's own base_revision is 0).
+// Collects everything in the submap that changed after base_revision (0: all of it). If the submap no longer remembers
+// what was removed since, the update holds all of it, too, and its base_revision is 0.
 submap_update_t make_submap_update(const Submap& submap, int64_t base_revision);
 
 // Brings the submap (empty, or an earlier revision of the same one) to update.revision; an update with base_revision 0

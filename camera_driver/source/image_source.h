@@ -17,7 +17,7 @@
 
 namespace rumi::camera_driver {
 
-// Frames that are not handed out, by reason; and those that front_tracker leaves out.
+// Counts frames that are not handed out, by reason, and those that front_tracker leaves out.
 struct SkippedFrames {
   int64_t malformed = 0;     // lines or messages that are no frame
   int64_t duplicate = 0;     // time equal to that of another frame

@@ -144,7 +144,7 @@ void V4l2Source::lose(const std::string& why) {
   retry_later();
 }
 
-// True when there is a stream. Waits a little when there is none.
+// True if there is a stream. Waits a little if there is none.
 bool V4l2Source::reopen() {
   const int64_t now_us = system_.now().monotonic_us;
   if (now_us < retry_at_us_) {

@@ -57,9 +57,8 @@ struct BagDamage {
 class BagFile {
  public:
   virtual ~BagFile() = default;
-  // Calls `visit` for each message in the order in which they are stored, until it returns false; damage is passed
-  // over. Messages of connections that are known to be of no type that is read need not be visited, but are counted.
-  // Once.
+  // Calls `visit` for each message in the order in which they are stored, until it returns false; damage is skipped.
+  // Messages of types that are not read need not be visited, but are counted. To be called once.
   using Visit = std::function<bool(const BagMessage&)>;
   virtual void scan(const Visit& visit) = 0;
   // The connections that scan() has found.
@@ -67,7 +66,7 @@ class BagFile {
   virtual const std::map<uint32_t, int64_t>& other_messages() const = 0;  // those that were not visited
   virtual const BagDamage& damage() const = 0;
   virtual int64_t size_bytes() const = 0;
-  // Why nothing of it can be read; empty if that is not known.
+  // Says why nothing of the bag can be read; empty if that is not known.
   virtual std::string refusal() const { return {}; }
   virtual std::vector<std::string> notes() const { return {}; }
   // If files of the bag are missing: how many messages of a topic should be there besides the `found` ones.
@@ -85,7 +84,7 @@ std::unique_ptr<BagFile> open_bag_folder(const std::string& folder);
 // Precondition: it is a bag.
 std::unique_ptr<BagFile> open_bag_file(const std::string& path);
 
-// When its first message of a type that is read was recorded; nothing if there is none. Precondition: it is a bag.
+// The time at which its first readable message was recorded; nothing if there is none. Precondition: the file is a bag.
 std::optional<int64_t> first_recorded_in_bag(const std::filesystem::path& file);
 
 }  // namespace rumi

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The folder of a bag in parts, one behind the other: those that the metadata.yaml of ROS 2 lists, or without it the
-// bags whose names differ in numbers only.
+// Reads a bag that is a folder of parts, one after the other: those that ROS 2's metadata.yaml lists, or, without it,
+// the bags whose names differ only in numbers.
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 

@@ -82,7 +82,7 @@ bool are_of_one_rig(const std::string& first, const std::string& second) {
   });
 }
 
-// Packets of a video, as ROS and Foxglove store them. Empty if there are none.
+// Names packets of a video, as ROS and Foxglove store them; empty if there are none.
 std::string advice_on_videos(const BagTopics& topics) {
   static const std::vector<std::string> kTypes = {"foxglove_msgs/CompressedVideo", "foxglove.CompressedVideo",
                                                   "ffmpeg_image_transport_msgs/FFMPEGPacket",

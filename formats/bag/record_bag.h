@@ -26,8 +26,8 @@ class RecordBag : public BagFile {
   static constexpr int64_t kNoEnd = -2;  // a record, but where the next one begins is not known
   // The position of the first record; kNoRecord if the file does not begin as it should.
   virtual int64_t begin(ByteSource& file) = 0;
-  // Takes in the record at `at`, and returns where the next one begins; kNoRecord if this is none, or is cut off,
-  // kNoEnd if it was taken in as far as it goes.
+  // Reads the record at `at`, and returns where the next one begins; kNoRecord if there is no record or it is cut off,
+  // kNoEnd if it was read as far as it goes.
   virtual int64_t take(ByteSource& source, int64_t at, int32_t chunk) = 0;
   // The first place from `from` on where a record seems to begin; the file's end if there is none.
   virtual int64_t find_record(ByteSource& file, int64_t from) = 0;

@@ -46,7 +46,7 @@ class Ros2Sqlite : public BagFile {
     size_ = static_cast<int64_t>(std::filesystem::file_size(name_, code));
     try {
       database_ = Database::open_to_read(name_);
-      // The file is somebody else's: no more than its two tables is wanted of it.
+      // The file is another program's: only its two tables are read.
       sqlite3_limit(database_.handle(), SQLITE_LIMIT_LENGTH, kMostMessageBytes);
       sqlite3_db_config(database_.handle(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
       sqlite3_db_config(database_.handle(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);

@@ -106,7 +106,7 @@ bool has_kalibr_camera(const Fields& in) {
 
 Result<FileCameras> read_one(const Fields& in) {
   if (in.has_any("Camera.") || in.has_any("Camera1.")) return read_orbslam(in);
-  // Only FileStorage's matrices have an element type; only ROS has them with rows and columns and none.
+  // FileStorage's matrices have an element type; ROS's have rows and columns and no type.
   const bool is_ros = in.has("camera_matrix.data") && !in.has("camera_matrix.dt");
   if (is_ros && in.has_any("distortion_coefficients")) return read_ros(in);
   if (has_one_of(in, {"camera_matrix", "Camera_Matrix", "cameraMatrix", "CameraMatrix", "intrinsic_matrix", "mtx"}))

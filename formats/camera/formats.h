@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The files of the tools that calibrate cameras, or use calibrations. A reader is asked only for a file that has its
+// Reads the files of tools that calibrate cameras, or use calibrations. A reader is asked only for a file that has its
 // format's keys.
 #pragma once
 

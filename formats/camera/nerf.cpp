@@ -27,7 +27,7 @@ json camera_of(json frame) {
   return frame;
 }
 
-// fl_x, or what an angle of view makes of it.
+// Reads fl_x, or computes it from an angle of view.
 double focal_length(Fields& in, const char* key, const char* angle, int pixels) {
   if (in.has(key) || !in.has(angle)) return in.number(key, "pixels");
   return 0.5 * pixels / std::tan(0.5 * in.number(angle, "radians"));

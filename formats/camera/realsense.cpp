@@ -73,7 +73,7 @@ void set_lens(Fields& in, Camera* camera) {
   if (model.starts_with("kannala"))
     return set_fisheye(in, {d.begin(), d.begin() + std::min<size_t>(d.size(), 4)}, "Coeffs", camera);
   if (is_none) return;
-  // The modified one differs only where there is tangential distortion.
+  // The modified model differs only if there is tangential distortion.
   const bool is_brown =
       model == "brown conrady" || (model == "modified brown conrady" && d.size() > 3 && d[2] == 0 && d[3] == 0);
   if (is_brown) return set_radial_tangential(in, d, "Coeffs", camera);

@@ -18,7 +18,7 @@ void set_lens(Fields& in, const std::string& key, Camera* camera) {
   refuse_model(in, "distortion_model", model, "plumb_bob, equidistant and rational_polynomial with k4 = k5 = k6 = 0");
 }
 
-// The matrix of a message is that of the whole image, whatever part of it is sent.
+// The matrix of a message is that of the whole image, even if only a part is sent.
 void refuse_parts_of_the_image(Fields& in, const Camera& camera) {
   for (const char* key : {"binning_x", "binning_y"})
     if (const double binning = in.optional_number(key); binning > 1)

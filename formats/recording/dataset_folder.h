@@ -16,11 +16,11 @@ struct DatasetFolder {
 // images of an RGB-D dataset without a list (ICL-NUIM).
 DatasetFolder find_dataset(const std::filesystem::path& given);
 
-// data.csv of the camera of a folder as EuRoC's, however much of its path is given; empty if it is none.
+// Finds data.csv of the camera in a folder like EuRoC's, however much of its path is given; empty if there is none.
 std::filesystem::path find_euroc_list(const std::filesystem::path& folder);
 
-// "; it seems to be of TUM's freiburg1: try --camera config/cameras/tum_fr1.yaml (of Rumi)", by the names of a
-// dataset's download; empty if it is none that is known.
+// Recognizes a dataset by the names of its download: "; it seems to be of TUM's freiburg1: try --camera
+// config/cameras/tum_fr1.yaml (of Rumi)". Empty if it is not known.
 std::string advice_on_known_camera(const std::filesystem::path& recording, const std::string& channel);
 
 }  // namespace rumi

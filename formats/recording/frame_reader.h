@@ -25,7 +25,7 @@ class FrameReader {
  public:
   virtual ~FrameReader() = default;
 
-  // The time of each frame, as recorded, in the order in which they are stored. All 0 where there are none.
+  // The recorded time of each frame, in the order in which they are stored. All are 0 if there are none.
   virtual const std::vector<int64_t>& utimes() const = 0;
   // Says why the frames have no times; empty if they have.
   virtual std::string why_no_times() const { return {}; }

@@ -163,7 +163,7 @@ std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vec
 
 bool has_number(const Kind& kind) { return kind.form.find(kNumber) != std::string::npos; }
 
-// A single image of a form says nothing.
+// One image does not show which form its name has.
 bool count_alike(const Kind& a, const Kind& b) {
   if (a.images.size() < 2 || b.images.size() < 2 || !has_number(a) || !has_number(b)) return false;
   const Kind& small = a.numbers.size() < b.numbers.size() ? a : b;

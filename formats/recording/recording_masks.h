@@ -13,7 +13,7 @@
 
 namespace rumi {
 
-// Where masks are looked for.
+// The places where masks are looked for.
 struct MaskPlaces {
   std::string given;                           // by the user: a file, a folder, or kNoMask; empty: the others count
   std::string of_calibration;                  // the file that the calibration names, or empty

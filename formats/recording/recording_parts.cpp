@@ -66,7 +66,7 @@ bool has_next_number(const std::string& name, const std::string& other) {
   return changed == 1 && next == 1;
 }
 
-// Lcm logs and bags; videos are none.
+// True for lcm logs and bags, not for videos.
 bool has_messages(const fs::path& file) {
   static const std::set<std::string> kOfBags = {".bag", ".mcap", ".db3"};
   return kOfBags.contains(lower_extension(file)) || is_lcm_log(file.string());

@@ -29,11 +29,11 @@ class VideoStream {
   const AVPacket* next();
 
   const AVStream& stream() const { return *format_->streams[index_]; }
-  // How long the file is by its own header, all its streams together; 0 if it does not say.
+  // The length of the file by its own header, over all streams; 0 if the header does not say.
   int64_t promised_us() const;
   // The end of what was read so far, of all streams.
   int64_t end_us() const { return end_us_; }
-  // It has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
+  // True if the file has no container: FFmpeg then counts its frames at 25 Hz, whatever their rate is.
   bool is_bare() const;
 
  private:

@@ -36,7 +36,8 @@ std::vector<int64_t> sorted_as_shown(const std::vector<PacketTimes>& packets, in
 
 constexpr double kFarthest = 1e18;  // farthest time, in any unit
 
-// Linearly between those that are known, by the usual step beyond them. False if fewer than two are.
+// Interpolates linearly between known times, and continues with the usual step beyond them. False if fewer than two are
+// known.
 bool fill_gaps(const std::vector<std::optional<int64_t>>& stamps, std::vector<int64_t>* filled) {
   std::vector<size_t> known;
   for (size_t i = 0; i < stamps.size(); ++i)

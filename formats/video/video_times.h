@@ -18,7 +18,8 @@ struct VideoTimes {
   bool ends_early = false;            // before its stream does, by the header
 };
 
-// Of one stream of the file. Decodes it only if the packets do not tell all times. Empty if the file cannot be read.
+// Reads the times of one stream of the file. Decodes it only if the packets do not tell all times. Empty if the file
+// cannot be read.
 VideoTimes read_video_times(const std::filesystem::path& file, int stream);
 
 }  // namespace rumi
