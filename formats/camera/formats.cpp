@@ -42,7 +42,8 @@ const std::vector<Stranger>& strangers_by_key() {
 
 Error refuse(const Fields& in, const std::string& what) {
   const bool says_what_to_do = what.find(':') != std::string::npos;
-  return {what + (says_what_to_do ? "" : std::string(", which is not read: ") + kWriteOwn), in.file()};
+  if (says_what_to_do) return {what, in.file()};
+  return {fmt::format("{}, which is not read: {}", what, kWriteOwn), in.file()};
 }
 
 // KITTI's calib.txt: P0 to P3 with the twelve numbers of a projection each, and no size of the images.
