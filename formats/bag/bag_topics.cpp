@@ -32,7 +32,7 @@ bool is_of_foxglove(const BagConnection& kind) {
   return kind.encoding == RosEncoding::kProtobuf || kind.encoding == RosEncoding::kJson;
 }
 
-// Stamps are in the messages: of one that is compressed by itself it must be taken out first.
+// A stamp is in the message: a message that is compressed by itself must be unpacked first.
 int64_t stamp_of(BagFile& bag, const BagMessage& message, const BagConnection& kind) {
   std::vector<uint8_t> whole;
   const bool must_be_read = looks_like_zstd(message.head) || is_of_foxglove(kind);
@@ -69,8 +69,8 @@ Counts counts_of(const std::vector<BagTopic>& topics) {
   return counts;
 }
 
-// Cameras 0 and 1 of one rig, or left and right: names that differ in nothing else. As of folders, the first one is
-// played.
+// True for cameras 0 and 1 of one rig, or left and right: their names differ in nothing else. The first one is played,
+// as with folders.
 bool are_of_one_rig(const std::string& first, const std::string& second) {
   static const std::vector<std::pair<std::string, std::string>> kSides = {{"0", "1"}, {"left", "right"}};
   return std::any_of(kSides.begin(), kSides.end(), [&](const auto& sides) {
@@ -126,7 +126,8 @@ BagTopics read_topics(BagFile& bag) {
   std::vector<BagEntry> entries;
   bag.scan([&](const BagMessage& message) {
     const auto connection = bag.connections().find(message.connection);
-    // A connection may come later, behind damage: then as in ROS 1, where stamps are at the same place.
+    // A connection may come later, behind damage: its messages are then read as ROS 1's, where stamps are at the same
+    // place.
     const bool is_known = connection != bag.connections().end();
     const BagConnection kind = is_known ? connection->second : BagConnection{"", "", RosEncoding::kRos1};
     entries.push_back({message.place, message.connection, stamp_of(bag, message, kind), message.time_ns});
@@ -173,7 +174,7 @@ Result<ChosenTopic> choose_topic(const BagTopics& topics, const std::string& cha
 const BagTopic* calibration_beside(const BagTopics& topics, const std::string& topic) {
   const auto above = [](const std::string& name) { return name.substr(0, std::min(name.rfind('/'), name.size())); };
   const std::string parent = above(topic), grandparent = above(parent);
-  // The last ones: of RealSense's own recorder, and of Foxglove's examples.
+  // The last two names are used by RealSense's own recorder, and by Foxglove's examples.
   for (const std::string& name : {parent + "/camera_info", topic + "/camera_info", grandparent + "/camera_info",
                                   grandparent + "/info/camera_info", parent + "/calibration", topic + "/calibration"})
     for (const BagTopic& calibration : topics.calibrations)

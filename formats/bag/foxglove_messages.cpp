@@ -83,7 +83,7 @@ class ProtobufReader {
   bool is_ok_ = true;
 };
 
-// The numbers of fields, by Foxglove's schemas; 0: it has none.
+// The numbers of the fields in Foxglove's schemas; 0: the message has no such field.
 struct FieldNumbers {
   uint64_t width, height, step, frame, format, data, d;  // k, r and p follow d
 };

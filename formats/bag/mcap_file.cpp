@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MCAP (mcap.dev/spec), ROS 2's usual bag: records of an opcode, a length of 8 bytes, and that.
+// Reads MCAP (mcap.dev/spec), ROS 2's usual bag: each record is an opcode, a length of 8 bytes, and as many bytes.
 #include <algorithm>
 #include <cstring>
 #include <string_view>
@@ -32,7 +32,7 @@ std::optional<Record> read_record(ByteSource& source, int64_t at) {
   return Record{header[0], at + kHeaderBytes, bytes};
 }
 
-// Takes one field behind the other; what is missing is 0 or empty.
+// Reads one field after the other; missing ones are 0 or empty.
 class Fields {
  public:
   explicit Fields(std::span<const uint8_t> bytes) : bytes_(bytes) {}
@@ -131,7 +131,7 @@ class McapFile : public RecordBag {
     return file.read(at, bytes) && std::memcmp(bytes.data(), kMagic.data(), bytes.size()) == 0;
   }
 
-  // A chunk by its two lengths, a message by its channel and what follows.
+  // Recognizes a chunk by its two lengths, and a message by its channel and the record behind it.
   bool seems_record(ByteSource& file, int64_t at) const {
     const std::optional<Record> record = read_record(file, at);
     if (!record) return false;
@@ -183,7 +183,7 @@ class McapFile : public RecordBag {
     return in.is_ok();
   }
 
-  // A channel's messages are of a connection once its schema is known.
+  // The messages of a channel belong to a connection once the channel's schema is known.
   void name_connections() {
     for (const auto& [id, channel] : channels_) {
       const auto schema = schemas_.find(channel.schema);

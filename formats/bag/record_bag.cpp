@@ -32,7 +32,7 @@ void RecordBag::scan(const Visit& visit) {
       at = next;
       continue;
     }
-    // The last record's length may be what is wrong.
+    // The length of the last record may itself be damaged.
     int64_t found = find_record(bytes_, (next == kNoEnd ? at : last) + 1);
     if (found == at) found = find_record(bytes_, at + 1);
     const int64_t from = found < at ? last : at;

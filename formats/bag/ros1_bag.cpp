@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS 1's bags, format 2.0: wiki.ros.org/Bags/Format/2.0. A record is a header of fields "name=value" and data, each
-// behind its length.
+// Reads ROS 1's bags, format 2.0: wiki.ros.org/Bags/Format/2.0. A record is a header of fields "name=value" and data,
+// each preceded by its length.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ enum Op : uint8_t { kMessage = 2, kBagHeader = 3, kIndex = 4, kChunk = 5, kChunk
 
 using RecordFields = std::map<std::string, std::string, std::less<>>;
 
-// False if the bytes are something else.
+// Returns false if the bytes are something else.
 bool parse_fields(std::span<const uint8_t> bytes, RecordFields* fields) {
   while (!bytes.empty()) {
     if (bytes.size() < kLengthBytes) return false;
@@ -154,7 +154,7 @@ class Ros1Bag : public RecordBag {
     std::vector<uint8_t> data(static_cast<size_t>(record.data_bytes));
     RecordFields fields;
     if (!source.read(record.data_at, data) || !parse_fields(data, &fields)) return false;
-    // The data's topic is that under which it was published.
+    // The topic in the data is the one under which messages were published.
     add_connection(id, {text(record.fields, "topic"), type_named(text(fields, "type")), RosEncoding::kRos1});
     return true;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS 2's bags in SQLite: a table of topics and one of messages.
+// Reads ROS 2's bags in SQLite: a table of topics and one of messages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMostMessageBytes = 512 << 20;
 
-// A blob that is read without its row: the pages behind its beginning are not touched.
+// Reads a blob without its row: pages behind the part that is read are not touched.
 class Blob {
  public:
   explicit Blob(Database& database) : database_(database) {}
@@ -59,7 +59,7 @@ class Ros2Sqlite : public BagFile {
   void scan(const Visit& visit) override {
     if (!refusal_.empty()) return;
     Blob blob(database_);
-    // Rows are numbered one by one: those of a page that is broken are passed over in growing steps.
+    // Rows are numbered consecutively: the rows of a broken page are skipped in growing steps.
     constexpr int64_t kMostSkipped = int64_t{1} << 32;
     int64_t from = std::numeric_limits<int64_t>::min();
     for (int64_t skip = 1; skip < kMostSkipped; skip *= 2) {
@@ -122,7 +122,7 @@ class Ros2Sqlite : public BagFile {
     }
   }
 
-  // False if that is enough.
+  // Returns false if `visit` wants no more.
   bool take(int64_t row, BagMessage* message, const Visit& visit, Blob* blob) {
     const auto known = connections_.find(message->connection);
     if (known != connections_.end() && !known->second.is_read()) {

@@ -107,7 +107,7 @@ Result<cv::Mat> pixels_of(const RosImage& image, bool colour) {
   const size_t step = image.step == 0 ? row_bytes : image.step;
   if (const Result<> checked = check_sizes(image, row_bytes, step); !checked) return checked.error();
   const bool is_wide = CV_MAT_DEPTH(kind->type) == CV_16U;
-  // OpenCV does not change pixels that it is only given to read.
+  // OpenCV does not change pixels of its inputs.
   const cv::Mat stored = is_wide ? copy_of_16_bit(image, kind->type, row_bytes, step)
                                  : cv::Mat(static_cast<int>(image.height), static_cast<int>(image.width), kind->type,
                                            const_cast<uint8_t*>(image.data.data()), step);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A record is a header of fields "name=value", and data, each behind its length.
+// A record is a header of fields "name=value", and data, each preceded by its length.
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -23,7 +23,7 @@ std::string bytes_of(Number value) {
   return bytes;
 }
 
-// Seconds and nanoseconds.
+// A time in seconds and nanoseconds.
 std::string time_of(int64_t time_ns) {
   constexpr int64_t kNanoseconds = 1'000'000'000;
   return bytes_of(static_cast<uint32_t>(time_ns / kNanoseconds)) +
@@ -46,7 +46,7 @@ std::string record(Op op, Fields fields, std::string_view data) {
   return bytes;
 }
 
-// It is written anew at the end, when it is known, and so is always of one length.
+// The header is overwritten at the end, when its values are known, and so always has the same length.
 std::string bag_header(uint64_t index_at, size_t connections, size_t chunks) {
   constexpr size_t kBytes = 4096;
   const auto with_padding = [&](size_t bytes) {

@@ -19,7 +19,7 @@ bool has_camera(const json& object) {
   return object.is_object() && (object.contains("fl_x") || object.contains("camera_angle_x"));
 }
 
-// A frame without what is its own: its image and pose.
+// A frame without its own image and pose.
 json camera_of(json frame) {
   for (const char* key :
        {"file_path", "transform_matrix", "depth_file_path", "mask_path", "semantic_path", "sharpness", "colmap_im_id"})
@@ -59,7 +59,7 @@ bool is_nerf_list(const std::string& text) {
 }
 
 Result<FileCameras> read_nerf_list(const std::string& text, const std::string& file) {
-  // A value within values within values would be copied and written by as many calls within calls.
+  // Deeply nested values would be copied and written recursively.
   constexpr int kDeepest = 8;
   const auto is_shallow = [](int depth, json::parse_event_t, const json&) { return depth <= kDeepest; };
   json root = json::parse(text, is_shallow, /*allow_exceptions=*/false);

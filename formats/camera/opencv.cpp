@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-// A matrix of FileStorage is a group with the values in it; what is written by hand or in Python is a list, or a list
+// A matrix of FileStorage is a group that holds the values; files written by hand or in Python have a list, or a list
 // of rows.
 std::string matrix_key(const Fields& in, std::initializer_list<const char*> spellings) {
   for (const std::string key : spellings) {
@@ -53,7 +53,7 @@ void emit(const cv::FileNode& node, int depth, YAML::Emitter* out) {
   }
 }
 
-// Four numbers are k1 k2 p1 p2, or a fisheye's k1 k2 k3 k4: as a key or value of some program may tell.
+// Four numbers may be k1 k2 p1 p2, or a fisheye's k1 k2 k3 k4: keys or values of some programs tell which.
 void refuse_other_fisheyes(Fields& in) {
   for (const std::string& name : in.names()) {
     const std::string key = name.substr(in.full("").size()), value = lower_case(in.text(key, ""));

@@ -44,7 +44,7 @@ int read_side(Fields& in, const char* ours, const char* other) {
   return side;
 }
 
-// The matrix that some versions have instead of k1, k2, ...
+// Some versions have a matrix instead of k1, k2, ...
 std::string coefficient_list(const Fields& in, const std::string& prefix) {
   for (const std::string& key : {std::string("DistCoef"), prefix + "DistCoef", prefix + "D"})
     for (const std::string& spelled : {key, key + ".data"})

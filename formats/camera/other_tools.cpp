@@ -81,7 +81,7 @@ Result<FileCameras> read_camodocal(Fields in) {
     set_intrinsics({in.number(p + "mu", "pixels"), in.number(p + "mv", "pixels"), in.number(p + "u0", "pixels"),
                     in.number(p + "v0", "pixels")},
                    &camera);
-    // They count from k1, which is 1.
+    // Here the coefficients count from k1, which is 1.
     set_fisheye(in, coefficients(in, p, {"k2", "k3", "k4", "k5"}), "projection_parameters", &camera);
   } else {
     refuse_model(in, "model_type", model, "PINHOLE and KANNALA_BRANDT");

@@ -32,7 +32,7 @@ std::vector<std::string> words_of(std::string text) {
   return {std::istream_iterator<std::string>(in), {}};
 }
 
-// "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below it.
+// Reads blocks of "Intrinsic of "Color" / 640x480 / {...}", and the "Key: value" lines below.
 std::vector<Block> blocks_of(const std::string& text) {
   constexpr size_t kMostBlocks = 500, kMostValues = 50;
   constexpr const char* kHead = "Intrinsic of \"";

@@ -82,7 +82,7 @@ image_t to_image(cv::Mat pixels, const std::function<GreyRange()>& range) {
   return pixels.channels() == 1 ? make_grey_image(0, pixels) : make_rgb_image(0, pixels);
 }
 
-// 8 or 16 bits a channel.
+// Pixels have 8 or 16 bits a channel.
 Result<cv::Mat> decode(const std::vector<uint8_t>& bytes, bool colour) {
   if (const Result<> checked = check_header(bytes); !checked) return checked.error();
   cv::Mat pixels;

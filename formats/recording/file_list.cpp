@@ -108,7 +108,7 @@ Result<std::vector<ListLine>> choose(FileList* list, const std::vector<ListLine>
   return chosen;
 }
 
-// The names are of one length, see are_hexadecimal().
+// Precondition: the names have one length, see are_hexadecimal().
 void sort_by_hexadecimal(FileList* list, std::vector<ListLine>* lines) {
   const auto lower = [](std::string name) {
     std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Archives, and files that only stand for others.
+// Recognizes archives, and files that only stand for others.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
   using namespace std::string_literals;
   if (beginning.starts_with("version https://git-lfs"))

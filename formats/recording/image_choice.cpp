@@ -29,7 +29,7 @@ struct Name {
   std::string camera;  // its number, where the name has one
 };
 
-// Names of one form.
+// The names of one form.
 struct Kind {
   std::string form;
   std::vector<size_t> images;
@@ -38,7 +38,7 @@ struct Kind {
   std::string camera;
 };
 
-// Words of letters in a name, without its ending.
+// The words in a name, without its ending.
 std::vector<std::string> words_of(const std::string& form) {
   std::vector<std::string> words(1);
   for (const char c : form.substr(0, form.rfind('.'))) {
@@ -50,7 +50,7 @@ std::vector<std::string> words_of(const std::string& form) {
   return words;
 }
 
-// How much the images are those of a camera that is to be tracked, by their name.
+// Ranks, by their names, how likely the images are those of the camera that is to be tracked.
 int rank_of(const std::string& form) {
   static constexpr std::array kNoCamera = {"depth",      "disp",   "disparity", "mask",     "masks", "seg",
                                            "semantic",   "labels", "label",     "normal",   "flow",  "conf",
@@ -69,8 +69,8 @@ int rank_of(const std::string& form) {
   return rank;
 }
 
-// "cam0_001.png" and "001_cam0.png" are of camera 0: a short number after such a word is part of the form, unless it is
-// the only one.
+// True for a form that names a camera: "cam0_001.png" and "001_cam0.png" are of camera 0. A short number after such a
+// word belongs to the form, unless it is the only number.
 bool names_a_camera(const std::string& form) {
   const size_t end = form.ends_with('_') || form.ends_with('-') ? form.size() - 1 : form.size();
   size_t begin = end;
@@ -117,8 +117,8 @@ std::vector<Kind> kinds_of(const std::vector<Name>& names) {
   return kinds;
 }
 
-// "1_001.png" and "2_001.png", without a word: a number of one digit, of few values, with the same numbers beside each
-// of them. Returns its values with the images of each; nothing if it is not so.
+// Splits "1_001.png" and "2_001.png", which have no word, by a number of one digit that has few values and the same
+// numbers beside each value. Returns the values with the images of each; nothing if the names are not like this.
 std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<Name>& names,
                                                             size_t place) {
   constexpr size_t kMostCameras = 4, kLeastImages = 10;

@@ -44,7 +44,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, code);
 }
 
-// COLMAP's name first: a.jpg.png of a.jpg; then a.png; both with the image's path from the list on, and without.
+// Tries COLMAP's name first, a.jpg.png for a.jpg, then a.png; each with the image's path in the list, and without.
 std::vector<fs::path> names_of_mask(const fs::path& folder, const fs::path& image, const fs::path& root) {
   const fs::path path = image.lexically_proximate(root);
   std::vector<fs::path> names;

@@ -29,8 +29,8 @@ struct Zone {
   bool is_at_once = false;  // no decimals are between the second and it
 };
 
-// "+02:00", "+0200", "-05:00" or ".250+02:00" behind the second of a date. Anything else, such as "Z", is UTC. "-0500"
-// is taken for decimals: they are usual behind this sign.
+// Reads the zone behind the second of a date: "+02:00", "+0200", "-05:00" or ".250+02:00". Other texts, such as "Z",
+// are UTC. "-0500" is taken for decimals, which are usual behind this sign.
 Zone zone_behind(const std::string& text) {
   static const std::regex form("^([-_.,]?[0-9]{1,9})?([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
   static const std::regex at_once("^([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
@@ -103,7 +103,8 @@ TimeUnit unit_of_digits(size_t digits) {
   return digits < 18 ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
 }
 
-// 0, 1, 2 ... or 1, 2, 3 ... behind each second: of at least one second, and of no second anything else.
+// True if the decimals count 0, 1, 2 ... or 1, 2, 3 ... within each second, in at least one second, and differently in
+// none.
 bool decimals_count(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 3;
   constexpr size_t kMostDigits = 6;

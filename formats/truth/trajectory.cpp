@@ -59,7 +59,7 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string>& field
   return values;
 }
 
-// Far enough from the ends of the numbers for the difference of two times.
+// True if the difference of two such times cannot overflow.
 bool is_time(int64_t utime_us) { return std::abs(static_cast<double>(utime_us)) < 0x1p53; }
 
 void sort_by_time(TrajectoryFile* result) {

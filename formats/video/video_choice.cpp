@@ -12,7 +12,7 @@
 namespace rumi {
 namespace {
 
-// Upright.
+// The size of the upright picture.
 cv::Size size_of(const AVStream& stream) {
   const cv::Size stored(stream.codecpar->width, stream.codecpar->height);
   return quarter_turns(stream) % 2 == 0 ? stored : cv::Size(stored.height, stored.width);

@@ -15,8 +15,8 @@ struct PacketTimes {
   int64_t shown = 0, decoded = 0;
 };
 
-// The order of showing differs from that of decoding, by more than a second where the recorder paused. Times of
-// decoding rise: where they go back by so much the clock began anew, and that stays.
+// The order of showing differs from that of decoding, by more than a second if the recorder paused. Times of decoding
+// rise: if they go back by this much, the clock began anew, and the order stays.
 std::vector<int64_t> sorted_as_shown(const std::vector<PacketTimes>& packets, int64_t began_anew) {
   std::vector<int64_t> stamps;
   size_t begin = 0;
