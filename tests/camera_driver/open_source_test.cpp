@@ -129,7 +129,7 @@ TEST(ImageSource, Encodings) {
   const auto format = [&folder](const std::string& encoding) {
     CameraOptions options;
     options.encoding = encoding;
-    return *open_image_source(folder.path().string(), options).source->next();
+    return *open_image_source(folder.path().string(), options).value()->next();
   };
   for (const char* as_is : {"auto", "jpeg"}) {
     const image_t image = format(as_is);

@@ -35,7 +35,7 @@ TEST(ImageSource, SelectionAndNewTimes) {
   CameraOptions options;
   options.every = 3, options.start_s = 0.2, options.duration_s = 0.6;
   EXPECT_THAT(times(folder.path(), options), ElementsAre(1000200000, 1000500000));
-  EXPECT_EQ(open_image_source(folder.path().string(), options).source->total(), 2);
+  EXPECT_EQ(open_image_source(folder.path().string(), options).value()->total(), 2);
   options.loop = true;
   EXPECT_THAT(times(folder.path(), options, 4), ElementsAre(1000200000, 1000500000, 1000800000, 1001100000));
   options.rate_hz = 4;

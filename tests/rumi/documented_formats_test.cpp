@@ -241,7 +241,7 @@ TEST(FormatsInTheDocs, TruthsAreRead) {
                                  ? folder / "mav0/state_groundtruth_estimate0/data.csv"
                                  : folder.write("truth.txt", text);
     const TruthFile read = read_groundtruth(file, {});
-    EXPECT_TRUE(read.has_value()) << name << ": " << read.error_text();
+    EXPECT_TRUE(read.ok()) << name << ": " << read.error;
     EXPECT_EQ(read.poses.size(), 2u) << name;
   }
 }

@@ -118,7 +118,7 @@ TEST(FrameOrder, DisorderIsSorted) {
   }
   std::vector<int64_t> backwards = even_times(40);
   std::reverse(backwards.begin(), backwards.end());
-  EXPECT_EQ(numbers(order_frames(backwards)).front(), 39u);
+  EXPECT_EQ(numbers(order_frames(backwards).value()).front(), 39u);
 }
 
 TEST(FrameOrder, AClockThatIsSetBackBeginsANewPart) {

@@ -30,7 +30,7 @@ TEST_F(CameraFiles, OfKalibrNameTheirCameras) {
   ASSERT_EQ(first.error_text(), "");
   EXPECT_EQ(first->camera.width, 80);
   EXPECT_THAT(first->notes, ElementsAre(AllOf(HasSubstr("cam0, cam1"), HasSubstr("cam0 is taken"))));
-  EXPECT_THAT(advice_on_size(first, 64, 48), HasSubstr("give --camera " + file + ":cam1"));
+  EXPECT_THAT(advice_on_size(*first, 64, 48), HasSubstr("give --camera " + file + ":cam1"));
   const Result<CameraFile> second = read_camera_file(file + ":cam1");
   ASSERT_EQ(second.error_text(), "");
   expect_size_and_matrix(second->camera);

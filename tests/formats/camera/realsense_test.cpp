@@ -32,7 +32,7 @@ TEST_F(CameraFiles, OfRealSenseAreListingsOfAllSizes) {
   Result<CameraFile> result = read_camera_file(file);
   ASSERT_EQ(result.error_text(), "");
   EXPECT_EQ(result->lens, "Color");
-  choose_size(64, 48, &result);
+  choose_size(64, 48, &*result);
   EXPECT_EQ(result->name, "Color 64x48");
   expect_size_and_matrix(result->camera);
   EXPECT_EQ(result->others.size(), 2u);

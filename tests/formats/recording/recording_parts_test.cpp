@@ -87,7 +87,7 @@ TEST_F(RecordingParts, OneOfThemSaysThatAnotherGoesOn) {
   const auto note = [this](const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
     const FirstRecorded first = name.ends_with("db3") ? first_recorded_in_bag : first_recorded_in_log;
-    return opened.reader ? note_on_next_part(folder_ / name, (*opened)->last_recorded_us().value_or(0), first) : "?";
+    return opened ? note_on_next_part(folder_ / name, (*opened)->last_recorded_us().value_or(0), first) : "?";
   };
   EXPECT_THAT(note("walk_0.db3"), HasSubstr("walk_1.db3 beside it goes on where it ends, and is not played"));
   EXPECT_EQ(note("walk_1.db3"), "");

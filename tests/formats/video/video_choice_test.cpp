@@ -27,7 +27,7 @@ class VideoChoiceTest : public ::testing::Test {
   std::vector<std::string> notes_of(const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
     EXPECT_EQ(opened.error_text(), "");
-    return opened.reader ? (*opened)->notes() : std::vector<std::string>();
+    return opened ? (*opened)->notes() : std::vector<std::string>();
   }
   // The size of the images that are played; 0 if none are.
   int width_of(const std::string& name) {

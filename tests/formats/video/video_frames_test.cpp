@@ -164,7 +164,7 @@ TEST_F(VideoFramesTest, CanBeHadInAnyOrder) {
   VideoOptions options;
   write(folder_ / "v.mp4", options);
   const OpenedReader opened = open_frames(folder_ / "v.mp4", {});
-  ASSERT_TRUE(opened.reader);
+  ASSERT_TRUE(opened);
   for (const size_t frame : {20, 3, 29, 0, 0})
     EXPECT_NEAR((*opened)->load(frame, false)->data[24 * 64 + 32], (24 + 5.0 * frame) * 255 / 219, 2);
 }

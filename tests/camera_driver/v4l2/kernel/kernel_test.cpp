@@ -288,7 +288,7 @@ TEST_F(KernelTest, ABusyCameraIsWaitedFor) {
   ASSERT_EQ(open(), "");
   EXPECT_THAT(source_->live()->problem, HasSubstr("in use by another program"));
   EXPECT_TRUE(take(1, kSecondUs).empty());
-  other.source.reset();
+  other->reset();
   EXPECT_EQ(take(3).size(), 3u);
 }
 
