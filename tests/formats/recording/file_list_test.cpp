@@ -24,7 +24,8 @@ class FileLists : public ::testing::Test {
     fs::create_directories((folder_.path() / name).parent_path());
     cv::imwrite(folder_ / name, picture(number));
   }
-  FileList tum(const std::string& lines) const { return read_tum_list(folder_.write("rgb.txt", lines), {}).value(); }
+  Result<FileList> read(const std::string& lines) const { return read_tum_list(folder_.write("rgb.txt", lines), {}); }
+  FileList tum(const std::string& lines) const { return read(lines).value(); }
   std::string error_of(const std::string& name = "") const { return open_recording(folder_ / name, {}).error_text(); }
   TemporaryFolder folder_;
 };
@@ -114,9 +115,9 @@ TEST_F(FileLists, ListsOfOtherSystemsAreRead) {
     EXPECT_EQ(list.entries[1].line, 2) << text;
   }
   EXPECT_THAT(names(tum("1.0 \"the left 1.png\"\n")), ElementsAre("the left 1.png"));
-  EXPECT_THAT(tum("\xFF\xFE"
-                  "1.0 a.png")
-                  .error,
+  EXPECT_THAT(read("\xFF\xFE"
+                   "1.0 a.png")
+                  .error_text(),
               AllOf(HasSubstr("rgb.txt: is text in UTF-16"), HasSubstr("iconv")));
 }
 
