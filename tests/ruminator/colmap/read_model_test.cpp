@@ -44,7 +44,7 @@ class ColmapModelFileTest : public ::testing::Test {
   Result<SparseModel> read(const TestModel& m, const std::vector<int>& counts = kKeypointCounts) {
     return read(m.cameras_bin(), m.images_bin(), m.points_bin(), counts);
   }
-  std::string error(const TestModel& m) { return read(m).error_text() _text(); }
+  std::string error(const TestModel& m) { return read(m).error_text(); }
 
   const TemporaryFolder folder;
 
@@ -95,7 +95,7 @@ TEST_F(ColmapModelFileTest, AModelWithoutImagesIsEmpty) {
 TEST_F(ColmapModelFileTest, MissingFilesAreNamed) {
   EXPECT_THAT(read_colmap_model(folder / "nothing", kKeypointCounts).error_text(),
               HasSubstr("nothing/cameras.bin: No such file"));
-  read(small_model());
+  ASSERT_TRUE(read(small_model()));
   std::filesystem::remove(folder / "points3D.bin");
   EXPECT_THAT(read_colmap_model(folder.path().string(), kKeypointCounts).error_text(),
               HasSubstr("points3D.bin: No such"));

@@ -79,7 +79,9 @@ TEST_P(DeliveryTest, BackSubmapsAreSentOneAfterAnother) {
   EXPECT_THAT(received_, ElementsAre(-1, -2));
   EXPECT_THAT(windows_->entries(), IsEmpty());
   EXPECT_EQ(delivery_->published(), 2);
-  if (windows_->spool()) EXPECT_THAT(windows_->spool()->built(), IsEmpty());
+  if (windows_->spool()) {
+    EXPECT_THAT(windows_->spool()->built(), IsEmpty());
+  }
 }
 
 TEST_P(DeliveryTest, ARefusedSubmapIsSentAgainAfterAWhile) {
@@ -101,7 +103,9 @@ TEST_P(DeliveryTest, FinishingSendsOnceAndLeavesWhatIsRefused) {
   run_for(1 + kRetryS);
   EXPECT_EQ(attempts_, 1);
   EXPECT_TRUE(entry.is<LeftForNextStart>());
-  if (windows_->spool()) EXPECT_THAT(windows_->spool()->built(), ElementsAre(JobName{7, 1}));
+  if (windows_->spool()) {
+    EXPECT_THAT(windows_->spool()->built(), ElementsAre(JobName{7, 1}));
+  }
 }
 
 TEST_P(DeliveryTest, AFileThatIsDamagedIsAFailure) {

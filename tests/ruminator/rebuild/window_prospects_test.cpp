@@ -50,7 +50,7 @@ TEST_F(Prospects, ImagesWithoutMatchesHaveTooLittleInCommon) {
 }
 
 TEST_F(Prospects, TheGapMustMatchTheImagesAroundIt) {
-  Film apart = film(6, 0.1);
+  Film apart = film(6, 0.6);
   const auto is_in_gap = [](int image) { return image == 2 || image == 3; };
   std::erase_if(apart.pairs, [&](const ImagePair& p) { return is_in_gap(p.first) != is_in_gap(p.second); });
   std::erase_if(apart.pairs, [](const ImagePair& p) { return p.first < 2 && p.second > 3; });
