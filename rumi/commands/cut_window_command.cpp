@@ -41,7 +41,7 @@ void cut_window(const Arguments& arguments) {
   fail_if(opened.error_text());
   const CutWindow window = cut_window(**opened, cut);
   fail_if(window.error);
-  fail_if(ruminator::write_window_job(arguments.file, window.job));
+  fail_if(ruminator::write_window_job(arguments.file, window.job).error_text());
   const ruminator::RuminationWindow& w = window.job.window;
   if (!arguments.quiet)
     fmt::print("{}: {} + {} + {} frames\n", arguments.file, w.approach.size(), w.gap.size(), w.departure.size());

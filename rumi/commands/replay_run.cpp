@@ -57,8 +57,8 @@ class WindowOutput {
     return {[this](const ruminator::WindowJob& job) {
               ++complete_;
               const std::string name = to_string(name_of(job.window)) + ".window";
-              const std::string error = ruminator::write_window_job((out_ / "windows" / name).string(), job);
-              if (error_.empty()) error_ = error;
+              const Result<> written = ruminator::write_window_job((out_ / "windows" / name).string(), job);
+              if (error_.empty()) error_ = written.error_text();
             },
             [this](const ruminator::RuminationWindow& window, const ruminator::BuildResult& result) {
               rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
@@ -76,7 +76,8 @@ class WindowOutput {
     std::vector<std::string> lines;
     for (const WindowRow& row : rows_)
       if (!row.ok)
-        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+        lines.push_back(
+            fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.submap.error_text()));
     return lines;
   }
   const std::vector<WindowRow>& rows() const { return rows_; }

@@ -163,12 +163,12 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
   const std::vector<fs::path> files = window_files(folder);
   if (files.empty()) return page->paragraph("The folder holds no windows.");
   for (const fs::path& file : files) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) {
-      page->paragraph(read.error);
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) {
+      page->paragraph(read.error_text());
       continue;
     }
-    const ruminator::RuminationWindow& w = read.job.window;
+    const ruminator::RuminationWindow& w = read->job.window;
     const map_server::AtlasSubmap* rebuilt = atlas.find({w.session, -w.id});
     const std::string outcome = !rebuilt ? "no back submap of it has come"
                                          : fmt::format("back submap: {} frames, {}", rebuilt->submap.frames.size(),
@@ -180,17 +180,17 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
         "Window {}: lost at {} after {}, then {}; {} approach, {} of {} gap, {} departure frames; {}", w.id,
         viewer_offscreen::format_time(seconds_since(first_us, w.lost_utime_us)), submap(w.submap_before),
         submap(w.submap_after), w.approach.size(), w.gap.size(), w.gap_frames, w.departure.size(), outcome));
-    page->thumbnails(window_images(read.job, first_us));
+    page->thumbnails(window_images(read->job, first_us));
   }
 }
 
 // Over an image of the same camera, if a window has one.
 image_t image_of_stream(const std::string& folder, int64_t stream) {
   for (const fs::path& file : window_files(folder)) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) continue;
-    for (const image_t& image : read.job.images)
-      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read.job.window.session == stream))
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) continue;
+    for (const image_t& image : read->job.images)
+      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read->job.window.session == stream))
         return image;
   }
   return {};

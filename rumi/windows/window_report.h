@@ -15,7 +15,7 @@ namespace rumi::tool {
 struct WindowRow {
   std::string name;  // of its file, without .window
   ruminator::RuminationWindow window;
-  ruminator::BuildResult result;  // without the submap
+  ruminator::BuildResult result;  // its submap is empty
   bool ok = false;
   // Of the registered frames, how many are keyframes of the submap before and of that after.
   int shared_before = 0, shared_after = 0;

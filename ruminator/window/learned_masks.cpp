@@ -26,7 +26,7 @@ bool is_readable(const mask_t& message, const std::string& png) {
   return size_of_mask(png) == cv::Size(message.width, message.height) && decode_mask(png);
 }
 
-// Left out is what either leaves out. Empty: nothing is.
+// Joins two masks: leaves out what either leaves out. Empty if nothing is left out.
 std::string join(const ImageMask& own, const ImageMask& learned) {
   const ImageMask joint = own.and_also(learned);
   return joint.is_everything() ? "" : encode_mask(joint.pixels());

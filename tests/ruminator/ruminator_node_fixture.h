@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A ruminator on a bus in memory, which hears images and what became of them.
+// A ruminator on a bus in memory, which receives images and their tracking states.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -62,7 +62,7 @@ class RuminatorNodeTest : public ::testing::Test {
     track.is_keyframe = is_keyframe;
     bus_.publish(channels::kTrack, track);
   }
-  // As live: the image, then what became of it.
+  // Sends the image, then its state, as in live operation.
   void frames(int count, int32_t submap, int keyframe_every = 5) {
     for (int i = 0; i < count; ++i) {
       next();

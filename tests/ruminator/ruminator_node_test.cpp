@@ -77,7 +77,7 @@ TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
   }
 }
 
-// Of the images' size, or as it is worked on; its upper half is left out.
+// A mask of the images' size, or of their working size. It leaves out the upper half.
 mask_t learned_mask(int64_t stream, int64_t utime_us, int width = 160, int height = 120) {
   cv::Mat world(height, width, CV_8U, cv::Scalar(255));
   world.rowRange(0, height / 2) = 0;
@@ -116,10 +116,10 @@ TEST_F(RuminatorNodeTest, TheImagesOfAWindowCarryWhatWasLearnedToBeNoWorldAlsoLa
   }
   EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
   const testing::TemporaryFolder folder;
-  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]), "");
-  const WindowJobFile read = read_window_job(folder / "a.window");
-  ASSERT_TRUE(read.ok()) << read.error;
-  EXPECT_EQ(metadata(read.job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
+  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]).error_text(), "");
+  const Result<WindowJobFile> read = read_window_job(folder / "a.window");
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(metadata(read->job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
 }
 
 TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {

@@ -145,7 +145,8 @@ class ReportTest : public ::testing::Test {
     EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, images), "");
     write_run({{"finished", true}, {"input", "a <recording>"}, {"cpu_ms_per_frame", {{"front_tracker", 12.5}}}});
     fs::create_directory(folder_ / "windows");
-    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
+    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()).error_text(),
+              "");
   }
   void write_run(const nlohmann::ordered_json& run) { EXPECT_EQ(write_run_json(folder_.string(), run), ""); }
 

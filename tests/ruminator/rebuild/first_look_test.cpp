@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ruminator/rebuild/window_look.h"
+#include "ruminator/rebuild/first_look.h"
 
 #include <gmock/gmock.h>
 
-#include <opencv2/core/eigen.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "bus/wire/image_codec.h"
-#include "bus/wire/image_masks.h"
 #include "slam/geometry/transform.h"
 #include "tests/ruminator/rendered_window.h"
 
@@ -25,7 +23,7 @@ Camera camera_of() {
   return camera;
 }
 
-// What a camera that turns to the right sees of pictures far away: blobs of many sizes, as a cylinder around it.
+// Renders the view of a camera that turns to the right inside a far cylinder painted with blobs of many sizes.
 cv::Mat far_away(double turn_deg) {
   static const cv::Mat panorama = [] {
     cv::Mat all(700, 3000, CV_8U, cv::Scalar(128));
@@ -59,38 +57,32 @@ WindowJob turning(int images, double step_deg) {
   return job;
 }
 
-WindowLook look_at(const WindowJob& job) { return look_at_motion(job, job.camera, {}, kNoCancel); }
+struct Look {
+  std::string hopeless;
+  int images = 0;  // looked at
+};
 
-TEST(WindowLook, ACameraThatStandsStillIsToldByFewImages) {
-  const WindowLook look = look_at(turning(100, 0));
-  EXPECT_THAT(look.hopeless, HasSubstr("stands still"));
-  EXPECT_LE(look.features.size(), 8U);
+Look look_at(const WindowJob& job, const std::atomic<bool>& cancel = kNoCancel) {
+  WindowImages images(job, job.camera, kSiftKeypoints);
+  return {look_at_motion(job.camera, images, cancel).error_text(), images.decoded()};
 }
 
-TEST(WindowLook, ACameraThatTurns) { EXPECT_THAT(look_at(turning(100, 0.5)).hopeless, HasSubstr("only turns")); }
-
-TEST(WindowLook, WhatAMaskLeavesOutIsNotLookedAt) {
-  WindowJob job = turning(100, 0);
-  cv::Mat world(240, 320, CV_8U, cv::Scalar(255));
-  world.colRange(0, 160) = 0;
-  for (image_t& image : job.images) set_metadata(&image, kMaskKey, encode_mask(world));
-  const WindowLook look = look_at(job);
+TEST(FirstLook, ACameraThatStandsStillIsToldByFewImages) {
+  const Look look = look_at(turning(100, 0));
   EXPECT_THAT(look.hopeless, HasSubstr("stands still"));
-  ASSERT_FALSE(look.features.empty());
-  for (const auto& [image, features] : look.features) {
-    EXPECT_GT(features.size(), 50U);
-    for (const Eigen::Vector2f& pixel : features.undistorted) ASSERT_GE(pixel.x(), 160) << image;
-  }
+  EXPECT_LE(look.images, 8);
 }
+
+TEST(FirstLook, ACameraThatTurns) { EXPECT_THAT(look_at(turning(100, 0.5)).hopeless, HasSubstr("only turns")); }
 
 // Neighbours among eight images are 50 degrees apart, of 56 that each sees.
-TEST(WindowLook, MoreImagesAreLookedAtWhereNeighboursHaveTooLittleInCommon) {
-  const WindowLook look = look_at(turning(40, 9));
+TEST(FirstLook, MoreImagesAreLookedAtWhereNeighboursHaveTooLittleInCommon) {
+  const Look look = look_at(turning(40, 9));
   EXPECT_THAT(look.hopeless, HasSubstr("only turns"));
-  EXPECT_GT(look.features.size(), 8U);
+  EXPECT_GT(look.images, 8);
 }
 
-TEST(WindowLook, WhatDoesNotHangTogetherIsNotJudged) {
+TEST(FirstLook, WhatDoesNotHangTogetherIsNotJudged) {
   WindowJob job = turning(20, 0);
   for (size_t i = 10; i < 20; ++i) job.images[i] = make_grey_image(job.images[i].utime, far_away(90));
   EXPECT_EQ(look_at(job).hopeless, "");
@@ -101,25 +93,59 @@ TEST(WindowLook, WhatDoesNotHangTogetherIsNotJudged) {
   EXPECT_NO_THROW(look_at(job)) << "broken";
 }
 
-TEST(WindowLook, ACameraThatMovesIsTold) {
-  const WindowLook look =
-      look_at_motion(testing::rendered_window().job, testing::rendered_window().job.camera, {}, kNoCancel);
+TEST(FirstLook, ACameraThatMovesIsTold) {
+  const Look look = look_at(testing::rendered_window().job);
   EXPECT_EQ(look.hopeless, "");
-  EXPECT_LE(look.features.size(), 4U) << "the first pairs that match show it";
+  EXPECT_LE(look.images, 4) << "the first pairs that match show it";
 }
 
 // A process that is told to stop does not look at everything first.
-TEST(WindowLook, EndsWhenItIsCalledOff) {
+TEST(FirstLook, EndsWhenItIsCalledOff) {
   const std::atomic<bool> cancel = true;
   const WindowJob job = turning(100, 0);
-  const WindowLook look = look_at_motion(job, job.camera, {}, cancel);
+  const Look look = look_at(job, cancel);
   EXPECT_EQ(look.hopeless, "");
-  EXPECT_LE(look.features.size(), 1U);
+  EXPECT_LE(look.images, 2);
 }
 
-TEST(WindowLook, NothingIsSaidOfOneImageOrNone) {
+TEST(FirstLook, NothingIsSaidOfOneImageOrNone) {
   EXPECT_EQ(look_at(turning(1, 0)).hopeless, "");
   EXPECT_EQ(look_at(turning(0, 0)).hopeless, "");
+}
+
+cv::Mat picture(double blur_px, double brightness) {
+  cv::Mat grey(240, 320, CV_8U);
+  cv::RNG(3).fill(grey, cv::RNG::UNIFORM, 0, 255);
+  cv::GaussianBlur(grey, grey, {}, blur_px);
+  cv::normalize(grey, grey, 0, 255 * brightness, cv::NORM_MINMAX);
+  return grey;
+}
+
+WindowJob job_of(int gap, const cv::Mat& image) {
+  WindowJob job;
+  job.camera.width = image.cols, job.camera.height = image.rows;
+  job.camera.fx = job.camera.fy = 300, job.camera.cx = 160, job.camera.cy = 120;
+  for (int i = 0; i < gap; ++i) {
+    job.window.gap.push_back({.utime_us = 1'000'000 + i});
+    job.images.push_back(make_grey_image(1'000'000 + i, image));
+  }
+  return job;
+}
+
+std::string gap_error(const WindowJob& job) {
+  WindowImages images(job, job.camera, kSiftKeypoints);
+  return look_at_gap(job, images).error_text();
+}
+
+TEST(FirstLook, ABlindGapIsToldAtOnce) {
+  EXPECT_THAT(gap_error(job_of(40, cv::Mat::zeros(240, 320, CV_8U))), HasSubstr("nothing to be seen"));
+  EXPECT_EQ(gap_error(job_of(40, picture(2, 1))), "");
+  EXPECT_EQ(gap_error(job_of(40, picture(2, 0.15))), "") << "dark is not blind";
+}
+
+TEST(FirstLook, AShortGapIsNotLookedAt) {
+  EXPECT_EQ(gap_error(job_of(4, cv::Mat::zeros(240, 320, CV_8U))), "");
+  EXPECT_EQ(gap_error(job_of(0, picture(2, 1))), "");
 }
 
 }  // namespace
