@@ -148,9 +148,8 @@ void run(const WindowJob& job, const BuildOptions& options, const std::string& w
   submap.kind = SubmapKind::kBack;
   submap.camera = camera;
   submap.pyramid = options.pyramid;
-  submap.closed = true;
-  submap.revision = 1;
   fill_back_submap(camera, images.seen, model.best.model, &submap);
+  submap.close();
   result->error_px = model.best.quality.rmse_px;
   result->origin = model.best.origin;
   result->agreement = model.best.agreement;
