@@ -260,7 +260,7 @@ double sigma_of(const std::vector<double>& squares) {
   for (const double square : squares)
     if (square < kRoughErrorPx * kRoughErrorPx) errors.push_back(std::sqrt(square));
   if (errors.empty()) return kMaxSigmaPx;
-  return std::clamp(1.4826 * median(&errors), kMinSigmaPx, kMaxSigmaPx);
+  return std::clamp(kSigmaFromMad * median(&errors), kMinSigmaPx, kMaxSigmaPx);
 }
 
 int count_inliers(const std::vector<double>& squares, double sigma_px) {

@@ -101,13 +101,9 @@ void adjust_points(const Camera& camera, const std::vector<WindowImage>& images,
 
 void add_landmarks(const std::vector<SparseModel::Point>& points, Submap* submap) {
   for (const SparseModel::Point& point : points) {
-    Landmark landmark;
-    landmark.id = static_cast<int>(submap->landmarks.size());
-    landmark.position = point.position;
-    landmark.revision = submap->revision;
-    submap->landmarks.emplace(landmark.id, landmark);
+    Landmark& landmark = submap->add_landmark(static_cast<int>(submap->landmarks.size()), point.position);
     for (const auto& [keyframe, keypoint] : point.track) submap->add_observation(landmark.id, keyframe, keypoint);
-    update_landmark_view(*submap, submap->landmark(landmark.id));
+    update_landmark_view(*submap, &landmark);
   }
 }
 
@@ -132,13 +128,11 @@ void fill_back_submap(const Camera& camera, const std::vector<SeenImage>& images
     keyframe.cam_from_submap = SE3(pose.rotation, pose.translation / unit);
     auto features = std::make_shared<Features>(extractor.extract(extractor.pyramid(seen.grey, seen.mask)));
     features->undistort(camera);
-    keyframe.landmark_ids.assign(features->size(), kNone);
     keypoints.push_back({"", features->undistorted});
     keyframe.features = std::move(features);
-    keyframe.revision = keyframe.created_revision = submap->revision;
     posed.cam_from_world[keyframe.id] = keyframe.cam_from_submap;
-    submap->frames[keyframe.utime_us] = {keyframe.utime_us, keyframe.id, SE3(), submap->revision};
-    submap->keyframes.emplace(keyframe.id, std::move(keyframe));
+    submap->set_frame({.utime_us = keyframe.utime_us, .reference_keyframe = keyframe.id, .cam_from_keyframe = SE3()});
+    submap->add_keyframe(std::move(keyframe));
   }
   std::vector<ImagePair> pairs;
   for (const auto& [a, b] : neighbouring_images(model))

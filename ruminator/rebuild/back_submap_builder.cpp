@@ -161,8 +161,7 @@ class BackSubmapBuild {
     submap.kind = SubmapKind::kBack;
     submap.camera = camera_;
     submap.pyramid = options_.pyramid;
-    submap.closed = true;
-    submap.revision = 1;
+    submap.close();
     fill_back_submap(camera_, usable_.seen, model_.model, &submap);
     return submap;
   }

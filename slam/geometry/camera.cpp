@@ -22,10 +22,10 @@ RadialDistortion of_angle(const Camera& c) { return {c.k1, c.k2, c.k3, c.k4}; }
 
 // Rays at 90 degrees and beyond cannot be written as (x/z, y/z, 1); they are pulled in to this angle.
 constexpr double kWidestAngle_rad = 89.0 * M_PI / 180.0;
-constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens that can be undone sees farther to the side
+constexpr double kSteepestSlope = 1e4;  // x/z or y/z: no lens with an invertible distortion sees farther to the side
 
-// Angle whose distorted angle is the given one, by Newton's method from the distorted angle itself. Not a number for a
-// lens that cannot be undone there.
+// Returns the angle whose distorted angle is the given one, by Newton's method that starts at the distorted angle. NaN
+// if the distortion cannot be inverted there.
 double undistort_angle(const Camera& c, double distorted) {
   const RadialDistortion lens = of_angle(c);
   double theta = distorted;

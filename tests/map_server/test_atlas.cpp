@@ -102,10 +102,9 @@ void SubmapMaker::step() {
     next_utime_us_ += kFramePeriodUs;
   }
   for (int i = 0; i < 15; ++i) add_landmark();
-  for (auto& [id, landmark] : submap_.landmarks) {
+  for (const auto& [id, landmark] : submap_.landmarks) {
     if (random_() % 5 != 0) continue;
-    landmark.position.x() += 0.01;
-    submap_.touch(landmark);
+    submap_.move_landmark(id, landmark.position + Eigen::Vector3d(0.01, 0, 0));
   }
   if (submap_.landmarks.size() > 20) submap_.remove_landmark(submap_.landmarks.begin()->first);
   if (submap_.keyframes.size() > 4 && random_() % 3 == 0) {

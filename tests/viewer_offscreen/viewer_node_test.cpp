@@ -119,7 +119,7 @@ TEST_F(ViewerNodeTest, FetchesTheSubmapAndDrawsIt) {
   run(node, 3);
   EXPECT_EQ(requests_.size(), asked);
   ++submap_.revision;
-  submap_.touch(submap_.landmarks[0]);
+  submap_.landmarks[0].revision = submap_.revision;
   publish_status();
   run(node, 3);
   ASSERT_EQ(requests_.size(), asked + 1);
@@ -182,7 +182,7 @@ TEST_F(ViewerNodeTest, WhatChangesBetweenTwoPicturesTravelsOnce) {
   publish_tracks();
   for (int i = 0; i < 50; ++i) {
     ++submap_.revision;
-    submap_.touch(submap_.landmarks[0]);
+    submap_.landmarks[0].revision = submap_.revision;
     publish_status();
     run(node, 0.4);
   }

@@ -119,7 +119,7 @@ TEST(SubmapUpdateTest, ADeltaCarriesOnlyWhatChanged) {
   Submap submap = random_submap(2);
   const int64_t base = submap.revision++;
   Keyframe& kf = submap.keyframes.begin()->second;
-  submap.touch(kf);
+  kf.revision = submap.revision;
   const submap_update_t update = make_submap_update(submap, base);
   EXPECT_EQ(update.nfeatures, 0);
   EXPECT_EQ(update.nkeyframes, 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "front_tracker/tracking/loss_history.h"
+#include "front_tracker/tracking/slip.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,24 +13,11 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-Frame tracked(int64_t utime_us, int inliers, double log_scale_variance = 0) {
+Frame tracked(int64_t utime_us, int inliers) {
   Frame frame;
   frame.utime_us = utime_us;
   frame.landmark_ids.assign(inliers, 1);
-  frame.certainty.log_scale_variance = log_scale_variance;
   return frame;
-}
-
-TEST(LossHistory, TheScaleDriftsByWhatCameToItWithinASecond) {
-  constexpr double kMost = 0.1;
-  LossHistory history;
-  EXPECT_FALSE(history.scale_drifts(tracked(0, 50, 1), kMost)) << "nothing to compare with";
-  history.add(tracked(0, 50, 0.001));
-  history.add(tracked(600'000, 50, 0.008));
-  EXPECT_FALSE(history.scale_drifts(tracked(900'000, 50, 0.0105), kMost));
-  EXPECT_TRUE(history.scale_drifts(tracked(900'000, 50, 0.0115), kMost));
-  EXPECT_FALSE(history.scale_drifts(tracked(1'100'000, 50, 0.0115), kMost)) << "slower";
-  EXPECT_TRUE(history.scale_drifts(tracked(9'000'000, 50, 0.0185), kMost)) << "since the last frame there was";
 }
 
 // Keyframes at 0.1, 0.2, 0.3, 0.4 s, and, after a slip, at 1.1 and 1.2 s. A frame that sees what all of them see is
@@ -46,17 +33,16 @@ class WithdrawSlip : public ::testing::Test {
       frame.reference_keyframe = 3;
       submap_->add_frame(frame);
     }
-    found_ = scene_.frame(5'000'000, poses_[3]);
-    EXPECT_TRUE(relocalizer_.relocalize(submap_->map, 3, &found_));
+    found_ = relocalizer_.relocalize(submap_->map, 3, scene_.frame(5'000'000, poses_[3])).value();
   }
-  std::vector<int64_t> withdraw() { return history_.withdraw_slip(relocalizer_, found_, submap_.get()); }
+  std::vector<int64_t> withdraw() { return withdraw_slip(relocalizer_, found_, &history_, submap_.get()); }
 
   FeatureScene scene_{1};
   std::vector<SE3> poses_;
   std::unique_ptr<FrontSubmap> submap_;
   Relocalizer relocalizer_{test_camera(), {}, test_octave_scales()};
   Frame found_;
-  LossHistory history_;
+  SupportHistory history_;
 };
 
 TEST_F(WithdrawSlip, FromTheWeakestFrameOnOrOneBeforeItThatIsHardlyStronger) {
