@@ -2,10 +2,8 @@
 // map_server: takes submaps in, stores them before it acknowledges them, and answers questions about the map.
 #pragma once
 
-#include <future>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bus/process/newest_sender.h"
@@ -16,12 +14,16 @@
 #include "lcmtypes/rumi/mask_t.hpp"
 #include "lcmtypes/rumi/submap_update_t.hpp"
 #include "lcmtypes/rumi/track_t.hpp"
+#include "map_server/answers.h"
 #include "map_server/atlas/atlas.h"
 #include "map_server/map_status_pages.h"
 #include "map_server/mask_intake.h"
 #include "map_server/merging/map_merger.h"
 #include "map_server/options.h"
+#include "map_server/snapshot_file.h"
+#include "map_server/snapshot_queue.h"
 #include "map_server/store/map_store.h"
+#include "map_server/write_trouble.h"
 
 namespace rumi::map_server {
 
@@ -30,7 +32,7 @@ class MapServerNode : public Node {
   // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore), there is
   // no map in it to localize in, or the snapshots would take its place.
   MapServerNode(Bus& bus, const MapServerOptions& options);
-  ~MapServerNode() override { store_.call_off_copies(); }  // nobody will take them
+  ~MapServerNode() override { store_.call_off_copies(); }  // nobody will take the copies
 
   void tick(int64_t now_us) override;
   NodeStatus status() override;
@@ -53,6 +55,8 @@ class MapServerNode : public Node {
   void fix_map();         // localize_only
   void go_on_from_map();  // of an earlier session
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
+  Result<> change_submap(SubmapKey key, const submap_update_t& update);
+  Result<> save_submap(SubmapKey key);
   void note_calibration(SubmapKey key);  // that its stream had another one before
   bool is_of_older_run(const submap_update_t& update, const std::string& sender);
   void on_track(const track_t& track);
@@ -68,24 +72,13 @@ class MapServerNode : public Node {
   void cull_some();  // of to_cull_
   void cull(SubmapKey key, const Submap& left);
   void on_request(const map_request_t& request);
-  void answer(const map_request_t& request);
-  const AtlasSubmap* asked_for(const map_request_t& request);  // nothing: it has been refused
-  void wait_for_merge(const map_request_t& request);
-  void answer_submap(const map_request_t& request);
-  void answer_placed_submap(const map_request_t& request);
-  void answer_region(const map_request_t& request);
-  bool waits(const map_request_t& request) const;
-  void begin_answer_with_snapshot();
-  void answer_with_snapshot();  // if it is there
-  void send(const map_request_t& request, int8_t kind, std::vector<uint8_t> payload,
-            std::optional<int64_t> checksum = {});
-  void refuse(const map_request_t& request, const std::string& why);
-  // The atlas and the pending frames; empty or the reason, which status() shows until it works again. Unless the whole
-  // is asked for, what takes long goes on with the next ticks.
-  std::string save(bool whole = false);
-  void begin_snapshot();  // if there is anything new
-  void end_snapshot();    // waits for it; what went wrong is shown by status() until it works again
-  void tell_all();        // at once the first page, with each tick another
+  void queue_snapshot(const map_request_t& request);
+  void answer_with_snapshot(const map_request_t& request, Result<DatabaseBytes> copy);
+  // Stores the atlas and the frames that are not stored yet. status() shows an Error until saving works again. Unless
+  // `whole`, the next ticks go on with what takes long.
+  Result<> save(bool whole = false);
+  void try_save(bool whole = false) { (void)save(whole); }  // status() has the Error, and the next ticks try again
+  void tell_all();                                          // at once the first page, with each tick another
   void publish_map_status();
 
   Bus& bus_;
@@ -95,7 +88,7 @@ class MapServerNode : public Node {
   MapMerger merger_;
   CulledSubmaps to_cull_;  // of the last merge, what is not yet done
   MapStatusPages status_pages_;
-  ChunkSender sender_;
+  Answers answers_;
   ChunkReceiver receiver_;
   NewestSender sessions_{"RUMI_TRACK"};
   std::set<std::string> front_senders_;  // of front submaps, so far
@@ -104,22 +97,15 @@ class MapServerNode : public Node {
   std::set<ImageId> unsaved_frames_;
   MaskIntake masks_;
   bool has_unsaved_mask_ = false;
-  std::set<std::pair<std::string, int32_t>> answering_;  // requester, request_id
-  int large_answers_ = 0;                                // of those under way
-  std::vector<map_request_t> waiting_;                   // for a snapshot, until what is known is merged
-  std::vector<map_request_t> merged_;                    // of these, those for whom all is merged
-  std::optional<map_request_t> copying_for_;             // the copy that is being made
-  std::future<DatabaseBytes> copy_;
-  std::future<std::string> snapshot_;  // that is being written
+  SnapshotQueue snapshots_;
+  SnapshotFile snapshot_file_;
   bool finishing_ = false;
   std::string calibration_doubt_;
-  std::string trouble_, snapshot_trouble_;  // why the last save, or snapshot, failed
-  int64_t last_save_us_ = 0, last_status_us_ = 0, last_snapshot_us_ = 0;
-  int64_t changes_in_snapshot_ = -1;  // of the store, when the last snapshot was begun
+  WriteTrouble trouble_;  // of save()
+  int64_t last_save_us_ = 0, last_status_us_ = 0;
   int64_t last_utime_us_ = 0;
   std::optional<int64_t> first_submap_us_, localized_us_;  // of the present sessions: last_utime_us_ at that moment
   int64_t rejected_ = 0;                                   // updates and messages that made no sense, masks apart
-  int64_t refused_ = 0;                                    // requests
   double busy_ms_ = 0;
   int64_t handled_ = 0;
 };

@@ -43,7 +43,11 @@ struct Placement {
   Eigen::Vector3d position_in_map(const Submap& submap, const Landmark& landmark) const;
 };
 
-// The same place to the last bit, whatever the revisions say.
+using Placements = std::map<SubmapKey, Placement>;
+
+inline bool is_similarity(const Sim3& s) { return s.is_finite() && s.scale > 0; }
+
+// True if the two are the same to the last bit, whatever their revisions.
 bool same_place(const Placement& a, const Placement& b);
 
 // The submap as it is in the map: same ids and observations, poses and positions in the map's unit and frame of

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "base/result.h"
+
 namespace rumi::map_server {
 
 struct StillMask {
@@ -20,7 +22,7 @@ struct StillMask {
   bool operator==(const StillMask&) const = default;
 };
 
-// What is wrong with the mask of a stream, or an empty string.
-std::string check(int64_t stream, const StillMask& mask);
+// An Error says what is wrong with the mask of a stream.
+Result<> check(int64_t stream, const StillMask& mask);
 
 }  // namespace rumi::map_server

@@ -84,7 +84,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
   is_building_ = false;
   std::string reason = worker_.take_broken().reason;
   if (cancel_) return std::nullopt;
-  if (reason.empty()) reason = run_.take_over(atlas);
+  if (reason.empty()) reason = run_.take_over(atlas).error_text();
   last_broke_off_ = !reason.empty();
   if (!last_broke_off_) return accept();
   give_up(reason);
@@ -107,7 +107,7 @@ void MapMerger::give_up(const std::string& reason) {
   run_.end(true);
   refused_.note(reason, now_us_);
   const std::set<SubmapKey> before = left_out();
-  schedule_.broke_off(suspects_.broke_off(run_.take_blamed(), now_us_));
+  schedule_.broke_off(suspects_.broke_off(run_.take_failing(), now_us_));
   if (left_out() != before) log_warning("the map is built without {} until changed", describe(left_out()));
 }
 

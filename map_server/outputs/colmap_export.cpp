@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/files/whole_file.h"
 #include "map_server/alignment/correspondences.h"
 #include "map_server/model/map_model.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/committed.h"
+#include "map_server/outputs/trajectory_file.h"
 
 namespace rumi::map_server {
 namespace {
@@ -176,7 +176,7 @@ ColmapExport make_model(const Atlas& atlas, const LandmarkColours& colours, cons
   return model;
 }
 
-std::string write_text(const ColmapExport& model, const fs::path& folder) {
+Result<> write_text(const ColmapExport& model, const fs::path& folder) {
   WholeFile cameras((folder / "cameras.txt").string());
   cameras.write("# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[]\n");
   for (const ColmapCamera& c : model.cameras)
@@ -206,7 +206,7 @@ std::string write_text(const ColmapExport& model, const fs::path& folder) {
     points.write(line + "\n");
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = committed(file); !written) return written;
   return {};
 }
 
@@ -225,7 +225,7 @@ void write_image(const ExportedImage& image, WholeFile* out) {
   }
 }
 
-std::string write_binary(const ColmapExport& model, const fs::path& folder) {
+Result<> write_binary(const ColmapExport& model, const fs::path& folder) {
   WholeFile cameras((folder / "cameras.bin").string());
   cameras.write_value(static_cast<uint64_t>(model.cameras.size()));
   for (const ColmapCamera& c : model.cameras) {
@@ -253,15 +253,15 @@ std::string write_binary(const ColmapExport& model, const fs::path& folder) {
     }
   }
   for (WholeFile* file : {&cameras, &images, &points})
-    if (std::string problem = file->commit(); !problem.empty()) return problem;
+    if (const Result<> written = committed(file); !written) return written;
   return {};
 }
 
-std::string with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
-                        const ImageFiles& files, std::string (*write)(const ColmapExport&, const fs::path&)) {
+Result<> with_folder(const std::string& folder, const Atlas& atlas, const LandmarkColours& colours,
+                     const ImageFiles& files, Result<> (*write)(const ColmapExport&, const fs::path&)) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return fmt::format("cannot create {}: {}", folder, error.message());
+  if (error) return Error{fmt::format("cannot create {}: {}", folder, error.message())};
   return write(make_model(atlas, colours, files), folder);
 }
 
@@ -277,18 +277,18 @@ std::string colmap_name(const ImageId& image, const std::vector<ImageId>& images
   return of_several_streams ? fmt::format("{}/{}", image.stream, name) : name;
 }
 
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
-                              const ImageFiles& files) {
-  // There a name ends at the first space.
+Result<> write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                           const ImageFiles& files) {
+  // In COLMAP's text a name ends at the first space.
   for (const auto& [image, file] : files)
     if (file.name.find(' ') != std::string::npos)
-      return fmt::format("'{}' has a space, which no name in COLMAP's text may have: give --format colmap-bin",
-                         file.name);
+      return Error{fmt::format("'{}' has a space, which no name in COLMAP's text may have: give --format colmap-bin",
+                               file.name)};
   return with_folder(folder, atlas, colours, files, write_text);
 }
 
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
-                                const ImageFiles& files) {
+Result<> write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours,
+                             const ImageFiles& files) {
   return with_folder(folder, atlas, colours, files, write_binary);
 }
 

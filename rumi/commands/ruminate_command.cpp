@@ -21,7 +21,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
 #include "formats/truth/truth.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/all_options.h"
@@ -77,7 +77,7 @@ std::string write_results(const Arguments& arguments, const std::string& name, c
   WholeFile file(base.string() + ".submap");
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   const std::string error = file.commit();
-  return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt") : error;
+  return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt").error_text() : error;
 }
 
 class Ruminate {

@@ -150,6 +150,36 @@ Projection project_for(ViewKind kind, const PrincipalPlane& plane, const SE3& ca
   return Projection::parallel(plane, -0.55, 0.62, area, shown);
 }
 
+struct Totals {
+  size_t landmarks = 0, pairs = 0, keyframes = 0;
+};
+
+Totals count(const Submaps& shown) {
+  Totals totals;
+  for (const SubmapView* s : shown) {
+    totals.landmarks += s->landmarks.size();
+    totals.pairs += s->covisible.size();
+    totals.keyframes += s->keyframe_poses.size();
+  }
+  return totals;
+}
+
+void draw_truth(Pen& pen, const Scene& scene) {
+  for (size_t i = 1; i < scene.truth.size(); ++i) pen.line(scene.truth[i - 1], scene.truth[i], 1.2, {kTruthColor, 0.8});
+}
+
+void draw_frusta(Pen& pen, const Scene& scene, const Submaps& shown, size_t step, double length) {
+  for (const SubmapView* s : shown)
+    for (size_t i = 0; i < s->keyframe_poses.size(); i += step)
+      pen.frustum(scene, s->keyframe_poses[i].map_from_cam, length, 0.8, {color_of(*s), 0.6}, 0.04);
+}
+
+void draw_merges(PlotCanvas& canvas, Pen& pen, const Scene& scene) {
+  for (const MergeView& merge : scene.merges)
+    pen.segment(merge.at_a, merge.at_b,
+                [&](cv::Point2d a, cv::Point2d b) { draw_merge(canvas, a, b, merge.same_images); });
+}
+
 }  // namespace
 
 void draw_panel(PlotCanvas& canvas, const cv::Rect& r) {
@@ -197,6 +227,16 @@ MapViews::MapViews(PlotCanvas& canvas, const Scene& scene) : canvas_(canvas), sc
   canvas.set_points(landmarks);
 }
 
+void MapViews::draw_landmarks(const Submaps& shown, const Projection& project, size_t step, double size_px) {
+  for (const SubmapView* s : shown) {
+    const cv::Vec3b color = color_of(*s);
+    cv::Vec3b tint;
+    for (int c = 0; c < 3; ++c) tint[c] = cv::saturate_cast<uchar>(0.85 * color[c] + 0.15 * 120);
+    const size_t index = static_cast<size_t>(s - scene_.submaps.data());
+    canvas_.points(first_landmark_[index], s->landmarks.size(), step, project, size_px, {tint, 0.45});
+  }
+}
+
 MapViews::Drawn MapViews::draw(const Submaps& shown, const cv::Rect& panel, const MapViewStyle& style) {
   draw_panel(canvas_, panel);
   const bool whole_map = !shown.empty() && shown.front()->placed;
@@ -210,40 +250,21 @@ MapViews::Drawn MapViews::draw(const Submaps& shown, const cv::Rect& panel, cons
   const double least = project.scale() ? 1.5 / *project.scale() : 0.002 * plane.extent;
   draw_grid(pen, plane, step);
 
-  const double pixels = panel.area();
-  size_t landmarks = 0, pairs = 0, keyframes = 0;
-  for (const SubmapView* s : shown) {
-    landmarks += s->landmarks.size();
-    pairs += s->covisible.size();
-    keyframes += s->keyframe_poses.size();
-  }
-  for (const SubmapView* s : shown) {
-    const cv::Vec3b color = color_of(*s);
-    cv::Vec3b tint;
-    for (int c = 0; c < 3; ++c) tint[c] = cv::saturate_cast<uchar>(0.85 * color[c] + 0.15 * 120);
-    const size_t index = static_cast<size_t>(s - scene_.submaps.data());
-    canvas_.points(first_landmark_[index], s->landmarks.size(), thinned(landmarks, pixels / kLandmarkRoom), project,
-                   style.landmark_px, {tint, 0.45});
-  }
+  const Totals totals = count(shown);
+  draw_landmarks(shown, project, thinned(totals.landmarks, panel.area() / kLandmarkRoom), style.landmark_px);
   if (whole_map && style.keyframes)
     for (const SubmapView* s : shown) draw_shadow(pen, plane, *s, least, style.line_px);
-  for (const SubmapView* s : shown) draw_covisible(pen, *s, thinned(pairs, pixels / kCovisibleRoom));
+  for (const SubmapView* s : shown) draw_covisible(pen, *s, thinned(totals.pairs, panel.area() / kCovisibleRoom));
   if (whole_map) {
-    for (size_t i = 1; i < scene_.truth.size(); ++i)
-      pen.line(scene_.truth[i - 1], scene_.truth[i], 1.2, {kTruthColor, 0.8});
+    draw_truth(pen, scene_);
     draw_gaps(canvas_, pen, shown);
   }
-  if (style.keyframes)
-    for (const SubmapView* s : shown)
-      for (size_t i = 0; i < s->keyframe_poses.size(); i += thinned(keyframes, kMaxFrusta))
-        pen.frustum(scene_, s->keyframe_poses[i].map_from_cam, 0.022 * plane.extent, 0.8, {color_of(*s), 0.6}, 0.04);
+  if (style.keyframes) draw_frusta(pen, scene_, shown, thinned(totals.keyframes, kMaxFrusta), 0.022 * plane.extent);
   for (const SubmapKind kind : {SubmapKind::kBack, SubmapKind::kFront})  // what was tracked lies over what was rebuilt
     for (const SubmapView* s : shown)
       if (s->kind == kind) draw_path(canvas_, pen, *s, least, style.line_px);
   if (whole_map) {
-    for (const MergeView& merge : scene_.merges)
-      pen.segment(merge.at_a, merge.at_b,
-                  [&](cv::Point2d a, cv::Point2d b) { draw_merge(canvas_, a, b, merge.same_images); });
+    draw_merges(canvas_, pen, scene_);
     if (scene_.camera) pen.frustum(scene_, *scene_.camera, 0.06 * plane.extent, 1.6, {kCameraColor}, 0.12);
   }
   canvas_.unclip();

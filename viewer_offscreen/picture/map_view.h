@@ -30,6 +30,9 @@ class MapViews {
   Drawn draw(const std::vector<const SubmapView*>& shown, const cv::Rect& panel, const MapViewStyle& style);
 
  private:
+  void draw_landmarks(const std::vector<const SubmapView*>& shown, const Projection& project, size_t step,
+                      double size_px);
+
   PlotCanvas& canvas_;
   const Scene& scene_;
   std::vector<size_t> first_landmark_;  // per submap, and the end of the last
