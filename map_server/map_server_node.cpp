@@ -31,7 +31,7 @@ bool is_same_file(const std::string& a, const std::string& b) {
   return std::filesystem::weakly_canonical(a) == std::filesystem::weakly_canonical(b);
 }
 
-// For what only a broken invariant can refuse.
+// Throws if an operation fails that only a broken invariant can make fail.
 void must(const Result<>& done) {
   if (!done) throw std::logic_error(done.error().text());
 }
@@ -47,6 +47,12 @@ Atlas load(MapStore* store) {
   Result<Atlas> atlas = store->load();
   if (!atlas) throw std::runtime_error(atlas.error().text());
   return std::move(*atlas);
+}
+
+PlacedMap checked(Placements placements) {
+  Result<PlacedMap> map = PlacedMap::make(std::move(placements));
+  if (!map) throw std::runtime_error(map.error().text());
+  return std::move(*map);
 }
 
 std::string sessions_text(const Atlas& atlas) {
@@ -96,11 +102,12 @@ MapServerNode::MapServerNode(Bus& bus, const MapServerOptions& options)
                                [this](const map_request_t& request) { on_request(request); });
 }
 
-// A single submap that nobody has placed is a map, too: what joins it is placed in it, not the other way round.
+// A single submap that nobody has placed is a map too. It is placed here, so that later submaps are placed in it and
+// not the other way round.
 void MapServerNode::go_on_from_map() {
   const std::set<SubmapKey> in_map = atlas_.in_map();
   if (in_map.size() == 1 && atlas_.find(*in_map.begin())->placement.revision == 0)
-    atlas_.place_map(PlacedMap::make({{*in_map.begin(), {}}}).value()).value();
+    atlas_.place_map(checked({{*in_map.begin(), {}}})).value();
 }
 
 void MapServerNode::fix_map() {
@@ -116,7 +123,7 @@ void MapServerNode::fix_map() {
     throw std::runtime_error(
         fmt::format("{}: there is no map in it to localize in (map_server.localize_only)", options_.database));
   fixed_links_ = atlas_.links();
-  atlas_.place_map(PlacedMap::make(std::move(placements)).value()).value();  // also when a larger submap comes
+  atlas_.place_map(checked(std::move(placements))).value();  // also when a larger submap comes
   merger_.fix(fixed_, in_map);
 }
 
@@ -169,7 +176,7 @@ Result<> MapServerNode::save_submap(SubmapKey key) {
   return saved;
 }
 
-// Once: the user has given another calibration, or it was calibrated anew.
+// Warns once if the stream had another calibration before: the user has given another one, or calibrated anew.
 void MapServerNode::note_calibration(SubmapKey key) {
   const AtlasSubmap* owner = atlas_.find(key);
   if (!owner || owner->submap.kind != SubmapKind::kFront || !calibration_doubt_.empty()) return;
@@ -182,8 +189,8 @@ void MapServerNode::note_calibration(SubmapKey key) {
   log_warning("{}", calibration_doubt_);
 }
 
-// A front_tracker that goes on may still have submaps of its last session to send; a log that is played beside it has
-// others. Back submaps may be of any session: their windows wait in the spool.
+// True for front submaps of a log that is played beside a running front_tracker. A front_tracker that is known may
+// still send submaps of its last session. Back submaps may be of any session, because their windows wait in the spool.
 bool MapServerNode::is_of_older_run(const submap_update_t& update, const std::string& sender) {
   if (update.kind != submap_update_t::FRONT || front_senders_.contains(sender)) return false;
   if (sessions_.is_older(update.session, bus_.now_us())) return true;
@@ -259,9 +266,9 @@ void MapServerNode::answer_with_snapshot(const map_request_t& request, Result<Da
 
 void MapServerNode::merge(int64_t now_us) {
   cull_some();
-  if (!to_cull_.empty()) return;  // what is built next is built of what is left
+  if (!to_cull_.empty()) return;  // the next build must see the culled submaps
   std::optional<MergeResult> result = merger_.tick(now_us, atlas_);
-  // An adjustment that had begun before somebody asked lacks what came since.
+  // An adjustment that began before the request lacks the submaps that came in between.
   const bool all_is_merged =
       merger_.idle(atlas_) || (result && result->scope == BuildScope::kAll && !merger_.hurried());
   if (result) absorb(std::move(*result));
@@ -287,7 +294,7 @@ void MapServerNode::absorb(MergeResult result) {
   try_save();
 }
 
-// What came was looked at, and is not joined to the map of earlier sessions.
+// Serves the present sessions when a build has looked at them and not joined them to the map of earlier sessions.
 void MapServerNode::serve_present() {
   if (options_.localize_only || !atlas_.serve_present()) return;
   log_info("nothing joins this session to the {} frames of before yet: until then it is a map of its own",
@@ -295,7 +302,7 @@ void MapServerNode::serve_present() {
   tell_all();
 }
 
-// Whether the present sessions have their place in the map of earlier ones.
+// Notes when the present sessions have their first submap, and when they are joined to the map of earlier ones.
 void MapServerNode::note_localization() {
   if (localized_us_) return;
   const auto is_present = [this](const auto& item) { return atlas_.present().contains(item.first.session); };
@@ -317,7 +324,7 @@ std::vector<std::string> MapServerNode::complaints() const {
   if (!calibration_doubt_.empty()) sentences.push_back(calibration_doubt_);
   if (options_.localize_only && !localized_us_ && counts.present > 0)
     sentences.push_back(fmt::format("not localized: nothing that came looks like {}", options_.database));
-  // One that is only asked to end hands on what it has: what came last is not merged yet.
+  // A server that is stopped without finish() has not merged its last submaps, so it does not complain of them.
   const bool is_part = finishing_ && counts.present_in_map > 0 &&
                        static_cast<double>(counts.present_in_map) < kWhole * static_cast<double>(counts.present);
   if (options_.merge.enabled && is_part)
@@ -333,7 +340,7 @@ std::optional<double> MapServerNode::localized_after_s() const {
   return 1e-6 * static_cast<double>(*localized_us_ - *first_submap_us_);
 }
 
-// One line when it is made of other submaps than before; that it was adjusted again is no news.
+// Logs one line if the map is made of other submaps than before. Another adjustment is no news.
 void MapServerNode::tell_of_map(const std::set<SubmapKey>& before) const {
   const std::set<SubmapKey> now = atlas_.in_map();
   const auto without = [](const std::set<SubmapKey>& some, const std::set<SubmapKey>& others) {
@@ -348,8 +355,8 @@ void MapServerNode::tell_of_map(const std::set<SubmapKey>& before) const {
            gone.empty() ? "" : fmt::format("; no longer in it: {}", describe(gone)));
 }
 
-// Live, for the time of a save; the rest with the next ticks. A submap lies where it lies with or without what it can
-// do without.
+// Takes over culled submaps: in a live system for the time of a save, and the rest with the next ticks. Culling does
+// not change where a submap lies, so the atlas may have some of them culled and others not.
 void MapServerNode::cull_some() {
   const auto begin = std::chrono::steady_clock::now();
   while (!to_cull_.empty()) {
@@ -382,7 +389,7 @@ void MapServerNode::tick(int64_t now_us) {
   snapshot_file_.tick(now_us);
 }
 
-// What is left to merge is merged before the end, unless the end is to be soon.
+// Merges what is left before the end. stop() is called instead if the process must end soon.
 void MapServerNode::finish() {
   finishing_ = true;
   merger_.hurry();

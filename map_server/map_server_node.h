@@ -29,8 +29,8 @@ namespace rumi::map_server {
 
 class MapServerNode : public Node {
  public:
-  // Throws std::runtime_error with a message for the user when the database cannot be opened (see MapStore), there is
-  // no map in it to localize in, or the snapshots would take its place.
+  // Throws std::runtime_error with a message for the user if the database cannot be opened (see MapStore), has no map
+  // to localize in, or would be overwritten by the snapshots.
   MapServerNode(Bus& bus, const MapServerOptions& options);
   ~MapServerNode() override { store_.call_off_copies(); }  // nobody will take the copies
 
@@ -39,16 +39,16 @@ class MapServerNode : public Node {
   void finish() override;
   void stop() override;
   std::string waits_for() const override;
-  // Nothing that came was found in the map (localize_only), many images of the present sessions have no pose in it, or
-  // they come with another calibration than the map's.
+  // Complains if no submap that came was found in the map (localize_only), if many images of the present sessions have
+  // no pose in it, or if they come with another calibration than the map's.
   std::vector<std::string> complaints() const override;
 
   const Atlas& atlas() const { return atlas_; }
-  Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
+  Atlas& atlas() { return atlas_; }  // changes in it are stored with the next update or frame
   const std::string& calibration_doubt() const { return calibration_doubt_; }
   MapStore& store() { return store_; }
-  // From the first submap of the present sessions to their place in the map of earlier ones, of the images' time.
-  // Nothing: they have none.
+  // The time, by the images, from the first submap of the present sessions until they were placed in the map of earlier
+  // ones. Nothing if they are not placed in it.
   std::optional<double> localized_after_s() const;
 
  private:
@@ -57,11 +57,13 @@ class MapServerNode : public Node {
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   Result<> change_submap(SubmapKey key, const submap_update_t& update);
   Result<> save_submap(SubmapKey key);
-  void note_calibration(SubmapKey key);  // that its stream had another one before
+  void note_calibration(SubmapKey key);
   bool is_of_older_run(const submap_update_t& update, const std::string& sender);
   void on_track(const track_t& track);
   void on_mask(const mask_t& mask);
-  bool has_unsaved() const { return has_unsaved_mask_ || !unsaved_frames_.empty(); }  // of what is not acknowledged
+  bool has_unsaved() const {
+    return has_unsaved_mask_ || !unsaved_frames_.empty();
+  }  // what nobody waits for an acknowledgement of
   void merge(int64_t now_us);
   void absorb(MergeResult result);
   void serve_present();
@@ -78,7 +80,7 @@ class MapServerNode : public Node {
   // `whole`, the next ticks go on with what takes long.
   Result<> save(bool whole = false);
   void try_save(bool whole = false) { (void)save(whole); }  // status() has the Error, and the next ticks try again
-  void tell_all();                                          // at once the first page, with each tick another
+  void tell_all();                                          // publishes the first page; each tick publishes another
   void publish_map_status();
 
   Bus& bus_;
@@ -86,12 +88,12 @@ class MapServerNode : public Node {
   MapStore store_;
   Atlas atlas_;
   MapMerger merger_;
-  CulledSubmaps to_cull_;  // of the last merge, what is not yet done
+  CulledSubmaps to_cull_;  // submaps of the last merge that the atlas has not taken over yet
   MapStatusPages status_pages_;
   Answers answers_;
   ChunkReceiver receiver_;
   NewestSender sessions_{"RUMI_TRACK"};
-  std::set<std::string> front_senders_;  // of front submaps, so far
+  std::set<std::string> front_senders_;  // senders of front submaps so far
   std::set<SubmapKey> fixed_;            // submaps of earlier sessions, with localize_only
   std::vector<Link> fixed_links_;        // between them
   std::set<ImageId> unsaved_frames_;
@@ -104,8 +106,9 @@ class MapServerNode : public Node {
   WriteTrouble trouble_;  // of save()
   int64_t last_save_us_ = 0, last_status_us_ = 0;
   int64_t last_utime_us_ = 0;
-  std::optional<int64_t> first_submap_us_, localized_us_;  // of the present sessions: last_utime_us_ at that moment
-  int64_t rejected_ = 0;                                   // updates and messages that made no sense, masks apart
+  std::optional<int64_t> first_submap_us_,
+      localized_us_;      // last_utime_us_ when the present sessions had a submap, and were localized
+  int64_t rejected_ = 0;  // updates and messages that made no sense, masks apart
   double busy_ms_ = 0;
   int64_t handled_ = 0;
 };

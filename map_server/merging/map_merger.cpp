@@ -59,7 +59,7 @@ void MapMerger::begin(BuildScope scope, int64_t now_us, const Atlas& atlas) {
   worker_.post([this] { run_.run(); });
 }
 
-// Copies only what has changed. Those that are tried by halves stay as they were.
+// Copies only submaps that have changed. While halves are tried the copies must stay as they were.
 void MapMerger::copy_submaps(const Atlas& atlas) {
   if (suspects_.unfinished()) return;
   for (const auto& [key, owner] : atlas.submaps()) {
@@ -94,7 +94,7 @@ std::optional<MergeResult> MapMerger::end(const Atlas& atlas) {
 MergeResult MapMerger::accept() {
   MergeResult& result = run_.result();
   suspects_.built();
-  for (const auto& [key, submap] : result.culled) {  // no news
+  for (const auto& [key, submap] : result.culled) {  // a culled submap is no reason for another build
     copies_[key] = submap;
     suspects_.replaced(key, submap->revision);
   }
@@ -114,7 +114,7 @@ void MapMerger::give_up(const std::string& reason) {
 void MapMerger::free(std::vector<Placement> placements) {
   worker_.post([placements = std::make_shared<std::vector<Placement>>(std::move(placements))]() mutable {
     placements.reset();
-    malloc_trim(0);  // an adjustment takes, in small pieces, as much as all else
+    malloc_trim(0);  // an adjustment leaves as much free memory, in small pieces, as all else uses
   });
 }
 

@@ -83,7 +83,7 @@ uint32_t camera_id(const Camera& camera, ColmapExport* model) {
   return model->cameras.back().id;
 }
 
-// How far the observations of a point are from where it projects to, in the map.
+// The mean distance of a point's observations from its projections, in pixels.
 double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   double sum = 0;
   int count = 0;
@@ -97,7 +97,7 @@ double mean_error_px(const MapModel& map, const MapModel::Point& point) {
   return count > 0 ? sum / count : 0;
 }
 
-// A point is several landmarks where submaps overlap.
+// Where submaps overlap, a point has several landmarks.
 Colour colour_of_point(const MapModel::Point& point, const LandmarkColours& colours) {
   for (const LandmarkRef& landmark : point.landmarks)
     if (const auto seen = colours.find(landmark); seen != colours.end()) return seen->second;
@@ -130,7 +130,7 @@ std::vector<ImageId> images_of(const MapModel& map) {
   return images;
 }
 
-// From pixels of the tracked image to those of its file, which is larger where max_image_side made it smaller.
+// Converts pixels of the working image to those of the image's file, which is larger if max_image_side shrank it.
 class ToFile {
  public:
   ToFile(const Camera& tracked, const ImageFile* file) {
@@ -139,7 +139,7 @@ class ToFile {
     y_ = static_cast<double>(file->height) / tracked.height;
     width_ = file->width, height_ = file->height;
   }
-  // In COLMAP's pixels.
+  // Converts to COLMAP's pixels.
   Eigen::Vector2d operator()(const Eigen::Vector2d& pixel) const {
     return (pixel.array() + kPixelShift) * Eigen::Array2d(x_, y_);
   }

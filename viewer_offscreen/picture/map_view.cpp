@@ -14,13 +14,13 @@ using Eigen::Vector3d;
 using Submaps = std::vector<const SubmapView*>;
 
 constexpr double kLeastLoss_px = 12;  // a shorter one has no room for rings at its ends
-// More than these are thinned evenly.
+// If there are more than these, they are thinned evenly.
 constexpr size_t kMaxFrusta = 150;                         // of keyframes
 constexpr double kLandmarkRoom = 4, kCovisibleRoom = 150;  // pixels of the panel for each
 
 cv::Vec3b color_of(const SubmapView& submap) { return submap_color(submap.kind, submap.color); }
 
-// Draws in space: what is behind the viewer is cut off.
+// Draws lines in space, and cuts off what is behind the viewer.
 class Pen {
  public:
   Pen(PlotCanvas& canvas, const Projection& project) : canvas_(canvas), project_(project) {}
@@ -58,7 +58,7 @@ void draw_grid(Pen& pen, const PrincipalPlane& plane, double step) {
     return plane.center + plane.axes * Vector3d(a, b, plane.floor);
   };
   for (double k = -half; k <= half + step / 2; k += step) {
-    const double alpha = 1 - 0.75 * std::abs(k) / half;  // it fades outwards: it has no border of its own
+    const double alpha = 1 - 0.75 * std::abs(k) / half;  // fades outwards, because the grid has no border
     for (const double sign : {-1.0, 1.0}) {
       for (int piece = 0; piece < 6; ++piece) {
         const double from = sign * half * piece / 6, to = sign * half * (piece + 1) / 6;
@@ -70,7 +70,7 @@ void draw_grid(Pen& pen, const PrincipalPlane& plane, double step) {
   }
 }
 
-// Calls piece(a, b, after_loss) for the parts of a path, those shorter than `least` joined.
+// Calls piece(a, b, after_loss) for the parts of a path, and joins parts shorter than `least`.
 template <class Piece>
 void each_piece(const SubmapView& submap, double least, Piece piece) {
   if (submap.trajectory.empty()) return;
@@ -121,7 +121,7 @@ void draw_path(PlotCanvas& canvas, Pen& pen, const SubmapView& submap, double le
   });
 }
 
-// Between one placed submap and the next in time nothing is known: a dashed line.
+// Draws a dashed line from each placed submap to the next in time: nothing is known of the path between.
 void draw_gaps(PlotCanvas& canvas, Pen& pen, const Submaps& placed) {
   std::vector<const SubmapView*> by_time;
   for (const SubmapView* s : placed)
@@ -139,7 +139,7 @@ void draw_gaps(PlotCanvas& canvas, Pen& pen, const Submaps& placed) {
   }
 }
 
-// Every so manyth is drawn.
+// The step between the elements that are drawn.
 size_t thinned(size_t all, double most) { return static_cast<size_t>(static_cast<double>(all) / (most + 1)) + 1; }
 
 Projection project_for(ViewKind kind, const PrincipalPlane& plane, const SE3& camera, const cv::Rect& area,
