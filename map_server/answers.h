@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Owns the answers to RUMI_MAP_REQUEST that are under way, and answers what the atlas alone can answer: submaps, the
-// trajectory, regions. Snapshots and RUMI_MAP_STATUS are the node's.
+// trajectory, regions. The node answers requests for snapshots and for RUMI_MAP_STATUS.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ class Answers {
   void refuse(const map_request_t& request, const std::string& why);
 
   bool is_under_way(const map_request_t& request) const;
-  int large() const { return large_; }  // under way, refusals apart
+  int large() const { return large_; }  // answers under way, refusals apart
   int64_t refused() const { return refused_; }
   bool is_idle() const { return sender_.pending() == 0; }
 

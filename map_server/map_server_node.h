@@ -52,8 +52,8 @@ class MapServerNode : public Node {
   std::optional<double> localized_after_s() const;
 
  private:
-  void fix_map();         // localize_only
-  void go_on_from_map();  // of an earlier session
+  void fix_map();         // for localize_only
+  void go_on_from_map();  // places the map of an earlier session
   ChunkReceiver::Verdict on_payload(const ChunkReceiver::Payload& payload);
   Result<> change_submap(SubmapKey key, const submap_update_t& update);
   Result<> save_submap(SubmapKey key);
@@ -71,7 +71,7 @@ class MapServerNode : public Node {
   void tell_of_localization() const;
   void write_all();
   void tell_of_map(const std::set<SubmapKey>& before) const;
-  void cull_some();  // of to_cull_
+  void cull_some();  // takes over some of to_cull_
   void cull(SubmapKey key, const Submap& left);
   void on_request(const map_request_t& request);
   void queue_snapshot(const map_request_t& request);
@@ -95,7 +95,7 @@ class MapServerNode : public Node {
   NewestSender sessions_{"RUMI_TRACK"};
   std::set<std::string> front_senders_;  // senders of front submaps so far
   std::set<SubmapKey> fixed_;            // submaps of earlier sessions, with localize_only
-  std::vector<Link> fixed_links_;        // between them
+  std::vector<Link> fixed_links_;        // links between fixed_ submaps
   std::set<ImageId> unsaved_frames_;
   MaskIntake masks_;
   bool has_unsaved_mask_ = false;
@@ -103,7 +103,7 @@ class MapServerNode : public Node {
   SnapshotFile snapshot_file_;
   bool finishing_ = false;
   std::string calibration_doubt_;
-  WriteTrouble trouble_;  // of save()
+  WriteTrouble trouble_;  // why save() fails
   int64_t last_save_us_ = 0, last_status_us_ = 0;
   int64_t last_utime_us_ = 0;
   std::optional<int64_t> first_submap_us_,

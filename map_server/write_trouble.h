@@ -13,7 +13,7 @@ class WriteTrouble {
  public:
   explicit WriteTrouble(std::string file) : file_(std::move(file)) {}
 
-  // What became of the latest attempt.
+  // Takes the result of the latest attempt to write the file.
   void note(const Result<>& written);
   bool is_over() const { return text_.empty(); }
   const std::string& text() const { return text_; }  // empty if the latest attempt went well

@@ -82,7 +82,7 @@ void ViewerNode::tick(int64_t now_us) {
   if (last_draw_us_ == 0) last_draw_us_ = now_us;
   const int64_t interval_us = std::llround(options_.interval_s * 1e6);
   if (!changed_ || !is_due(now_us, last_draw_us_, interval_us)) return;
-  // What is new is sent once for each picture, however often it changes in between.
+  // A change is sent once for each picture, however often it comes in between.
   request_missing(now_us);
   if (!copies_.complete() && !is_due(now_us, last_draw_us_, interval_us + kFetchUs)) return;
   draw();

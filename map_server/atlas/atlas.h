@@ -28,8 +28,8 @@
 
 namespace rumi::map_server {
 
-// What front_tracker said of a frame when it saw it. Only the submaps know whether the frame has a pose now: poses are
-// added to earlier frames, and corrected, after the fact.
+// The record of what front_tracker said of a frame when it saw it. Only the submaps know whether the frame has a pose
+// now: poses are added to earlier frames, and corrected, after the fact.
 struct FrameRecord {
   int64_t session = 0;
   TrackingState state = TrackingState::kUnknown;

@@ -26,7 +26,7 @@ struct BuildInput {
   // Placements of the submaps in the map beside the served one (of earlier sessions). They are used instead of `placed`
   // as soon as one of these submaps is joined to the members of the map.
   Placements beside = {};
-  // With localize_only: the submaps of the stored map. No build moves or culls them; others are placed beside them.
+  // The submaps of the stored map, if localize_only. No build moves or culls them; others are placed in their map.
   // They are in `placed` too.
   std::set<SubmapKey> fixed = {};
   // Sessions that go on now. The group of submaps with most frames of theirs is the map.

@@ -152,7 +152,7 @@ void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submap
 bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& other, const Submaps& submaps) const {
   const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
   if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
-  // Of the two ends of a loop it compares those that are nearer to each other.
+  // It compares the ends of a loop that are nearer to each other.
   const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
                                                                 std::abs(x.utime_a_us - other.utime_b_us));
   const LinkEdge y = turn ? turned(other) : other;

@@ -64,7 +64,7 @@ class MapStore {
 
   MapDatabase database_;
   MapCopies copies_;
-  // What the file has.
+  // The content of the file, as it was last saved or loaded.
   StoredSubmaps stored_;
   std::vector<Link> stored_links_;
   std::map<int64_t, StillMask> stored_masks_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What map.db has of each submap, so that only what changed since is written.
+// The part of each submap that map.db has, so that only later changes are written.
 #pragma once
 
 #include <chrono>

@@ -96,7 +96,8 @@ struct MapPicture {
 // Leaves out numbers that are not finite. If no submap is placed, the one with most frames stands for the map.
 Scene make_scene(const MapPicture& picture);
 
-// The same in two steps, for a caller that keeps the parts that have not changed: each submap, and then all together.
+// These do it in two steps, for a caller that keeps the parts that have not changed: each submap, and then all
+// together.
 SubmapView view_submap(const Submap& submap);
 Scene make_scene(const MapPicture& picture, std::vector<SubmapView> submaps);
 

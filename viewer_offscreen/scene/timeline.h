@@ -9,7 +9,7 @@
 
 namespace rumi::viewer_offscreen {
 
-// What front_tracker said of a frame when it saw it.
+// The note of what front_tracker said of a frame when it saw it.
 struct FrameNote {
   int64_t utime_us = 0;
   int8_t state = kUnknownState;  // as in track_t
