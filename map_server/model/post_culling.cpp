@@ -42,7 +42,7 @@ class Finder {
     return submap.kind == SubmapKind::kBack && submap.closed && !contains(common_.needed, key_of(ref));
   }
 
-  // Another keyframe of the same image stays.
+  // True if another keyframe of the same image stays.
   bool is_doubled(const KeyframeRef& ref) const {
     const auto doubles = doubles_.find(key_of(ref));
     return doubles != doubles_.end() &&
@@ -81,7 +81,7 @@ class Finder {
   KeyframeSets redundant_;
 };
 
-// Nothing if none stays.
+// Returns nothing if no keyframe stays.
 const Keyframe* nearest_that_stays(const Submap& submap, int64_t utime_us, const std::set<int>& leaving) {
   const Keyframe* nearest = nullptr;
   for (const auto& [id, keyframe] : submap.keyframes)

@@ -123,7 +123,8 @@ void calibrate_from(const Arguments& arguments, const ViewCollector& collector) 
   if (!arguments.quiet)
     fmt::print("{}: {}\n{}", source, collector.counts().to_string(), collector.coverage().to_text());
   flush_stdout();
-  if (!arguments.picture.empty()) fail_if(viewer_offscreen::write_png(draw_coverage(collector), arguments.picture));
+  if (!arguments.picture.empty())
+    fail_if(viewer_offscreen::write_png(draw_coverage(collector), arguments.picture).error_text());
   const Camera::Model model = arguments.model == "pinhole" ? Camera::Model::kPinhole : Camera::Model::kKannalaBrandt;
   const Calibration calibration = calibrate(collector.board(), collector.taken(), collector.spare(),
                                             collector.image_size(), model, arguments.options);

@@ -128,7 +128,8 @@ class Demo {
     if (!whole.outcome.windows.empty()) {
       const WindowSceneResult window = read_window_scene(log().string(), 0);
       fail_if(window.error);
-      fail_if(viewer_offscreen::write_png(draw_window(window.scene), (out_ / "rumi" / "window.png").string()));
+      fail_if(
+          viewer_offscreen::write_png(draw_window(window.scene), (out_ / "rumi" / "window.png").string()).error_text());
     }
     WholeFile report((out_ / "rumi" / "report.html").string());
     report.write(make_report((out_ / "rumi").string(), {.groundtruth = truth().string()}));

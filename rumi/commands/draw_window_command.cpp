@@ -17,7 +17,7 @@ struct Arguments {
 void draw(const Arguments& arguments) {
   const WindowSceneResult result = read_window_scene(arguments.log, arguments.window);
   fail_if(result.error);
-  fail_if(viewer_offscreen::write_png(draw_window(result.scene), arguments.out));
+  fail_if(viewer_offscreen::write_png(draw_window(result.scene), arguments.out).error_text());
 }
 
 }  // namespace

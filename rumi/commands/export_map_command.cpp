@@ -11,7 +11,8 @@
 #include "camera_driver/flags.h"
 #include "camera_driver/open_source.h"
 #include "map_server/outputs/colmap_export.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/ply_file.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/outputs/colmap_images.h"
@@ -31,13 +32,13 @@ struct Arguments {
 
 std::string write_map(const map_server::Atlas& atlas, const map_server::LandmarkColours& colours,
                       const map_server::ImageFiles& files, const std::string& out, const std::string& format) {
-  if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours, files);
-  if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours, files);
+  if (format == "colmap-text") return map_server::write_colmap_text(atlas, out, colours, files).error_text();
+  if (format == "colmap-bin") return map_server::write_colmap_binary(atlas, out, colours, files).error_text();
   std::error_code error;
   fs::create_directories(out, error);
   if (error) return fmt::format("{}: cannot be made: {}", out, error.message());
-  if (format == "ply") return map_server::write_ply(atlas, (fs::path(out) / "map.ply").string(), colours);
-  return map_server::write_trajectory_tum(atlas, (fs::path(out) / "trajectory.txt").string());
+  if (format == "ply") return map_server::write_ply(atlas, (fs::path(out) / "map.ply").string(), colours).error_text();
+  return map_server::write_trajectory_tum(atlas, (fs::path(out) / "trajectory.txt").string()).error_text();
 }
 
 map_server::LandmarkColours colours_from(const Arguments& arguments, const map_server::Atlas& atlas,

@@ -138,7 +138,7 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   const std::string& out = run.out;
   std::vector<std::string> missing = {replay.close_log(), windows.finish()};
   // First what all else can be made of again.
-  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string());
+  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string()).error_text();
   missing.push_back(no_map);
   map_server::LandmarkColours colours;
   if (run.colours_of_videos || replay.recording().plays_few_quickly()) {

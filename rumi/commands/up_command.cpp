@@ -90,7 +90,8 @@ void tell_of_map(const AllOptions& options, bool fresh) {
 std::string why_not_here(const AllOptions& options) {
   const UpOptions& up = options.up;
   const std::string& database = options.map_server.database;
-  if (is_file(database) && !options.map_server.localize_only) const map_server::DatabaseLock is_free(database);
+  if (is_file(database) && !options.map_server.localize_only)
+    if (const auto free = map_server::DatabaseLock::take(database); !free) return free.error().text();
   ChannelNames names;
   names.prefix = up.channel_prefix;
   names.camera = up.channel;

@@ -38,7 +38,8 @@ void view(const Arguments& arguments) {
     for (const std::string& note : truth.notes) fmt::print(stderr, "{}\n", note);
     for (const TimedPose& pose : truth.poses) picture.groundtruth[pose.utime_us] = pose.map_from_cam.translation;
   }
-  fail_if(viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out));
+  fail_if(viewer_offscreen::write_png(viewer_offscreen::draw_map(picture, kViews.at(arguments.view)), arguments.out)
+              .error_text());
   fmt::print("picture written to {}\n", arguments.out);
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "map_server/atlas/atlas.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 
 namespace rumi::tool {
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/files/whole_file.h"
-#include "base/running/failures.h"
 #include "base/text/json_text.h"
 #include "base/this_process/process_name.h"
 #include "bus/process/process.h"
@@ -115,8 +114,8 @@ std::string check_output_folder(const std::string& folder) {
   // Where a map_server has its map in this folder.
   const std::string database = (fs::path(folder) / "map.db").string();
   if (fs::exists(map_server::DatabaseLock::file_of(database), error)) {
-    const std::string held = thrown_by([&database] { const map_server::DatabaseLock is_free(database); });
-    if (!held.empty()) return fmt::format("{}: {}", folder, held);
+    if (const auto free = map_server::DatabaseLock::take(database); !free)
+      return fmt::format("{}: {}", folder, free.error().text());
   }
   if (!read_run_json(folder).is_null()) return "";
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);

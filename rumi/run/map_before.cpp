@@ -47,7 +47,8 @@ std::optional<std::string> describe_map_before(const std::string& database) {
     return fmt::format("{} frames of {}", frames,
                        sessions == 1 ? "an earlier session" : fmt::format("{} earlier sessions", sessions));
   } catch (const SqliteError&) {
-    const auto readable = map_server::MapStore::copy_in_memory(database);  // else it throws why not
+    const auto readable = map_server::MapStore::copy_in_memory(database);
+    if (!readable) throw std::runtime_error(readable.error().text());
     return std::nullopt;
   }
 }

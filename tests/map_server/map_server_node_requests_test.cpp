@@ -25,14 +25,14 @@ using testing::TemporaryFolder;
 
 TEST_F(MapServerNodeTest, AMapOfAnySizeIsToldInDatagramsAndWholeWhenAskedFor) {
   for (int id = 1; id <= 1000; ++id)
-    node_->atlas().change_submap({7, id}, [id](Submap* submap) {
+    EXPECT_TRUE(node_->atlas().change_submap({7, id}, [id](Submap* submap) {
       submap->key = {7, id};
       submap->revision = 1;
-      return std::string();
-    });
+      return Result<>();
+    }));
   std::vector<Link> links;
   for (int i = 0; i < 5000; ++i) links.push_back({.a = {7, 1}, .b = {7, 2}, .doubt = std::string(100, 'x')});
-  node_->atlas().set_links(std::move(links));
+  EXPECT_TRUE(node_->atlas().set_links(std::move(links)));
   size_t largest = 0;
   bus_.set_tap([&](const std::string& channel, std::span<const uint8_t> data) {
     if (channel == channels::kMapStatus) largest = std::max(largest, data.size());
@@ -83,8 +83,8 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   EXPECT_EQ(answers_[0].kind, chunk_t::DATABASE);
   const TemporaryFolder folder;
   testing::write_file(folder / "map.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
-  MapStore store(folder / "map.db");
-  const Atlas loaded = store.load();
+  MapStore store = MapStore::open(folder / "map.db").value();
+  const Atlas loaded = store.load().value();
   expect_same(node_->atlas(), loaded);
   EXPECT_EQ(loaded.frames().at({900'000}).state, TrackingState::kLost);
 }

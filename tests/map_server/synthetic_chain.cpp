@@ -84,10 +84,10 @@ void break_submap(Submap* submap) {
 }
 
 void put(const Submap& submap, Atlas* atlas) {
-  atlas->change_submap(submap.key, [&](Submap* there) {
+  EXPECT_TRUE(atlas->change_submap(submap.key, [&](Submap* there) {
     *there = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
 }
 
 }  // namespace rumi::testing

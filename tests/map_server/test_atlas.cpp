@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/map_server/test_atlas.h"
+#include "tests/map_server/place_map.h"
 
 #include <fmt/format.h>
 
@@ -102,9 +103,10 @@ void SubmapMaker::step() {
     next_utime_us_ += kFramePeriodUs;
   }
   for (int i = 0; i < 15; ++i) add_landmark();
-  for (const auto& [id, landmark] : submap_.landmarks) {
+  for (auto& [id, landmark] : submap_.landmarks) {
     if (random_() % 5 != 0) continue;
-    submap_.move_landmark(id, landmark.position + Eigen::Vector3d(0.01, 0, 0));
+    landmark.position.x() += 0.01;
+    submap_.touch(landmark);
   }
   if (submap_.landmarks.size() > 20) submap_.remove_landmark(submap_.landmarks.begin()->first);
   if (submap_.keyframes.size() > 4 && random_() % 3 == 0) {
@@ -122,8 +124,7 @@ Submap make_submap(SubmapKey key, uint32_t seed, int steps, int64_t first_utime_
 void update_atlas(Atlas* atlas, const Submap& submap) {
   const AtlasSubmap* known = atlas->find(submap.key);
   const submap_update_t update = make_submap_update(submap, known ? known->submap.revision : 0);
-  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s).error_text(); }),
-            "");
+  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }).error_text(), "");
 }
 
 Placement make_placement(const Submap& submap, uint32_t seed) {

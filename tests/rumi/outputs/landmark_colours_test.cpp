@@ -113,7 +113,7 @@ TEST(LandmarkColours, AreInTheFilesOfAMap) {
   const TemporaryFolder folder;
   const map_server::Atlas atlas = atlas_of(make_test_submap(kKeyframes, kLandmarks), 7);
   const auto first_colour = [&](const map_server::LandmarkColours& colours) {
-    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours), "");
+    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours).error_text(), "");
     const std::string text = testing::read_file(folder / "map.ply");
     const char* vertex = text.data() + text.find("end_header\n") + 11;
     const auto byte = [vertex](int i) { return static_cast<uint8_t>(vertex[12 + i]); };

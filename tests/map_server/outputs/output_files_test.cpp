@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/output_files.h"
+#include "map_server/outputs/frames_file.h"
+#include "map_server/outputs/ply_file.h"
+#include "map_server/outputs/trajectory_file.h"
 
 #include <gmock/gmock.h>
 
@@ -8,6 +11,7 @@
 #include <sstream>
 
 #include "map_server/outputs/colmap_export.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::map_server {
@@ -55,7 +59,7 @@ TEST(Writers, TrajectoryIsMapFromCam) {
   const TemporaryFolder folder;
   Atlas atlas;
   update_atlas(&atlas, small_submap(1));
-  ASSERT_EQ(write_trajectory_tum(atlas, folder / "t.txt"), "");
+  ASSERT_EQ(write_trajectory_tum(atlas, folder / "t.txt").error_text(), "");
   const std::string pose = " 1.000000000 2.000000000 3.000000000 0.000000000 1.000000000 0.000000000 0.000000000";
   EXPECT_THAT(lines(read_file(folder / "t.txt")),
               ElementsAre("1700000000.000042" + pose, "1700000000.033375" + pose, "1700000000.066708" + pose));
@@ -67,8 +71,8 @@ TEST(Writers, TrajectoryIsInTheMapsGauge) {
   update_atlas(&atlas, small_submap(1));
   Placement placement;
   placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), Eigen::Vector3d(10, 0, 0));
-  atlas.place_map({{{7, 1}, placement}});
-  ASSERT_EQ(write_trajectory_tum(atlas, folder / "t.txt"), "");
+  testing::place_map(&atlas, {{{7, 1}, placement}});
+  ASSERT_EQ(write_trajectory_tum(atlas, folder / "t.txt").error_text(), "");
   EXPECT_EQ(lines(read_file(folder / "t.txt"))[0],
             "1700000000.000042 12.000000000 4.000000000 6.000000000 0.000000000 1.000000000 0.000000000 0.000000000");
 }
@@ -85,7 +89,7 @@ TEST(Writers, FramesTableTellsStateSubmapAndMap) {
   atlas.record_frame({t + 40'000}, {.session = 7, .state = TrackingState::kRecentlyLost});
   atlas.record_frame({t + 50'000}, {.session = 7, .state = TrackingState::kLost});
   atlas.record_frame({1'800'000'000'000'000}, {.session = 7, .state = TrackingState::kTracking, .submap_id = 2});
-  ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
+  ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv").error_text(), "");
   const auto table = lines(read_file(folder / "frames.csv"));
   ASSERT_EQ(table.size(), 1 + 3 + 3 + 4);
   EXPECT_EQ(table[0], "utime,state,submap,in_map,position_sigma,rotation_sigma_rad,log_scale_sigma,session");
@@ -104,8 +108,8 @@ TEST(Writers, DeviationsAreInTheUnitOfTheMap) {
   update_atlas(&atlas, small_submap(1));
   Placement placement;
   placement.map_from_submap[0] = Sim3(4, Eigen::Quaterniond::Identity(), Eigen::Vector3d(10, 0, 0));
-  atlas.place_map({{{7, 1}, placement}});
-  ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv"), "");
+  testing::place_map(&atlas, {{{7, 1}, placement}});
+  ASSERT_EQ(write_frames_csv(atlas, folder / "frames.csv").error_text(), "");
   EXPECT_EQ(lines(read_file(folder / "frames.csv"))[2], "1700000000033375,UNKNOWN,1,1,2,0.0125,0.02,7");
 }
 
@@ -114,7 +118,7 @@ TEST(Writers, PlyHoldsLandmarksAndCamerasOfTheServedMap) {
   Atlas atlas;
   update_atlas(&atlas, make_submap({7, 1}, 3, 6));
   update_atlas(&atlas, small_submap(2));
-  ASSERT_EQ(write_ply(atlas, folder / "map.ply"), "");
+  ASSERT_EQ(write_ply(atlas, folder / "map.ply").error_text(), "");
   const std::string text = read_file(folder / "map.ply");
   const Submap& served = atlas.find({7, 1})->submap;
   const size_t vertices = served.landmarks.size() + served.frames.size();
@@ -136,8 +140,8 @@ TEST(Writers, PlyHoldsAFusedLandmarkOnce) {
   const auto& back = atlas.find({7, -1})->submap.landmarks;
   for (int id = 20; id < 23; ++id) placements[{7, 1}].fused[id] = {{7, -1}, id};
   ASSERT_TRUE(front.contains(20) && front.contains(22) && back.contains(20) && back.contains(22));
-  atlas.place_map(placements);
-  ASSERT_EQ(write_ply(atlas, folder / "map.ply"), "");
+  testing::place_map(&atlas, placements);
+  ASSERT_EQ(write_ply(atlas, folder / "map.ply").error_text(), "");
   EXPECT_THAT(read_file(folder / "map.ply"),
               HasSubstr("comment " + std::to_string(front.size() + back.size() - 3) + " landmarks, then 8 camera"));
 }
@@ -172,7 +176,7 @@ TEST(Writers, TellOfTheFramesOfLaterSessionsOnly) {
   Submap again = make_submap({8, 1}, 2, 2);
   again.stream = 8;
   update_atlas(&atlas, again);
-  atlas.place_map({{{7, 1}, {}}, {{8, 1}, {}}});
+  testing::place_map(&atlas, {{{7, 1}, {}}, {{8, 1}, {}}});
   const std::string out = folder / "out";
   ASSERT_THAT(write_outputs(atlas, out), IsEmpty());
   const size_t all = lines(read_file(out + "/trajectory.txt")).size();
@@ -205,9 +209,9 @@ TEST(Writers, WhatCannotBeWrittenIsNamed) {
   const TemporaryFolder folder;
   testing::write_file(folder / "file", "");
   EXPECT_THAT(write_outputs(Atlas(), folder / "file"), ElementsAre(HasSubstr("file")));
-  EXPECT_THAT(write_trajectory_tum(Atlas(), folder / "absent/t.txt"), HasSubstr("absent/t.txt"));
+  EXPECT_THAT(write_trajectory_tum(Atlas(), folder / "absent/t.txt").error_text(), HasSubstr("absent/t.txt"));
   std::filesystem::create_directory(folder / "t.txt");
-  EXPECT_THAT(write_trajectory_tum(Atlas(), folder / "t.txt"), HasSubstr("t.txt"));
+  EXPECT_THAT(write_trajectory_tum(Atlas(), folder / "t.txt").error_text(), HasSubstr("t.txt"));
   EXPECT_EQ(files_in(folder.path()), (std::vector<std::string>{"file", "t.txt"})) << "nothing half written is left";
 }
 
@@ -217,7 +221,7 @@ TEST(Writers, FullDiskKeepsTheOldFile) {
     testing::write_file(folder / "map.ply", "old");
     Atlas atlas;
     update_atlas(&atlas, make_submap({7, 1}, 1, 400));
-    const std::string problem = write_ply(atlas, folder / "map.ply");
+    const std::string problem = write_ply(atlas, folder / "map.ply").error_text();
     if (problem.find("map.ply: No space left") == std::string::npos) return 1;
     if (files_in(folder.path()) != std::vector<std::string>{"map.ply"}) return 2;
     return read_file(folder / "map.ply") == "old" ? 0 : 3;
@@ -268,7 +272,7 @@ TEST(ColmapModel, TextFollowsItsConventions) {
   const TemporaryFolder folder;
   Atlas atlas;
   update_atlas(&atlas, wall_submap(testing::test_camera()));
-  ASSERT_EQ(write_colmap_text(atlas, folder / "model"), "");
+  ASSERT_EQ(write_colmap_text(atlas, folder / "model").error_text(), "");
   const auto cameras = lines(read_file(folder / "model/cameras.txt"));
   EXPECT_THAT(cameras[1], ::testing::StartsWith("1 OPENCV 640 480 525.25 524.75 320 240 "));
   const auto images = lines(read_file(folder / "model/images.txt"));
@@ -294,7 +298,7 @@ TEST(ColmapModel, AFileIsNamedAndMeasuredInItsOwnPixels) {
   for (const ImageId& image : colmap_images(atlas))
     if (image.utime_us == 1'000'000) files[image] = {"left/one.png", 1280, 960};
   ASSERT_EQ(files.size(), 1u);
-  ASSERT_EQ(write_colmap_text(atlas, folder / "model", {}, files), "");
+  ASSERT_EQ(write_colmap_text(atlas, folder / "model", {}, files).error_text(), "");
   const auto cameras = lines(read_file(folder / "model/cameras.txt"));
   EXPECT_THAT(cameras[1], ::testing::StartsWith("1 OPENCV 1280 960 1050.5 1049.5 640 480 "));
   EXPECT_THAT(cameras[2], ::testing::StartsWith("2 OPENCV 640 480 525.25 524.75 320 240 "));
@@ -308,8 +312,9 @@ TEST(ColmapModel, AFileIsNamedAndMeasuredInItsOwnPixels) {
   EXPECT_NEAR(y, 2 * (pixel.y() + 0.5), 1e-4);
 
   files.begin()->second.name = "my image.png";
-  EXPECT_THAT(write_colmap_text(atlas, folder / "model", {}, files), HasSubstr("give --format colmap-bin"));
-  EXPECT_EQ(write_colmap_binary(atlas, folder / "model", {}, files), "");
+  EXPECT_THAT(write_colmap_text(atlas, folder / "model", {}, files).error_text(),
+              HasSubstr("give --format colmap-bin"));
+  EXPECT_EQ(write_colmap_binary(atlas, folder / "model", {}, files).error_text(), "");
 }
 
 TEST(ColmapModel, LensDecidesTheModel) {
@@ -325,7 +330,7 @@ TEST(ColmapModel, LensDecidesTheModel) {
     const TemporaryFolder folder;
     Atlas atlas;
     update_atlas(&atlas, wall_submap(camera));
-    ASSERT_EQ(write_colmap_text(atlas, folder / "model"), "");
+    ASSERT_EQ(write_colmap_text(atlas, folder / "model").error_text(), "");
     EXPECT_THAT(lines(read_file(folder / "model/cameras.txt"))[1], ::testing::StartsWith(start));
   }
 }
@@ -344,13 +349,13 @@ TEST(ColmapModel, WhatSubmapsHaveInCommonIsThereOnce) {
   back.remove_keyframe(0, 1);  // one image that only the front submap has
   for (int id = 0; id < 10; ++id) back.remove_landmark(id);
   for (const Submap* submap : {&front, static_cast<const Submap*>(&back)})
-    atlas.change_submap(submap->key, [&](Submap* s) {
+    EXPECT_TRUE(atlas.change_submap(submap->key, [&](Submap* s) {
       *s = *submap;
-      return std::string();
-    });
+      return Result<>();
+    }));
   placement.map_from_submap[0] = back_from_front.inverse();
-  atlas.place_map({{{7, 1}, {}}, {{7, -1}, placement}});
-  ASSERT_EQ(write_colmap_text(atlas, folder / "model"), "");
+  testing::place_map(&atlas, {{{7, 1}, {}}, {{7, -1}, placement}});
+  ASSERT_EQ(write_colmap_text(atlas, folder / "model").error_text(), "");
   const auto images = lines(read_file(folder / "model/images.txt"));
   ASSERT_EQ(images.size(), 1 + 2 * 4);
   for (int i = 0; i < 4; ++i)
@@ -374,8 +379,8 @@ TEST(ColmapModel, ColmapReadsIt) {
     const TemporaryFolder folder;
     Atlas atlas;
     update_atlas(&atlas, wall_submap(camera));
-    ASSERT_EQ(write_colmap_text(atlas, folder / "text"), "");
-    ASSERT_EQ(write_colmap_binary(atlas, folder / "binary"), "");
+    ASSERT_EQ(write_colmap_text(atlas, folder / "text").error_text(), "");
+    ASSERT_EQ(write_colmap_binary(atlas, folder / "binary").error_text(), "");
     for (const char* form : {"text", "binary"}) {
       const std::string report = folder / (std::string(form) + ".report");
       ASSERT_EQ(std::system(("colmap model_analyzer --path " + (folder / form) + " >" + report + " 2>&1").c_str()), 0)

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Writing: only what carries a later revision than the file has.
+#include "map_server/store/submap_writer.h"
+
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <optional>
+#include <vector>
 
 #include "map_server/store/blob.h"
-#include "map_server/store/map_store.h"
+#include "map_server/store/cameras_table.h"
 
 namespace rumi::map_server {
 namespace {
@@ -37,48 +39,19 @@ void insert_features(Statement& insert, int64_t row, const Keyframe& keyframe) {
 
 }  // namespace
 
-std::string MapStore::save(const Atlas& atlas, const std::vector<ImageId>& frames,
-                           std::optional<std::chrono::milliseconds> budget) {
-  const Deadline deadline = budget ? std::chrono::steady_clock::now() + *budget : Deadline::max();
-  try {
-    Transaction transaction(db_);
-    Rows rows = stored_;
-    const bool has_submaps = save_submaps(atlas, deadline, &rows);
-    save_frames(atlas, frames);
-    save_masks(atlas);
-    const bool is_whole = has_submaps && save_placements(atlas, deadline, &rows);
-    if (is_whole) {
-      save_map(atlas, &rows);
-      save_links(atlas, rows);
-    }
-    const bool is_clean = remove_other_placements(deadline, &rows);
-    transaction.commit();
-    stored_ = std::move(rows);
-    stored_masks_ = atlas.masks();
-    if (is_whole) stored_links_ = atlas.links();
-    is_behind_ = !is_whole || !is_clean;
-    give_back_pages();
-    return {};
-  } catch (const SqliteError& error) {
-    return explain(error);
-  }
-}
-
-// True when all are written. One is at every call, so that there is an end.
-bool MapStore::save_submaps(const Atlas& atlas, Deadline deadline, Rows* rows) {
+bool SubmapWriter::write(const Atlas& atlas) {
   bool is_late = false;
   for (const auto& [key, owner] : atlas.submaps()) {
-    Stored& stored = (*rows)[key];
+    StoredSubmap& stored = (*stored_)[key];
     if (owner.submap.revision <= stored.revision) continue;
     if (is_late) return false;
-    stored = save_submap(owner, stored);
-    is_late = std::chrono::steady_clock::now() >= deadline;
+    stored = write_submap(owner.submap, stored);
+    is_late = std::chrono::steady_clock::now() >= deadline_;
   }
   return true;
 }
 
-MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& before) {
-  const Submap& s = owner.submap;
+StoredSubmap SubmapWriter::write_submap(const Submap& s, const StoredSubmap& before) {
   Statement upsert(db_,
                    "INSERT INTO submaps (session, id, kind, closed, revision, camera, levels, scale_factor, stream) "
                    "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?) "
@@ -86,23 +59,22 @@ MapStore::Stored MapStore::save_submap(const AtlasSubmap& owner, const Stored& b
                    "revision = excluded.revision, camera = excluded.camera, "
                    "levels = excluded.levels, scale_factor = excluded.scale_factor, stream = excluded.stream "
                    "RETURNING submap");
-  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera),
+  upsert.bind(s.key.session, s.key.id, static_cast<int>(s.kind), s.closed, s.revision, camera_row(s.camera, db_),
               s.pyramid.levels, s.pyramid.scale_factor, s.stream);
   upsert.step();
-  Stored since = before;
+  StoredSubmap since = before;
   since.row = upsert.integer(0);
   while (upsert.step()) {
   }
   if (!remove_elements(s, since)) since.revision = 0;
-  save_keyframes(s, since);
-  save_landmarks(s, since);
-  save_poses(s, since);
+  write_keyframes(s, since);
+  write_landmarks(s, since);
+  write_poses(s, since);
   since.revision = s.revision;
   return since;
 }
 
-// False if the submap no longer remembers all that was removed since: then all its elements are gone from the file.
-bool MapStore::remove_elements(const Submap& s, const Stored& since) {
+bool SubmapWriter::remove_elements(const Submap& s, const StoredSubmap& since) {
   const auto keyframes = s.removed_keyframes.since(since.revision);
   const auto landmarks = s.removed_landmarks.since(since.revision);
   if (!keyframes || !landmarks) {
@@ -123,7 +95,7 @@ bool MapStore::remove_elements(const Submap& s, const Stored& since) {
   return true;
 }
 
-void MapStore::save_keyframes(const Submap& s, const Stored& since) {
+void SubmapWriter::write_keyframes(const Submap& s, const StoredSubmap& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO keyframes VALUES (?, ?, ?, ?, ?, ?)");
   Statement features(db_, "INSERT OR REPLACE INTO features VALUES (?, ?, ?, ?, ?)");
   Statement observations(db_, "INSERT OR REPLACE INTO observations VALUES (?, ?, ?)");
@@ -137,7 +109,7 @@ void MapStore::save_keyframes(const Submap& s, const Stored& since) {
   }
 }
 
-void MapStore::save_landmarks(const Submap& s, const Stored& since) {
+void SubmapWriter::write_landmarks(const Submap& s, const StoredSubmap& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO landmarks VALUES (?, ?, ?, ?, ?)");
   for (const auto& [id, landmark] : s.landmarks) {
     if (landmark.revision <= since.revision) continue;
@@ -146,7 +118,7 @@ void MapStore::save_landmarks(const Submap& s, const Stored& since) {
   }
 }
 
-void MapStore::save_poses(const Submap& s, const Stored& since) {
+void SubmapWriter::write_poses(const Submap& s, const StoredSubmap& since) {
   Statement insert(db_, "INSERT OR REPLACE INTO frame_poses VALUES (?, ?, ?, ?, ?, ?, ?, ?)");
   for (const auto& [utime_us, frame] : s.frames) {
     if (frame.revision <= since.revision) continue;
@@ -157,41 +129,6 @@ void MapStore::save_poses(const Submap& s, const Stored& since) {
               or_null(frame.sigmas, frame.sigmas.log_scale))
         .run();
   }
-}
-
-void MapStore::save_frames(const Atlas& atlas, const std::vector<ImageId>& frames) {
-  Statement insert(db_, "INSERT OR REPLACE INTO frames VALUES (?, ?, ?, ?, ?)");
-  for (const ImageId& image : frames) {
-    const auto it = atlas.frames().find(image);
-    if (it == atlas.frames().end() || it->second.state == TrackingState::kUnknown) continue;
-    const FrameRecord& record = it->second;
-    insert.bind(image.stream, image.utime_us, record.session, static_cast<int>(record.state), record.submap_id).run();
-  }
-}
-
-void MapStore::save_masks(const Atlas& atlas) {
-  if (atlas.masks() == stored_masks_) return;
-  db_.execute("DELETE FROM masks");
-  Statement insert(db_, "INSERT INTO masks VALUES (?, ?, ?, ?, ?, ?, ?)");
-  for (const auto& [stream, mask] : atlas.masks()) {
-    const std::vector<uint8_t> png(mask.png.begin(), mask.png.end());
-    insert.bind(stream, mask.session, mask.utime_us, mask.width, mask.height, mask.left_out, as_blob(png)).run();
-  }
-}
-
-int64_t MapStore::camera_row(const Camera& c) {
-  Statement find(
-      db_,
-      "SELECT camera FROM cameras WHERE model = ? AND width = ? AND height = ? AND fx = ? AND fy = ? AND cx = ? "
-      "AND cy = ? AND k1 = ? AND k2 = ? AND p1 = ? AND p2 = ? AND k3 = ? AND k4 = ? AND fps = ?");
-  const auto bind = [&c](Statement& s) -> Statement& {
-    return s.bind(static_cast<int>(c.model), c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3,
-                  c.k4, c.fps);
-  };
-  if (bind(find).step()) return find.integer(0);
-  Statement insert(db_, "INSERT INTO cameras VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
-  bind(insert).run();
-  return sqlite3_last_insert_rowid(db_.handle());
 }
 
 }  // namespace rumi::map_server

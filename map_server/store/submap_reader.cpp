@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading. SQLite has checked the pages; here the content is checked, because a wrong index would crash whoever uses
-// it.
+#include "map_server/store/submap_reader.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,9 +8,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "bus/transport/bus.h"
 #include "map_server/store/blob.h"
-#include "map_server/store/map_store.h"
+#include "map_server/store/cameras_table.h"
+#include "map_server/store/checked_values.h"
 
 namespace rumi::map_server {
 namespace {
@@ -27,19 +27,6 @@ SE3 checked_pose(std::span<const uint8_t> blob) {
   if (!pose.is_finite() || std::abs(pose.rotation.norm() - 1) > kUnitTolerance)
     throw std::runtime_error("a pose is none");
   return pose;
-}
-
-int64_t checked_utime(int64_t utime_us) {
-  if (!plausible_utime(utime_us)) throw std::runtime_error(fmt::format("{} is no time", utime_us));
-  return utime_us;
-}
-
-// A number of an enumeration that counts up.
-template <class Enum>
-Enum checked_enum(const char* what, int64_t value, Enum first, Enum last) {
-  if (value < static_cast<int64_t>(first) || value > static_cast<int64_t>(last))
-    throw std::runtime_error(fmt::format("{} {} is none", what, value));
-  return static_cast<Enum>(value);
 }
 
 Keypoint checked_keypoint(const float* x_y_angle, uint8_t octave, const Submap& submap) {
@@ -87,92 +74,9 @@ void restore_observations(const std::vector<int32_t>& pairs, Keyframe* keyframe,
   }
 }
 
-}  // namespace
-
-Atlas MapStore::load() {
-  Atlas atlas;
-  try {
-    stored_.clear();
-    is_behind_ = false;
-    Statement frames(db_, "SELECT utime, stream, session, state, submap FROM frames");
-    while (frames.step())
-      atlas.record_frame(
-          {checked_utime(frames.integer(0)), frames.integer(1)},
-          {.session = frames.integer(2),
-           .state = checked_enum("a state", frames.integer(3), TrackingState::kUnknown, TrackingState::kLost),
-           .submap_id = static_cast<int32_t>(frames.integer(4))});
-    load_masks(&atlas);
-    load_submaps(&atlas);
-    atlas.restore_revision(db_.integer("SELECT map_revision FROM atlas"));
-  } catch (const SqliteError& error) {
-    throw std::runtime_error(explain(error));
-  } catch (const std::exception& error) {
-    throw std::runtime_error(fmt::format("{} is damaged: {}; move it away", file_, error.what()));
-  }
-  return atlas;
-}
-
-void MapStore::load_masks(Atlas* atlas) {
-  Statement rows(db_, "SELECT stream, session, utime, width, height, left_out, png FROM masks");
-  while (rows.step()) {
-    const auto side = [&rows](int column) {
-      return static_cast<int>(std::clamp<int64_t>(rows.integer(column), 0, 1 << 30));
-    };
-    const std::span<const uint8_t> png = rows.blob(6);
-    const StillMask mask{.session = rows.integer(1),
-                         .utime_us = rows.integer(2),
-                         .width = side(3),
-                         .height = side(4),
-                         .left_out = rows.real(5),
-                         .png = {png.begin(), png.end()}};
-    if (const std::string wrong = check(rows.integer(0), mask); !wrong.empty())
-      throw std::runtime_error(fmt::format("the mask of stream {}: {}", rows.integer(0), wrong));
-    atlas->record_mask(rows.integer(0), mask);
-  }
-  stored_masks_ = atlas->masks();
-}
-
-void MapStore::load_submaps(Atlas* atlas) {
-  std::map<int64_t, SubmapKey> keys;
-  Statement rows(db_,
-                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision, levels, "
-                 "scale_factor, stream FROM submaps");
-  while (rows.step()) {
-    AtlasSubmap owner;
-    Submap& s = owner.submap;
-    s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
-    s.kind = checked_enum("a kind of submap", rows.integer(3), SubmapKind::kFront, SubmapKind::kBack);
-    s.closed = rows.integer(4) != 0;
-    s.revision = rows.integer(5);
-    s.camera = load_camera(rows.integer(6));
-    s.pyramid = checked_pyramid(rows.integer(9), rows.real(10));
-    s.stream = rows.integer(11);
-    owner.in_map = rows.integer(7) != 0;
-    load_elements(rows.integer(0), &s);
-    stored_[s.key] = {rows.integer(0), s.revision, owner.in_map, rows.integer(8), rows.integer(8)};
-    keys[rows.integer(0)] = s.key;
-    atlas->restore_submap(std::move(owner));
-  }
-  load_placements(atlas, keys);
-  load_links(atlas, keys);
-}
-
-Camera MapStore::load_camera(int64_t row) {
-  Statement select(db_, "SELECT * FROM cameras WHERE camera = ?");
-  if (!select.bind(row).step()) throw std::runtime_error(fmt::format("camera {} is missing", row));
-  Camera c;
-  c.model = checked_enum("a lens", select.integer(1), Camera::Model::kPinhole, Camera::Model::kKannalaBrandt);
-  c.width = static_cast<int>(select.integer(2));
-  c.height = static_cast<int>(select.integer(3));
-  int column = 4;
-  for (double* field : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3, &c.k4, &c.fps})
-    *field = select.real(column++);
-  if (const std::string wrong = c.check(); !wrong.empty()) throw std::runtime_error("a camera's " + wrong);
-  return c;
-}
-
-void MapStore::load_elements(int64_t row, Submap* s) {
-  Statement landmarks(db_, "SELECT id, position, descriptor, revision FROM landmarks WHERE submap = ? ORDER BY id");
+void read_landmarks(int64_t row, Database& database, Submap* s) {
+  Statement landmarks(database,
+                      "SELECT id, position, descriptor, revision FROM landmarks WHERE submap = ? ORDER BY id");
   for (landmarks.bind(row); landmarks.step();) {
     Landmark landmark;
     landmark.id = static_cast<int>(landmarks.integer(0));
@@ -183,7 +87,10 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     landmark.revision = landmarks.integer(3);
     s->landmarks.emplace(landmark.id, std::move(landmark));
   }
-  Statement keyframes(db_,
+}
+
+void read_keyframes(int64_t row, Database& database, Submap* s) {
+  Statement keyframes(database,
                       "SELECT k.id, k.utime, k.cam_from_submap, k.revision, k.created_revision, o.pairs, f.keypoints, "
                       "f.octaves, f.descriptors FROM keyframes k JOIN observations o ON o.submap = k.submap AND "
                       "o.keyframe = k.id JOIN features f ON f.submap = k.submap AND f.keyframe = k.id "
@@ -200,19 +107,59 @@ void MapStore::load_elements(int64_t row, Submap* s) {
     restore_observations(vector_from_blob<int32_t>(keyframes.blob(5)), &keyframe, s);
     s->keyframes.emplace_hint(s->keyframes.end(), keyframe.id, std::move(keyframe));
   }
-  Statement poses(db_,
+}
+
+void read_poses(int64_t row, Database& database, Submap* s) {
+  Statement poses(database,
                   "SELECT utime, reference_keyframe, cam_from_keyframe, revision, position_sigma, rotation_sigma_rad, "
                   "log_scale_sigma FROM frame_poses WHERE submap = ?");
   for (poses.bind(row); poses.step();) {
     FramePose pose{checked_utime(poses.integer(0)), static_cast<int>(poses.integer(1)), checked_pose(poses.blob(2)),
-                   poses.integer(3), pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // NULL is 0: not known
+                   poses.integer(3),
+                   pose_sigmas(poses.real(4), poses.real(5), poses.real(6))};  // 0 for NULL: not known
     if (!s->keyframe(pose.reference_keyframe))
       throw std::runtime_error(fmt::format("frame {} hangs on a keyframe that does not exist", pose.utime_us));
     s->frames.emplace_hint(s->frames.end(), pose.utime_us, pose);
   }
-  // The file does not tell what was removed before.
+}
+
+void read_elements(int64_t row, Database& database, Submap* s) {
+  read_landmarks(row, database, s);
+  read_keyframes(row, database, s);
+  read_poses(row, database, s);
+  // The file does not say what was removed earlier.
   s->removed_keyframes.forget(s->revision);
   s->removed_landmarks.forget(s->revision);
+}
+
+}  // namespace
+
+SubmapsByRow read_submaps(Database& database, Atlas* atlas, StoredSubmaps* stored) {
+  SubmapsByRow keys;
+  Statement rows(database,
+                 "SELECT submap, session, id, kind, closed, revision, camera, in_map, placement_revision, levels, "
+                 "scale_factor, stream FROM submaps");
+  while (rows.step()) {
+    AtlasSubmap owner;
+    Submap& s = owner.submap;
+    s.key = {rows.integer(1), static_cast<int32_t>(rows.integer(2))};
+    s.kind = checked_enum("a kind of submap", rows.integer(3), SubmapKind::kFront, SubmapKind::kBack);
+    s.closed = rows.integer(4) != 0;
+    s.revision = rows.integer(5);
+    s.camera = read_camera(rows.integer(6), database);
+    s.pyramid = checked_pyramid(rows.integer(9), rows.real(10));
+    s.stream = rows.integer(11);
+    owner.in_map = rows.integer(7) != 0;
+    read_elements(rows.integer(0), database, &s);
+    (*stored)[s.key] = {.row = rows.integer(0),
+                        .revision = s.revision,
+                        .in_map = owner.in_map,
+                        .placement_revision = rows.integer(8),
+                        .written_placement_revision = rows.integer(8)};
+    keys[rows.integer(0)] = s.key;
+    atlas->restore_submap(std::move(owner));
+  }
+  return keys;
 }
 
 }  // namespace rumi::map_server
