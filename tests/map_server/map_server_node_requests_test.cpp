@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bus/wire/map_overview.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "tests/map_server/map_server_node_fixture.h"

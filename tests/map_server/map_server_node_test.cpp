@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "bus/wire/pose.h"
 #include "tests/map_server/map_server_node_fixture.h"
 
 namespace rumi::map_server {
