@@ -104,11 +104,15 @@ TEST(PixelFormat, EveryFormatGivesItsColourAndItsGrey) {
         ASSERT_EQ(grey.type(), CV_8UC1);
         const bool is_yuv = format.layout != PixelLayout::kRgb && format.layout != PixelLayout::kBayer;
         const double luma = 0.299 * colour.r + 0.587 * colour.g + 0.114 * colour.b;
-        EXPECT_LE(cv::norm(grey, cv::Scalar(is_yuv ? colour.y : luma), cv::NORM_INF), 1) << format.option;
+        double darkest = 0, brightest = 0;
+        cv::minMaxLoc(grey, &darkest, &brightest);
+        EXPECT_NEAR(darkest, is_yuv ? colour.y : luma, 1) << format.option;
+        EXPECT_NEAR(brightest, is_yuv ? colour.y : luma, 1) << format.option;
         if (format.layout == PixelLayout::kGrey) continue;
         const cv::Mat bgr = to_pixels(format, raw, true).value();
         ASSERT_EQ(bgr.type(), CV_8UC3);
-        EXPECT_LE(cv::norm(bgr, cv::Scalar(colour.b, colour.g, colour.r), cv::NORM_INF), 3) << format.option;
+        const cv::Mat expected(bgr.size(), CV_8UC3, cv::Scalar(colour.b, colour.g, colour.r));
+        EXPECT_LE(cv::norm(bgr, expected, cv::NORM_INF), 3) << format.option;
       }
     }
   }
