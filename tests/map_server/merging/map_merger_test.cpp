@@ -214,9 +214,9 @@ TEST_F(MapMergerTest, AThreadMakesTheSameMap) {
   EXPECT_TRUE(merger.idle(atlas_));
   for (const auto& [expected, got] : {std::pair{&weld, &same_weld}, std::pair{&all, &same_all}}) {
     EXPECT_EQ((*expected)->links, (*got)->links);
-    ASSERT_EQ((*expected)->placements.size(), (*got)->placements.size());
-    for (const auto& [key, placement] : (*expected)->placements)
-      EXPECT_TRUE(same_place(placement, (*got)->placements.at(key)));
+    ASSERT_EQ((*expected)->map.placements().size(), (*got)->map.placements().size());
+    for (const auto& [key, placement] : (*expected)->map.placements())
+      EXPECT_TRUE(same_place(placement, (*got)->map.placements().at(key)));
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
+#include "map_server/outputs/ply_file.h"
 #include "tests/formats/recording.h"
 #include "tests/rumi/small_atlas.h"
 
