@@ -61,7 +61,7 @@ class SessionGate {
 
   // The time of the last image that was used; ImageTimes::kNever if there is none.
   int64_t last_us() const { return times_.last_us(); }
-  // What is wrong with the last image; empty if it was used.
+  // Why the last image was not used; empty if it was.
   const std::string& problem() const { return problem_; }
   const RefusedImages& refused() const { return refused_; }
   bool take_news_of_refused() { return refused_.take_news(); }

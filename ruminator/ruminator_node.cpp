@@ -14,7 +14,8 @@
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_stream.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
+#include "bus/wire/tracking_state.h"
 #include "ruminator/window/window_message.h"
 
 namespace rumi::ruminator {
@@ -30,17 +31,17 @@ ImageId image_of(const track_t& track) { return {track.utime, track.stream}; }
 
 // The calibration that the images carry.
 Result<Camera> camera_of(const std::vector<image_t>& images) {
-  const std::string text = metadata(images.front(), kCalibrationKey);
+  const std::string text(metadata(images.front(), kCalibrationKey));
   if (text.empty()) return Error{"its images carry no calibration: name the camera's with ruminator.camera_file"};
   const auto is_foreign = [&](const image_t& image) {
-    const std::string own = metadata(image, kCalibrationKey);
+    const std::string_view own = metadata(image, kCalibrationKey);
     return !own.empty() && own != text;
   };
   if (std::any_of(images.begin(), images.end(), is_foreign))
     return Error{"its images are of more than one camera, by the calibrations that they carry"};
-  const Calibration parsed = parse_calibration(text, "calibration of the image");
-  if (!parsed.ok()) return Error{parsed.error};
-  return parsed.camera;
+  const Result<Calibration> parsed = parse_calibration(text, "calibration of the image");
+  if (!parsed) return parsed.error();
+  return parsed->camera;
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ void RuminatorNode::on_image(const image_t& image) {
 void RuminatorNode::on_track(const track_t& track) {
   const StageClock clock("ruminator.sample");
   const bool has_bad_pose = track.submap_id != kNoSubmap && !from_wire(track.cam_from_submap);
-  if (track.state < track_t::NOT_INITIALIZED || track.state > track_t::LOST || has_bad_pose) {
+  if (!state_from_wire(track.state) || has_bad_pose) {
     ++rejected_;
     return;
   }

@@ -33,7 +33,7 @@ struct TruthColumns {
   size_t count() const;                             // how many fields a line must have
 };
 
-// Finds the columns by their names, else by their number. Nothing, and why in *error, if they cannot be those of a
+// Finds the columns by their names, else by their number. Empty, with the reason in *error, if they cannot be those of a
 // truth. is_euroc: a quaternion without names begins with w.
 std::optional<TruthColumns> find_columns(const TruthTable& table, bool is_euroc, std::string* error);
 

@@ -35,7 +35,7 @@ VideoStream::VideoStream(VideoFormat format, int index)
 VideoFormat open_video_format(const std::filesystem::path& file) {
   log_what_ffmpeg_says();
   AVFormatContext* opened = nullptr;
-  // With "file:" a name with a colon is not taken for a protocol.
+  // The prefix keeps FFmpeg from taking a name with a colon for a protocol.
   if (avformat_open_input(&opened, ("file:" + file.string()).c_str(), nullptr, nullptr) < 0) return nullptr;
   VideoFormat format(opened);
   if (std::string_view(format->iformat->name) == "tty") return nullptr;  // any text

@@ -36,7 +36,7 @@ int find_keypoint(const Frame& frame, const Prediction& at, const Descriptor& de
     best.offer(hamming_distance(descriptor, features.descriptors[i]), i);
   });
   if (best.index == kNone || best.distance > search.max_distance) return kNone;
-  // The same corner at two octaves is not an ambiguity.
+  // A corner that is found at two octaves is no ambiguity.
   if (best.distance > search.max_ratio * best.second_distance && best.second_distance <= search.max_distance &&
       best.distance > search.max_distance / 2)
     return kNone;

@@ -155,7 +155,7 @@ class Tracker {
   LossReport loss_;
   int64_t first_utime_us_ = 0, last_utime_us_ = INT64_MIN;
 
-  // What the last image brought for earlier frames.
+  // Poses of earlier frames that came with the last image.
   std::vector<TrackResult> posed_afterwards_;
   std::vector<int64_t> withdrawn_;
 

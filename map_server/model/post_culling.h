@@ -20,7 +20,7 @@ struct PostCullingOptions {
 
 using KeyframeSets = std::map<SubmapKey, std::set<int>>;  // ids
 
-// What culling must know of the images that submaps have in common.
+// The images that submaps have in common, as culling must know them.
 struct CommonImages {
   KeyframeSets needed;                 // hold the map together, or might yet: they stay
   std::vector<KeyframeJoint> doubled;  // two keyframes of one image that agree: one of them is enough

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/files/whole_file.h"
 #include "map_server/alignment/correspondences.h"
 #include "map_server/model/map_model.h"
 #include "map_server/outputs/trajectory_file.h"

@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "base/files/whole_file.h"
 #include "map_server/outputs/frames_by_session.h"
 
 namespace rumi::map_server {

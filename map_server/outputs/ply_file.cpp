@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "base/files/whole_file.h"
 
 namespace rumi::map_server {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/files/whole_file.h"
 #include "map_server/outputs/frames_by_session.h"
 
 namespace rumi::map_server {

@@ -101,19 +101,24 @@ class Ruminate {
     WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
     file.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
-    return file.commit();
+    return file.commit().error_text();
   }
 
  private:
   bool rebuild(const std::string& file) {
     const std::string name = fs::path(file).stem().string();
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file);
-    if (read.broken_images > 0)
-      complain("ruminate", fmt::format("{}: {} broken images left out", file, read.broken_images));
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file);
+    if (read && read->broken_images > 0)
+      complain("ruminate", fmt::format("{}: {} broken images left out", file, read->broken_images));
     ruminator::BuildResult result;
-    result.failure = read.error;
-    if (read.ok()) result = build(name, read.job);
-    rows_.push_back(make_window_row(name, read.job.window, result, truth_));
+    if (read)
+      result = build(name, read->job);
+    else
+      result.submap = read.error();
+    // The row of a window whose images cannot be read says at least which window it is.
+    const ruminator::RuminationWindow window =
+        read ? read->job.window : ruminator::read_window_manifest(file).value_or(ruminator::WindowJob()).window;
+    rows_.push_back(make_window_row(name, window, result, truth_));
     const WindowRow& row = rows_.back();
     fmt::print("{}\n", arguments_.json ? json_text(to_json(row)) : window_table_line(row, !truth_.empty()));
     flush_stdout();
@@ -133,12 +138,12 @@ class Ruminate {
       result = colmap_.builder(
           job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
     } catch (const std::exception& e) {
-      result.failure = reason_of(e);
+      result.submap = Error{reason_of(e)};
     }
     clear_line();
     std::error_code ignored;
     if (!arguments_.keep_work) fs::remove_all(work, ignored);
-    if (result.cancelled && !result.submap) result.failure = "called off";
+    if (result.cancelled && !result.submap) result.submap = Error{"called off"};
     return result;
   }
 

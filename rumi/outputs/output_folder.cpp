@@ -47,7 +47,7 @@ bool is_number(std::string_view text, size_t min_digits) {
   return text.size() >= min_digits && text.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-// 001, b001, s1700000000000000-001: names of submaps (writers.h).
+// 001, b001, s1700000000000000-001: names of submaps (output_files.h).
 bool is_submap_name(std::string_view stem) {
   if (const size_t dash = stem.rfind('-'); dash != std::string_view::npos) {
     std::string_view session = stem.substr(0, dash);

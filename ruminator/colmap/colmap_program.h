@@ -38,7 +38,7 @@ class ColmapProgram {
 
   OptionNames options() const;  // options of `mapper`, without dashes; empty: not known
   std::string version() const;  // "3.8"; empty: not known
-  // What is wrong with it and what follows from that, as in the log. Empty while nothing is known to be wrong.
+  // The fault of the program and its consequence, as in the log. Empty while no fault is known.
   std::string problem() const;
 
  private:

@@ -26,13 +26,12 @@ const SiftFeatures* WindowImages::features(size_t index) {
 
 std::unique_ptr<WindowImages::Image> WindowImages::decode(const image_t& image) {
   ++decoded_;
-  std::string ignored;  // a broken image is left out, and a broken mask leaves nothing out
-  cv::Mat grey = decode_working_image(image, job_.camera, camera_, &ignored);
-  if (grey.empty()) return nullptr;
-  const ImageMask& mask = masks_.read(image, grey.size(), &ignored);
+  Result<cv::Mat> grey = decode_working_image(image, job_.camera, camera_);
+  if (!grey) return nullptr;                                 // a broken image is left out,
+  const ImageMask& mask = masks_.read(image, grey->size());  // and a broken mask leaves nothing out
   auto decoded = std::make_unique<Image>();
-  decoded->features = extract_sift(grey, camera_, sift_keypoints_, mask);
-  decoded->seen = {image.utime, std::move(grey), mask};
+  decoded->features = extract_sift(*grey, camera_, sift_keypoints_, mask);
+  decoded->seen = {image.utime, std::move(*grey), mask};
   return decoded;
 }
 

@@ -31,7 +31,7 @@ class FrameRing {
   void settle(const ImageId& image, const Needed& needed);
   // Removes all settled images that are not needed.
   void sweep(const Needed& needed);
-  // Of the images that are not settled, keeps the newest `count`, removes the others and counts them as dropped.
+  // Keeps the newest `count` images that are not settled, removes the others and counts them as dropped.
   void limit_unsettled(int count);
 
   int64_t bytes() const { return bytes_; }

@@ -12,7 +12,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/why_undecodable.h"
 #include "lcmtypes/rumi/window_job_t.hpp"
 #include "ruminator/window/window_message.h"
@@ -226,8 +226,7 @@ Result<> write_window_job(const std::string& file, const WindowJob& job) {
     const std::string& error = log.error();
     return Error{error.starts_with(temporary) ? file + error.substr(temporary.size()) : error};
   }
-  if (std::string error = commit_file(temporary, file); !error.empty()) return Error{error};
-  return {};
+  return commit_file(temporary, file);
 }
 
 }  // namespace rumi::ruminator

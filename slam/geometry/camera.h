@@ -44,7 +44,7 @@ class Camera {
     return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&
            pixel.y() <= height - 1 - border_px;
   }
-  // The same camera for resized images. Pixel centres stay where they are.
+  // This camera for resized images. Pixel centres stay where they are.
   Camera resized(int new_width, int new_height) const;
   // Says what is wrong with the calibration, with the field and its value; empty if nothing is.
   [[nodiscard]] std::string check() const;

@@ -17,7 +17,7 @@ struct PoseSigmas {
 // Returns unknown sigmas unless position and rotation are above 0, log_scale is at least 0, and none is NaN or above
 // 1e6. All zeros, as in a message that nobody filled in, are unknown too.
 PoseSigmas pose_sigmas(double position, double rotation_rad, double log_scale);
-// The same sigmas in a new unit, of which the old one has `scale`.
+// Converts sigmas into a new unit, of which the old one has `scale`.
 PoseSigmas scaled(const PoseSigmas& sigmas, double scale);
 
 }  // namespace rumi

@@ -119,7 +119,7 @@ TEST_F(FrontTrackerNodeTest, WhatNeverMovesIsPublishedAndIsNoLandmark) {
   EXPECT_EQ(told.session, tracks_.back().session);
   EXPECT_EQ(told.width, 320);
   EXPECT_EQ(told.height, 240);
-  const cv::Mat pixels = decode_mask({told.png.begin(), told.png.end()}).value();
+  const cv::Mat pixels = decode_mask(std::string(told.png.begin(), told.png.end())).value();
   ASSERT_EQ(pixels.size(), cv::Size(320, 240));
   EXPECT_NEAR(told.left_out, ImageMask(pixels).left_out(), 1e-9);
   EXPECT_LT(cv::countNonZero(pixels.rowRange(208, 240)), 0.05 * 32 * 320);
