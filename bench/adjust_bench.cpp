@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one adjustment of a whole map costs: loads a map.db, searches its submaps for links and builds the map from
+// Measures one adjustment of a whole map: loads a map.db, searches its submaps for links and builds the map from
 // them, as map_server does when it has nothing but them.
 #include <fmt/core.h>
 

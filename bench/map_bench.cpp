@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What map_server spends on one more submap, and on the map as a whole, against the size of the map. Two rounds of a
+// Measures what map_server spends on one more submap, and on the whole map, against the size of the map. Two rounds of a
 // long corridor as front and back submaps in turns that overlap by ten keyframes: the second round sees again what the
 // first one saw. Submaps come one after another, and each is linked, welded and stored as map_server does it; told are
 // the figures of the last one. Each size is measured in a process of its own, one row each.
@@ -211,7 +211,7 @@ class Server {
     }
   }
 
-  // What MapMerger does in its thread: which placements are as they were, and the copies for the next build.
+  // MapMerger does this in its thread: which placements are as they were, and the copies for the next build.
   std::set<SubmapKey> find_same() {
     std::set<SubmapKey> same;
     for (const auto& [key, placement] : built_.placements) {

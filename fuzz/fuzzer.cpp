@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What libFuzzer calls, for the one target that is linked with it.
+// libFuzzer calls these two, for the one target that is linked with it.
 #include "fuzz/target.h"
 
 using rumi::fuzz::Target;

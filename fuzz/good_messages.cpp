@@ -27,7 +27,7 @@ Descriptor descriptor_of(int id) {
   return {random(), random(), random(), random()};
 }
 
-// What a camera at x sees of the landmarks, and which these are.
+// The keypoints of the landmarks that a camera at x sees, and the ids of these landmarks.
 std::shared_ptr<Features> features_at(const Submap& map, double x, std::vector<int>* seen) {
   auto features = std::make_shared<Features>();
   for (const auto& [id, landmark] : map.landmarks) {

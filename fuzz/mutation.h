@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the mutators have in common.
+// Shared by the mutators.
 #pragma once
 
 #include <random>

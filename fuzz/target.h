@@ -18,7 +18,7 @@ using Mutator = size_t (*)(uint8_t* data, size_t size, size_t max_size, unsigned
 
 struct Target {
   std::string name;
-  // What must not crash, leak or hang, whatever the bytes are.
+  // Must not crash, leak or hang, whatever the bytes are.
   void (*run)(View input) = nullptr;
   // Inputs that get far, made from the types: none is kept as bytes, which would be stale when a type changes.
   std::vector<Bytes> (*seeds)() = nullptr;

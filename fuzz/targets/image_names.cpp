@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the names of images say, a name a line: which of them are one camera's, when they were taken, and in which order
+// Names of images, a name a line: which of them are one camera's, when they were taken, and in which order
 // they are played. Byte 0 chooses whether the first line is a pattern.
 #include <algorithm>
 #include <sstream>

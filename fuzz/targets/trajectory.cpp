@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi evaluate` and `rumi synth` read: byte 0 chooses which file of a run's folder the rest is, or the truth, or
+// Files that `rumi evaluate` and `rumi synth` read: byte 0 chooses which file of a run's folder the rest is, or the truth, or
 // the path of a camera. The other files are good.
 #include <filesystem>
 
