@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 
 #include "synth/handheld.h"
 
@@ -28,24 +27,24 @@ bool parse_pose(const std::string& line, double* time_s, SE3* pose) {
 
 }  // namespace
 
-CameraPath CameraPath::load(const std::string& file) {
+Result<CameraPath> CameraPath::load(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw std::runtime_error(fmt::format("{}: cannot be opened; give a TUM trajectory file", file));
+  if (!in) return Error{"cannot be opened", file, "give a TUM trajectory file"};
   CameraPath path;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
     double time_s = 0;
     SE3 pose;
+    const auto where = [&] { return fmt::format("{}:{}", file, number); };
     if (!parse_pose(line, &time_s, &pose))
-      throw std::runtime_error(
-          fmt::format("{}:{}: '{}' is not a pose; expected: t tx ty tz qx qy qz qw", file, number, line.substr(0, 80)));
+      return Error{fmt::format("'{}' is not a pose", line.substr(0, 80)), where(), "expected: t tx ty tz qx qy qz qw"};
     if (!path.times_s_.empty() && time_s <= path.times_s_.back())
-      throw std::runtime_error(fmt::format("{}:{}: time {} does not rise; sort the file", file, number, time_s));
+      return Error{fmt::format("time {} does not rise", time_s), where(), "sort the file"};
     path.times_s_.push_back(time_s);
     path.poses_.push_back(pose);
   }
-  if (path.poses_.size() < 2) throw std::runtime_error(fmt::format("{}: fewer than two poses", file));
+  if (path.poses_.size() < 2) return Error{"fewer than two poses", file};
   return path;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the camera is at any time: a recorded trajectory or a walk of our own.
+// Where the camera is at any time: a recorded trajectory or a walk that is made up.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,15 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "slam/geometry/transform.h"
 
 namespace rumi::synth {
 
 class CameraPath {
  public:
-  // A TUM trajectory, map_from_cam. Throws std::runtime_error naming file, line and value if it cannot be used.
-  static CameraPath load(const std::string& file);
+  // A TUM trajectory, map_from_cam. An Error names file, line and value.
+  static Result<CameraPath> load(const std::string& file);
   // A handheld-like walk around the middle of a room, closed if it lasts 16 s or more. The camera looks outwards and
   // about, so that it moves sideways from the first frame on. z is up.
   static CameraPath walk(double seconds, uint64_t seed);
@@ -27,7 +28,7 @@ class CameraPath {
   const std::vector<double>& times_s() const { return times_s_; }
   // Unit vector upwards in the map: the mean of the cameras' own "up", or the map axis near it.
   Eigen::Vector3d up() const;
-  // Only what lies in [begin_s, end_s].
+  // The part in [begin_s, end_s].
   CameraPath cut(double begin_s, double end_s) const;
 
  private:

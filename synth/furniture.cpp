@@ -68,7 +68,7 @@ void monitor(MeshBuilder& b, const SE3& frame, const Vector3d& at, double height
          b.look(Material::kScreen));
 }
 
-// What gathers on a flat top between x0..x1, y0..y1 at height z, at most `limit` high.
+// Papers and boxes on a flat top of `width` by `depth` at height z; they are at most `limit` high.
 void clutter(MeshBuilder& b, const SE3& frame, double width, double depth, double z, double limit) {
   for (int k = static_cast<int>(8 * width * depth) + 3; k > 0; --k) {  // papers
     const SE3 f = turned(frame, {b.uniform(-0.4, 0.4) * width, b.uniform(0.2, 0.8) * depth, z + 0.002 + 0.0007 * k},

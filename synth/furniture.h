@@ -8,7 +8,7 @@
 namespace rumi::synth {
 
 void add_bookcase(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height);
-// Legs, top, and on it whatever gathers on tables; `clutter_height` limits it.
+// Legs, a top, and clutter on it that is at most `clutter_height` high.
 void add_table(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height,
                double clutter_height);
 void add_cabinet(MeshBuilder& b, const SE3& room_from_local, double width, double depth, double height,

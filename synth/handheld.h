@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a camera moves that somebody holds in the hand. z is up.
+// The motion of a hand-held camera. z is up.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a real camera adds to an ideal picture: lens distortion, vignetting, exposure and sensor noise.
+// The effects that a real camera adds to an ideal picture: lens distortion, vignetting, exposure and sensor noise.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class Lens {
 class Sensor {
  public:
   Sensor(cv::Size size, int channels, double noise);
-  // image: CV_32F, 0..255 before exposure. Output 8 bit. The same noise for the same seed.
+  // image: CV_32F, 0..255 before exposure. Returns 8 bit. The noise depends on the seed alone.
   cv::Mat expose(const cv::Mat& image, double gain, uint64_t seed) const;
 
  private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Light baked into the vertices: lamps with shadows, ambient light with occlusion. The camera moves, the light does
-// not.
+// Light is baked into the vertices, because only the camera moves: lamps with shadows, ambient light with occlusion.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core/utility.hpp>
@@ -13,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kReach_m = 0.8;    // ambient occlusion looks this far
-constexpr double kLampReach_m = 9;  // beyond it a lamp does not matter
+constexpr double kLampReach_m = 9;  // a lamp that is farther away does not matter
 
 struct Lamp {
   Vector3d at;
@@ -93,7 +92,7 @@ class Baker {
   }
 
  private:
-  // Those that could throw the lamp's shadow on the part; none if the lamp is too far to matter.
+  // The boxes that could throw the lamp's shadow on the part; empty if the lamp is too far to matter.
   std::vector<const OccluderBox*> boxes_between(const Part& part, const Lamp& lamp) const {
     std::vector<const OccluderBox*> boxes;
     if ((lamp.at - lamp.at.cwiseMax(part.low).cwiseMin(part.high)).norm() > kLampReach_m) return boxes;

@@ -56,8 +56,8 @@ class MeshBuilder {
   Look look(Material material) { return {material, random_palette(material, rng), px_per_m_}; }
   // Everything added between begin_part and the next one is one part.
   void begin_part(bool detailed_light = false, float glow = 0);
-  // Seen from its front: `corner` is its upper left, u leads right, v down (metres). Split into cells of cell_m for
-  // light.
+  // Seen from its front, `corner` is its upper left, u leads right, v down (metres). It is split into cells of cell_m,
+  // which have their own light.
   void quad(const SE3& room_from_local, const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
             const Eigen::Vector3d& v, const Look& look, double cell_m = 0.25);
   // Upright box around `center`; its underside is not drawn.

@@ -14,20 +14,20 @@ using Eigen::Vector2d;
 constexpr double kStart_s = 1000;  // some clock: a time of 0 often means "none"
 constexpr double kSampleHz = 100;
 // On the floor the walk is an S: an arc around the middle of the one room, a straight line through the doorway that
-// touches it, an arc around the middle of the other room. A straight line is at either end too: a walk begins with pure
-// sideways motion, which is what a front can begin with.
-constexpr double kMiddle_m = 2.3;  // of a room, from the doorway
+// touches both arcs, an arc around the middle of the other room. Either end is a straight line too: a walk begins with
+// pure sideways motion, from which front_tracker can begin.
+constexpr double kMiddle_m = 2.3;  // from the doorway to the middle of a room
 constexpr double kRadius_m = 1.2;
 constexpr double kArc_rad = 190 * M_PI / 180;
 constexpr double kEnd_m = 0.8;
 constexpr double kPassage_s = 2.6;  // out of focus and dark, in the middle of the walk
-constexpr double kTurn_s = 1.6;     // of it, in which the camera turns
-constexpr double kHurry_m = 1.4;    // so much farther the camera comes in it than at its usual pace
-// Too little for the front to go on, and enough for SIFT: 4 pixels out of focus at 640 pixels of width, and a bit
+constexpr double kTurn_s = 1.6;     // the part of the passage in which the camera turns
+constexpr double kHurry_m = 1.4;    // the camera comes so much farther in the passage than at its usual pace
+// front_tracker is lost on this, but SIFT still matches: 4 pixels out of focus at 640 pixels of width, and a bit
 // more than half of the light.
 constexpr double kBlur = 0.8, kDarkness = 0.4;
-// Else it looks straight away from the middle of the room. Before the turn it looks a bit ahead and after it more, for
-// nobody turns by 180 degrees to walk on.
+// Outside the turn the camera looks straight away from the middle of the room. Before the turn it looks a bit ahead and
+// after it more, for nobody turns by 180 degrees to walk on.
 constexpr double kAhead_rad = 13 * M_PI / 180, kAheadAfter_rad = 55 * M_PI / 180;
 constexpr double kAhead_s = 3, kAheadAfter_s = 4;
 
@@ -83,7 +83,7 @@ class NextRoomPath {
   SE3 at(double t) const {
     const double since_door_s = t - middle_s_;
     const OnFloor floor = on_floor(along_m(since_door_s));
-    // Neither at the ends, nor at the doorway, where there is no room for it.
+    // The camera does not wander at the ends, nor at the doorway, which is too narrow.
     const double free = smooth_step((middle_s_ - std::abs(since_door_s)) / 2) *
                         smooth_step((std::abs(since_door_s) - kPassage_s / 2) / 3);
     const Vector2d at = floor.at + 0.2 * free * aside_.at(t) * floor.left;
@@ -105,7 +105,7 @@ class NextRoomPath {
   }
 
   double yaw_rad(double since_door_s) const {
-    const double out_s = std::abs(since_door_s) - kPassage_s / 2;  // of the passage
+    const double out_s = std::abs(since_door_s) - kPassage_s / 2;  // outside the passage if positive
     const double before = on_floor(std::min(along_m(since_door_s), -1e-9)).away_rad +
                           (since_door_s < 0 ? kAhead_rad * smooth_step(1 - out_s / kAhead_s) : kAhead_rad);
     const double after =

@@ -69,7 +69,7 @@ class Furnisher {
     at.z() = room_.low.z();
     return SE3(so3_exp({0, 0, wall * M_PI / 2}), at);
   }
-  // The doorway in the frame of a wall, x and z; empty if it is in no such wall.
+  // The doorway in the frame of a wall, x and z; empty if the wall has no doorway.
   cv::Rect2d opening_in(int wall) const {
     if (!shape_.doorway || wall % 2 == 0) return {};
     const Doorway& door = *shape_.doorway;
@@ -283,7 +283,7 @@ class Furnisher {
 
   const RoomShape& shape_;
   Box room_;       // the one that is being furnished
-  Vector3d size_;  // of it
+  Vector3d size_;  // of room_
   MeshBuilder b_;
   double surface_px_per_m_;
   std::vector<Bounds> taken_;

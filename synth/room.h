@@ -24,20 +24,20 @@ struct Box {
 
 struct RoomShape {
   SE3 room_from_map;                  // room: z up, walls along x and y
-  Eigen::Vector3d low, high;          // the corners of all, metres, in the room
+  Eigen::Vector3d low, high;          // corners of the whole building, metres, in the room
   std::vector<Eigen::Vector3d> path;  // camera positions in the room
   std::optional<Doorway> doorway;     // in the room
 
-  std::vector<Box> rooms() const;  // one, or that before the doorway's wall and that behind it
+  std::vector<Box> rooms() const;  // one, or the two on either side of the doorway's wall
 };
 
-// A room that the path fits into, upright by the path's own idea of up, its walls along the path's main directions.
-// With a doorway (in the map) there are two, and their walls are along the map's axes.
+// A room that the path fits into, upright along CameraPath::up(), its walls along the path's main directions. If there
+// is a doorway (in the map), the building has two rooms, and their walls are along the map's axes.
 RoomShape fit_room(const CameraPath& path, uint64_t seed, const std::optional<Doorway>& doorway = std::nullopt);
 
 inline constexpr double kClearance_m = 0.5;  // nothing stands nearer to the path
 
-// Walls, floor, ceiling and furniture, painted; detail to suit a camera of that focal length.
+// Walls, floor, ceiling and furniture, painted as finely as a camera of that focal length can see.
 Mesh build_room(const RoomShape& shape, uint64_t seed, double focal_px);
 
 // Sets every vertex's light: lamps, the windows' light, shadows and ambient occlusion.

@@ -18,12 +18,12 @@ namespace rumi::synth {
 namespace {
 
 constexpr double kRamp_s = 0.25;                // a hard passage comes and goes in this time
-constexpr double kTurn_rad = 110 * M_PI / 180;  // of a hard rotation, there and back
-constexpr double kBlurPx = 5.0;                 // standard deviation out of focus, at 640 pixels of width
+constexpr double kTurn_rad = 110 * M_PI / 180;  // a hard rotation turns so far, and back
+constexpr double kBlurPx = 5.0;                 // standard deviation when out of focus, at 640 pixels of width
 constexpr double kDarkGain = 0.035;
 constexpr double kExposureGain = 1.2;
 
-// How much of a hard passage is on at t seconds after the first frame: 0 .. 1.
+// Share of a hard passage's full effect at t seconds after the first frame: 0 .. 1.
 double amount(const HardPassage& passage, double t) {
   const double ramp = std::min(kRamp_s, passage.for_s / 4);
   const double inside = std::min(t - passage.at_s, passage.at_s + passage.for_s - t);
@@ -38,8 +38,12 @@ double amount(const std::vector<HardPassage>& passages, HardPassage::Kind kind, 
 }
 
 Walk make_walk(const SynthOptions& options) {
-  if (const std::string error = options.check(); !error.empty()) throw std::runtime_error(error);
-  if (!options.path_file.empty()) return {.path = CameraPath::load(options.path_file)};
+  if (const Result<> usable = options.check(); !usable) throw std::runtime_error(usable.error().text());
+  if (!options.path_file.empty()) {
+    Result<CameraPath> path = CameraPath::load(options.path_file);
+    if (!path) throw std::runtime_error(path.error().text());
+    return {.path = std::move(*path)};
+  }
   if (options.walk == WalkKind::kNextRoom) return walk_to_next_room(options.seconds, options.seed);
   return {.path = CameraPath::walk(options.seconds, options.seed)};
 }
@@ -61,7 +65,7 @@ struct SequenceRenderer::Impl {
     }
     choose_times();
     const double begin = times_s.front(), end = times_s.back();
-    // The room holds the whole path if only part of it is asked for: the same room for every part.
+    // The room holds the whole path even if only a part is asked for, so that every part has the same room.
     shape = fit_room(path, options.seed, walk.doorway);
     first_s = begin;
     if (end <= begin)

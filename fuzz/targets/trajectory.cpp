@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files that `rumi evaluate` and `rumi synth` read: byte 0 chooses which file of a run's folder the rest is, or the truth, or
-// the path of a camera. The other files are good.
+// Files that `rumi evaluate` and `rumi synth` read: byte 0 chooses which file of a run's folder the rest is, or the
+// truth, or the path of a camera. The other files are good.
 #include <filesystem>
 
 #include "base/text/json_text.h"
@@ -44,12 +44,10 @@ void evaluate(const std::string& truth) {
 }
 
 void follow(const std::string& file) {
-  try {
-    const synth::CameraPath path = synth::CameraPath::load(file);
-    path.at(path.times_s().front());
-    path.up();
-  } catch (const std::runtime_error&) {  // what it says of a file that it cannot use
-  }
+  const Result<synth::CameraPath> path = synth::CameraPath::load(file);
+  if (!path) return;
+  path->at(path->times_s().front());
+  path->up();
 }
 
 void run(View input) {
