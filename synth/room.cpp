@@ -191,7 +191,7 @@ class Furnisher {
     std::vector<cv::Rect2d> used;
     const double area = width * height;
     for (int tries = static_cast<int>(std::min(9 * area, 900.0)); tries > 0; --tries) {
-      const bool window = used.size() < 1 + area / 40 && wall % 2 == 0;
+      const bool window = static_cast<double>(used.size()) < 1 + area / 40 && wall % 2 == 0;
       double w = window ? b_.uniform(0.9, 1.5) : b_.uniform(0.2, 0.9),
              h = window ? b_.uniform(1.0, 1.4) : w * b_.uniform(0.7, 1.5);
       Material material = window ? Material::kWindow : Material::kPoster;

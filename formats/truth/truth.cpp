@@ -157,7 +157,7 @@ class TruthReader {
 
   // Images whose times are not since 1970 begin at 0, wherever they are played from.
   std::optional<int64_t> at_rate(double number) const {
-    const bool since_1970 = options_.run && options_.run->first_us > 1e14;
+    const bool since_1970 = options_.run && static_cast<double>(options_.run->first_us) > 1e14;
     const std::optional<int64_t> since_first = to_us({number, std::nullopt}, options_.frames_per_second);
     if (!since_first) return std::nullopt;
     return *since_first + (since_1970 ? options_.run->first_us : 0);

@@ -129,7 +129,8 @@ bool StillParts::judge(const ImageMask& known) {
   cv::Mat cells = still_cells();
   for (int row = 0; row < cells.rows && !known.is_everything(); ++row)
     for (int column = 0; column < cells.cols; ++column)
-      if (!known.allows({(column + 0.5F) * kCell, (row + 0.5F) * kCell})) cells.at<uchar>(row, column) = 0;
+      if (!known.allows({(static_cast<float>(column) + 0.5F) * kCell, (static_cast<float>(row) + 0.5F) * kCell}))
+        cells.at<uchar>(row, column) = 0;
   const bool is_same = !cells_.empty() && cv::norm(cells, cells_, cv::NORM_INF) == 0;
   cells_ = cells;
   if (is_same) return false;

@@ -38,9 +38,8 @@ void make_folder() {
 }
 
 void evaluate(const std::string& truth) {
-  tool::RunEvaluation evaluation;
-  if (tool::evaluate_folder(scratch() / "run", scratch() / truth, {}, {}, &evaluation).empty())
-    json_text(tool::to_json(evaluation), 2);
+  const Result<tool::RunEvaluation> evaluation = tool::evaluate_folder(scratch() / "run", scratch() / truth);
+  if (evaluation) json_text(tool::to_json(*evaluation), 2);
 }
 
 void follow(const std::string& file) {

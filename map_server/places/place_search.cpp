@@ -124,7 +124,8 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
 
 bool PlaceSearch::is_known(const std::vector<LinkEdge>& found, const Place& a, const Place& b) const {
   const auto near = [&](SubmapKey key, int64_t utime_us, const Place& place) {
-    return key == place.submap && std::abs(utime_us - place.image.utime_us) < o_.once_within_s * 1e6;
+    return key == place.submap &&
+           static_cast<double>(std::abs(utime_us - place.image.utime_us)) < o_.once_within_s * 1e6;
   };
   return std::any_of(found.begin(), found.end(), [&](const LinkEdge& known) {
     return (near(known.link.a, known.utime_a_us, a) && near(known.link.b, known.utime_b_us, b)) ||

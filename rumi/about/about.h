@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi --version` says, for reports of what went wrong.
+// The text of `rumi --version`, which a problem report needs.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Calibration boards: what is printed, and where its corners are.
+// Calibration boards: their pattern, and where its corners are.
 //
 // The frame of a board: origin at the outer corner of the upper left square, x right, y down, z into the paper, mm.
 #pragma once
@@ -8,6 +8,8 @@
 #include <opencv2/core/types.hpp>
 #include <string>
 #include <vector>
+
+#include "base/result.h"
 
 namespace rumi::tool {
 
@@ -25,8 +27,8 @@ struct Board {
 
   // "charuco:9x7:26:19:4X4_50" or "chessboard:9x7:26"; parse_board() reads it back.
   std::string to_string() const;
-  // What is wrong, naming the field and its value; empty if nothing.
-  std::string check() const;
+  // An Error names the field and its value.
+  Result<> check() const;
 
   double width_mm() const { return columns * square_mm; }
   double height_mm() const { return rows * square_mm; }
@@ -35,13 +37,13 @@ struct Board {
   int corner_rows() const { return rows - 1; }
   int corners() const { return corner_columns() * corner_rows(); }
   cv::Point2d corner_mm(int corner) const;
-  // All that is black: squares and what of the markers is black. They do not overlap.
+  // All black areas: squares, and the black parts of the markers. They do not overlap.
   std::vector<cv::Rect2d> black_mm() const;
 };
 
-// KIND:COLUMNSxROWS:SQUARE_MM[:MARKER_MM[:DICTIONARY]], of a ChArUco board at least up to MARKER_MM. Checked. Returns
-// what is wrong, or an empty string.
-std::string parse_board(const std::string& text, Board* board);
+// KIND:COLUMNSxROWS:SQUARE_MM[:MARKER_MM[:DICTIONARY]]; a ChArUco board needs MARKER_MM. An Error if the text cannot be
+// read, or if check() refuses the board.
+Result<Board> parse_board(const std::string& text);
 
 // "4X4_50", ... and OpenCV's number (cv::aruco::PREDEFINED_DICTIONARY_NAME).
 struct BoardDictionary {
@@ -49,7 +51,7 @@ struct BoardDictionary {
   int number;
 };
 const std::vector<BoardDictionary>& board_dictionaries();
-// Precondition: it is one of them.
+// Precondition: `name` is one of these.
 int dictionary_number(const std::string& name);
 
 inline constexpr const char* kBoardSyntax = "KIND:COLUMNSxROWS:SQUARE_MM[:MARKER_MM[:DICTIONARY]]";

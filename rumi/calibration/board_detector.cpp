@@ -14,10 +14,10 @@
 namespace rumi::tool {
 namespace {
 
-constexpr int kMinCorners = 8;           // of a board that is seen in part
-constexpr int kMinMarkerPairs = 3;       // to say that it is another board
-constexpr size_t kMinMarkers = 4;        // to say that a chessboard has some
-constexpr double kNear = 2.1;            // squares between markers that are compared: neighbours, and one further
+constexpr int kMinCorners = 8;           // fewest corners of a board that is seen in part
+constexpr int kMinMarkerPairs = 3;       // fewest that show that it is another board
+constexpr size_t kMinMarkers = 4;        // fewest that show that a chessboard has markers
+constexpr double kNear = 2.1;            // squares; markers that are nearer are compared: neighbours, and one further
 constexpr double kMaxMarkerShift = 0.5;  // squares
 
 constexpr double kChessboardReach = 0.35;
@@ -67,7 +67,7 @@ std::vector<int> places_of_corners(const Board& board, const BoardView& view) {
   return places;
 }
 
-// Of the squares around each corner, in pixels, as far as their other corners were seen; else 0.
+// For each corner the shortest side, in pixels, of the squares around it whose other corners were seen; else 0.
 std::vector<double> shortest_sides(const Board& board, const BoardView& view) {
   const std::vector<int> index = places_of_corners(board, view);
   std::vector<double> shortest(view.corners.size(), std::numeric_limits<double>::infinity());
@@ -105,9 +105,9 @@ void measure_edges(const cv::Mat& grey, const Board& board, BoardView* view) {
   view->square_px = median_or_zero(sides);
 }
 
-// Corners to a small part of a pixel. `reach`: of the side of a square, within which there is nothing but the four
-// squares. What OpenCV's detectors give is not enough: versions differ in what they call (0, 0), and not all is
-// refined.
+// Refines corners to a small part of a pixel. `reach`: part of a square's side around a corner in which only its four
+// squares are seen. The corners of OpenCV's detectors are not enough: versions differ in what they call (0, 0), and
+// some corners are not refined.
 void refine(const cv::Mat& grey, const Board& board, double reach, BoardView* view) {
   const std::vector<double> sides = shortest_sides(board, *view);
   for (size_t i = 0; i < view->pixels.size(); ++i) {
@@ -118,7 +118,7 @@ void refine(const cv::Mat& grey, const Board& board, double reach, BoardView* vi
   }
 }
 
-// True if they lie in at least two rows and two columns: then there is a homography.
+// True if the corners lie in at least two rows and two columns: then there is a homography.
 bool spread_out(const Board& board, const std::vector<int>& corners) {
   std::set<int> rows, columns;
   for (const int corner : corners) {
@@ -134,7 +134,7 @@ bool spread_out(const Board& board, const std::vector<int>& corners) {
 struct BoardDetector::Markers {
   explicit Markers(const Board& board)
       : dictionary(marker_dictionary(dictionary_number(board.dictionary))),
-        // In squares: only ratios matter.
+        // The unit is a square, because only ratios matter.
         charuco(charuco_board({board.columns, board.rows}, 1, static_cast<float>(board.marker_mm / board.square_mm),
                               dictionary)) {}
 
@@ -150,7 +150,8 @@ struct BoardDetector::Markers {
   CharucoBoard charuco;
 };
 
-// Each marker says where its neighbours must be. A lens bends this little, another board contradicts most of it.
+// Each marker predicts the places of its neighbours. A lens moves them little; another board contradicts most
+// predictions.
 bool BoardDetector::Markers::fits(const std::vector<Corners>& corners, const std::vector<int>& ids) const {
   int right = 0, wrong = 0;
   for (size_t i = 0; i < ids.size(); ++i) {

@@ -16,16 +16,16 @@ namespace rumi::tool {
 struct BoardView {
   int64_t utime_us = 0;
   std::string where;                // the image, for messages
-  std::vector<int> corners;         // numbers, see Board; rising
+  std::vector<int> corners;         // their numbers (see Board), ascending
   std::vector<cv::Point2f> pixels;  // where they are; (0, 0) is the centre of the upper left pixel
-  double blur_px = 0;               // width of the board's edges from black to white, in the direction that is worse
+  double blur_px = 0;               // width of the edges from black to white, in the more blurred direction
   double square_px = 0;             // side of its squares, median
 };
 
 struct BoardDetection {
   enum class Outcome {
     kFound,
-    kNone,        // nothing of it
+    kNone,        // no part of the board
     kTooLittle,   // too few corners to tell where it is
     kOtherBoard,  // markers of the dictionary, but not in the places where this board has them
   };
@@ -35,12 +35,12 @@ struct BoardDetection {
 
 class BoardDetector {
  public:
-  explicit BoardDetector(const Board& board);  // precondition: board.check() is empty
+  explicit BoardDetector(const Board& board);  // precondition: board.check() succeeds
   ~BoardDetector();
 
   // grey: CV_8UC1. A chessboard is found as a whole or not at all.
   BoardDetection detect(const cv::Mat& grey) const;
-  // The dictionary of the markers that a chessboard which was found has within; empty where it has none.
+  // The dictionary of the markers within a chessboard that was found; empty if it has no markers.
   static std::string markers_within(const cv::Mat& grey, const BoardView& chessboard);
 
  private:

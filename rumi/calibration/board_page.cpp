@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kMmPerInch = 25.4;
 constexpr double kPointsPerMm = 72 / kMmPerInch;  // the unit of PDF
-constexpr double kMarginMm = 10;                  // what printers leave white, and the letters
+constexpr double kMarginMm = 10;                  // printers leave this much white; the letters are in it, too
 constexpr double kLetterMm = 2.6, kLetterFromEdgeMm = 5.5;
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
@@ -26,14 +26,14 @@ struct Page {
   double width_mm, height_mm;
 };
 
-std::string place_on(const Board& board, const Paper& paper, Page* page) {
+Result<Page> place_on(const Board& board, const Paper& paper) {
   const double across = board.width_mm() + 2 * kMarginMm, down = board.height_mm() + 2 * kMarginMm;
-  *page = across >= down ? Page{paper.long_mm, paper.short_mm} : Page{paper.short_mm, paper.long_mm};
-  if (across <= page->width_mm && down <= page->height_mm) return {};
-  return fmt::format(
+  const Page page = across >= down ? Page{paper.long_mm, paper.short_mm} : Page{paper.short_mm, paper.long_mm};
+  if (across <= page.width_mm && down <= page.height_mm) return page;
+  return Error{fmt::format(
       "the board {} is {:g} x {:g} mm and does not fit on {} ({:g} x {:g} mm with {:g} mm of margin all around): "
       "take smaller or fewer squares, or larger paper (--paper)",
-      board.to_string(), board.width_mm(), board.height_mm(), paper.name, paper.long_mm, paper.short_mm, kMarginMm);
+      board.to_string(), board.width_mm(), board.height_mm(), paper.name, paper.long_mm, paper.short_mm, kMarginMm)};
 }
 
 std::string legend(const Board& board) {
@@ -42,7 +42,7 @@ std::string legend(const Board& board) {
                      board.height_mm());
 }
 
-// units_per_mm: of the surface. White paper, black board in its middle.
+// White paper with the black board in its middle. units_per_mm: units of the surface.
 void draw_page(cairo_surface_t* surface, double units_per_mm, const Board& board, const Page& page) {
   const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> context(cairo_create(surface), cairo_destroy);
   cairo_t* c = context.get();
@@ -132,18 +132,18 @@ const std::vector<Paper>& papers() {
   return kAll;
 }
 
-std::string write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file) {
+Result<> write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file) {
   const std::string ending = std::filesystem::path(file).extension().string();
   if (ending != ".pdf" && ending != ".png")
-    return fmt::format("{}: its name must end in .pdf or .png, which tells what is written", file);
-  Page page{};
-  std::string problem = place_on(board, paper, &page);
-  if (!problem.empty()) return problem;
-  const std::string bytes = ending == ".pdf" ? pdf(board, page) : png(board, page, png_dpi);
-  if (bytes.empty()) return file + ": the picture could not be made";
+    return Error{"its name must end in .pdf or .png, which tells what is written", file};
+  const Result<Page> page = place_on(board, paper);
+  if (!page) return page.error();
+  const std::string bytes = ending == ".pdf" ? pdf(board, *page) : png(board, *page, png_dpi);
+  if (bytes.empty()) return Error{"the picture could not be made", file};
   WholeFile out(file);
   out.write(bytes);
-  return out.commit();
+  if (const std::string error = out.commit(); !error.empty()) return Error{error};
+  return {};
 }
 
 }  // namespace rumi::tool

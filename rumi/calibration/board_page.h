@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A board on paper, in its exact size, with what it is in small letters below it.
+// A board on paper, in its exact size, with its description in small letters below it.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ struct Paper {
 // a4, a3, letter.
 const std::vector<Paper>& papers();
 
-// Writes FILE.pdf or FILE.png (with its resolution in pHYs), at once. The paper is turned as fits. Returns what is
-// wrong, such as a board that is too large for the paper, or an empty string. Precondition: board.check() is empty.
-std::string write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file);
+// Writes FILE.pdf or FILE.png (with its resolution in pHYs), at once. The paper is turned as fits. An Error if the
+// file cannot be written, or if the board is too large for the paper. Precondition: board.check() succeeds.
+Result<> write_board_page(const Board& board, const Paper& paper, double png_dpi, const std::string& file);
 
 }  // namespace rumi::tool

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How well views of a board cover what a calibration has to learn: the whole image, and the board from many sides.
+// How well views of a board cover the image, and the board from all sides, as a calibration needs it.
 #pragma once
 
 #include <opencv2/core/types.hpp>
@@ -10,12 +10,12 @@
 
 namespace rumi::tool {
 
-// How a board lies in an image, told without knowing the camera.
+// The pose of a board in an image, described without knowing the camera.
 struct ViewShape {
   double x = 0, y = 0;  // the middle of its corners, parts of the image's width and height
   double size = 0;      // root of the part of the image that its corners enclose
-  // Angle between the board's normal and the line of sight in degrees, from how the board is foreshortened (towards the
-  // edge of a fisheye's image this is too much), times the direction in the image in which the board recedes.
+  // Angle between the board's normal and the line of sight in degrees, from the foreshortening of the board (too large
+  // towards the edge of a fisheye's image), times the direction in the image in which the board recedes.
   double tilt_x = 0, tilt_y = 0;
 
   double tilt() const;
@@ -25,12 +25,12 @@ struct ViewShape {
 
 ViewShape shape_of(const BoardView& view, const Board& board, cv::Size image);
 
-// What is enough.
+// Coverage is enough for a calibration from here on.
 struct CoverageGoal {
   int views = 20;
   double cells = 0.8;       // part of the image's cells in which corners were seen
-  double tilt_deg = 20;     // tilted so much to the left or right,
-  int tilted_views = 3;     // and up or down, in so many views each
+  double tilt_deg = 20;     // at least tilted_views must be tilted so much to the left or right,
+  int tilted_views = 3;     // and as many up or down
   double size_ratio = 1.4;  // the nearest view is so much larger than the farthest
 };
 
@@ -46,7 +46,7 @@ class Coverage {
   const CoverageGoal& goal() const { return goal_; }
   int corners(int row, int column) const { return corners_[row][column]; }  // seen in a cell
   double covered() const;                                                   // part of the cells
-  // What to do next, as told to who holds the board, most important first; empty: it is enough.
+  // Advice to the person who holds the board, most important first; empty: the coverage is enough.
   std::vector<std::string> missing() const;
   // Number of views and ranges of position, tilt and size, a line each.
   std::vector<std::string> figures() const;

@@ -35,7 +35,7 @@ Eigen::Vector3d normal_of(const cv::Mat& rotation) {
 }
 
 LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image, bool with_k3) {
-  // This function of OpenCV wants floats.
+  // OpenCV's function takes floats.
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> pixels;
   for (const CornerPairs& view : views) {
@@ -70,7 +70,7 @@ bool find_pose(const Camera& camera, const CornerPairs& view, cv::Vec3d* rotatio
   }
 }
 
-// cv::fisheye::calibrate() does not come back from a start that is far off: the focal length of a fisheye without
+// cv::fisheye::calibrate() does not converge from a poor start. The start is the focal length of a fisheye without
 // distortion that fits some of the views best.
 Camera first_fisheye(const std::vector<CornerPairs>& views, cv::Size image) {
   constexpr double kNarrowest = 1.5, kWidest = 0.2, kStep = 0.9;  // focal length / width of the image
@@ -117,7 +117,8 @@ FisheyeView linearize(const CornerPairs& view, const cv::Matx33d& k, const cv::M
   return out;
 }
 
-// Errors and standard deviations, which cv::fisheye does not tell: the poses are eliminated from the normal equations.
+// Computes errors and standard deviations, which cv::fisheye does not give. The poses are eliminated from the normal
+// equations.
 void assess_fisheye(const std::vector<FisheyeView>& views, LensSolution* solution) {
   Eigen::Matrix<double, 8, 8> information = Eigen::Matrix<double, 8, 8>::Zero();
   double sum = 0;
@@ -135,7 +136,7 @@ void assess_fisheye(const std::vector<FisheyeView>& views, LensSolution* solutio
   const Eigen::Matrix<double, 8, 8> covariance = information.inverse() * (sum / std::max(1.0, freedom));
   for (int i = 0; i < 8; ++i) {
     const double variance = covariance(i, i);
-    // An information matrix that cannot be inverted knows nothing.
+    // A singular information matrix gives no standard deviations.
     solution->stddev.push_back(variance >= 0 ? std::sqrt(variance) : std::numeric_limits<double>::infinity());
   }
 }

@@ -24,12 +24,12 @@ struct LensSolution {
   double rms_px = 0;
 };
 
-// k3 is left 0 where it is not told from 0 by the data. Throws cv::Exception if there is no solution.
+// k3 stays 0 if the data cannot tell it from 0. Throws cv::Exception if there is no solution.
 LensSolution solve_pinhole(const std::vector<CornerPairs>& views, cv::Size image);
 LensSolution solve_fisheye(const std::vector<CornerPairs>& views, cv::Size image);
 
-// Reprojection error of a view with a given camera, its pose being chosen for it: root mean square per corner; negative
-// if there is no pose.
+// Reprojection error of a view with a given camera and the best pose: root mean square per corner; negative if there is
+// no pose.
 double view_error_px(const Camera& camera, const CornerPairs& view);
 
 }  // namespace rumi::tool

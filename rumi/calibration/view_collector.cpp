@@ -64,10 +64,10 @@ void ViewCollector::add_pixels(const cv::Mat& grey, int64_t utime_us, const std:
   add_view(std::move(detection.view));
 }
 
-// A ChArUco board is found as a chessboard, too, but its markers reach into the windows in which corners are refined:
-// the error of the calibration was seven times as large.
+// A ChArUco board is found as a chessboard, too. But its markers reach into the windows in which corners are refined,
+// and the error of the calibration was seven times as large.
 void ViewCollector::look_for_markers(const cv::Mat& grey, const BoardView& chessboard) {
-  constexpr int kImages = 3;  // looking takes as long as looking for the board
+  constexpr int kImages = 3;  // looking for markers takes as long as looking for the board
   if (board_.kind != Board::Kind::kChessboard || looked_for_markers_++ >= kImages) return;
   const std::string dictionary = BoardDetector::markers_within(grey, chessboard);
   if (dictionary.empty()) return;

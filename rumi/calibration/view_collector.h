@@ -13,14 +13,14 @@
 namespace rumi::tool {
 
 struct CollectorOptions {
-  double min_difference = 0.1;  // to every view taken, see ViewShape::difference()
-  double max_blur_px = 5;       // width of edges; or
-  double max_blur_part = 0.1;   // of the side of a square, if that is more: large images of large boards
+  double min_difference = 0.1;  // least difference to every view taken, see ViewShape::difference()
+  double max_blur_px = 5;       // widest edges, or
+  double max_blur_part = 0.1;   // as part of a square's side, if that is more (large images of large boards)
   size_t max_spare = 500;
   CoverageGoal goal;
 };
 
-// Images, by what became of them.
+// The number of images by their outcome.
 struct ImageCounts {
   int64_t images = 0;      // all
   int64_t unreadable = 0;  // missing or broken
@@ -28,7 +28,7 @@ struct ImageCounts {
   int64_t too_little = 0;   // too little of the board
   int64_t other_board = 0;  // markers, but not as on this board
   int64_t blurred = 0;
-  int64_t similar = 0;  // to a view that was taken
+  int64_t similar = 0;  // like a view that was taken
   int64_t taken = 0;
   int64_t with_board() const { return blurred + similar + taken; }
   std::string to_string() const;  // "40 images: 24 views taken, 10 like these, 2 blurred, 4 without the board"
@@ -38,8 +38,8 @@ class ViewCollector {
  public:
   ViewCollector(const Board& board, const CollectorOptions& options);
 
-  // False if the image is of another size than those before, or shows a chessboard with markers in it, which problem()
-  // then tells.
+  // False if the image has another size than those before, or shows a chessboard with markers in it; problem() says
+  // which.
   bool add(const image_t& image, const std::string& where);
   void add_unreadable(const std::string& problem);
 
@@ -51,7 +51,7 @@ class ViewCollector {
   const std::vector<BoardView>& taken() const { return taken_; }
   // Sharp views that were like those taken.
   const std::vector<BoardView>& spare() const { return spare_; }
-  // Of the views taken.
+  // Coverage by the views taken.
   Coverage coverage() const;
 
  private:
@@ -67,7 +67,7 @@ class ViewCollector {
   std::string problem_, first_unreadable_;
   std::vector<BoardView> taken_, spare_;
   std::vector<ViewShape> shapes_;  // of taken_
-  int looked_for_markers_ = 0;     // in so many images
+  int looked_for_markers_ = 0;     // images in which markers were looked for
 };
 
 }  // namespace rumi::tool

@@ -15,9 +15,8 @@ struct Arguments {
 };
 
 void draw(const Arguments& arguments) {
-  const WindowSceneResult result = read_window_scene(arguments.log, arguments.window);
-  fail_if(result.error);
-  fail_if(viewer_offscreen::write_png(draw_window(result.scene), arguments.out));
+  const WindowScene scene = value_or_fail(read_window_scene(arguments.log, arguments.window));
+  fail_if(viewer_offscreen::write_png(draw_window(scene), arguments.out));
 }
 
 }  // namespace

@@ -30,19 +30,18 @@ struct Arguments {
   std::vector<std::string> settings;
 };
 
-// What is wrong, or an empty string.
-std::string check_output(const std::string& file) {
+Result<> check_output(const std::string& file) {
   std::error_code code;
-  if (std::filesystem::path(file).extension() != ".png") return file + ": must be a PNG: give NAME.png";
-  // It may have been edited.
-  if (std::filesystem::exists(file, code)) return file + ": exists; remove it or give another name";
+  if (std::filesystem::path(file).extension() != ".png") return Error{"must be a PNG: give NAME.png", file};
+  // The user may have edited an existing mask.
+  if (std::filesystem::exists(file, code)) return Error{"exists", file, "remove it or give another name"};
   return check_writable(file);
 }
 
 struct Looked {
   int64_t images = 0;
-  ImageMask mask;  // of the size that front_tracker works on, as it would learn it
-  int looks = 0;   // images that had moved on since the one before
+  ImageMask mask;  // as front_tracker would learn it, in the size of its working images
+  int looks = 0;   // images that differed enough from the one before
 };
 
 Looked look_at(camera_driver::ImageSource& source) {
@@ -66,12 +65,13 @@ Looked look_at(camera_driver::ImageSource& source) {
   return looked;
 }
 
-// White where nothing is left out: something to draw on.
-std::string write_mask(const ImageMask& mask, const Camera& camera, const std::string& name) {
+// The mask is white if nothing is left out, so that the user can draw on it.
+Result<> write_mask(const ImageMask& mask, const Camera& camera, const std::string& name) {
   const cv::Size size(camera.width, camera.height);
   WholeFile file(name);
   file.write(encode_mask(mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.resized(size).pixels()));
-  return file.commit();
+  if (const std::string error = file.commit(); !error.empty()) return Error{error};
+  return {};
 }
 
 int run_mask(const Arguments& arguments) {
@@ -97,7 +97,7 @@ int run_mask(const Arguments& arguments) {
 
 int run(Arguments& arguments) {
   load_recording_options(arguments.settings, &arguments.camera);
-  arguments.camera.mask = kNoMask;  // one beside the data may be the one that is to be made anew
+  arguments.camera.mask = kNoMask;  // a mask beside the data may be the one to be replaced
   start_logging("rumi", false, false);
   return run_mask(arguments);
 }

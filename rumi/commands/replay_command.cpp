@@ -26,14 +26,14 @@ struct Arguments : OptionFlags {
   bool quiet = false, verbose = false;
 };
 
-std::string check(const AllOptions& options, const std::string& out) {
+Result<> check(const AllOptions& options, const std::string& out) {
   const map_server::MapServerOptions& map = options.map_server;
-  if (out.empty()) return "--output is empty: give a folder";
-  const std::string problem = check(options.camera_driver);
-  return problem.empty() && map.localize_only ? check_map_stays(map.database, out) : problem;
+  if (out.empty()) return Error{"--output is empty: give a folder"};
+  if (const std::string problem = check(options.camera_driver); !problem.empty()) return Error{problem};
+  return map.localize_only ? check_map_stays(map.database, out) : Result<>();
 }
 
-// Whoever names one may expect the map in it to go on, as it does in a live system.
+// A user who names a database may expect its map to go on, as it does in a live system.
 void tell_of_database(const map_server::MapServerOptions& map) {
   if (map.localize_only || map.database == map_server::MapServerOptions().database ||
       map.database == map_server::kInMemory)
@@ -63,7 +63,7 @@ int replay(Arguments& arguments) {
   const ReplayOutcome outcome = run_replay(run);
   line.erase();
   if (!outcome.warning.empty()) complain("replay", outcome.warning);
-  fail_if(outcome.error);
+  fail_if(outcome.written);
   if (!arguments.quiet) {
     print_summary(outcome.counts, outcome.notes, outcome.left_out, run.out);
     fmt::print("{} images in {:.1f} s\n", outcome.images, outcome.wall_s);

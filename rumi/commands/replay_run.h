@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "rumi/outputs/map_file.h"
 #include "rumi/run/all_options.h"
 #include "rumi/run/replay.h"
@@ -20,17 +21,17 @@ struct ReplayRun {
   std::string log = {};  // lcm log to write; empty: none
   AllOptions options = {};
   std::string options_yaml = {};   // as the user asked for them, for run.json
-  bool colours_of_videos = false;  // in map.ply; a video is decoded once more for them
-  // Ends the recording where it becomes true; what there is is written. Null: nothing does.
+  bool colours_of_videos = false;  // colour map.ply, for which a video is decoded once more
+  // Ends the recording when it becomes true; the part so far is written. May be null.
   const std::atomic<bool>* stop = nullptr;
-  bool is_only_one = true;  // in this process: then the peak of its memory is this run's
+  bool is_only_one = true;  // the process has no other run, so its peak of memory is that of the run
   std::function<void(const ReplayProgress&)> on_progress = {};  // after every image
 };
 
 struct ReplayOutcome {
-  std::string error;                    // empty: all is written
-  std::string warning;                  // what did not go as it should, though all is written
-  bool stopped = false;                 // by ReplayRun::stop
+  Result<> written;                     // an Error if the run could not begin, or not everything was written
+  std::string warning;                  // something went wrong, though everything was written
+  bool stopped = false;                 // ended by ReplayRun::stop
   std::vector<std::string> complaints;  // why not all of the recording is in the result, though it was computed
   AtlasCounts counts;
   std::vector<std::string> notes;     // see print_summary()

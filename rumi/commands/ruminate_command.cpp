@@ -49,7 +49,7 @@ void cancel_on_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-// Folders stand for the windows in them, by session and number.
+// A folder stands for its windows, sorted by session and number.
 std::vector<std::string> window_files(const std::vector<std::string>& arguments) {
   std::vector<std::string> files;
   for (const std::string& argument : arguments) {
@@ -61,7 +61,7 @@ std::vector<std::string> window_files(const std::vector<std::string>& arguments)
     std::vector<std::string> inside;
     for (const auto& entry : fs::directory_iterator(argument, error))
       if (entry.path().extension() == ".window") inside.push_back(entry.path().string());
-    // Of two names of numbers without leading zeros the shorter is the smaller.
+    // If names are numbers without leading zeros, the shorter one is the smaller.
     std::sort(inside.begin(), inside.end(), [](const std::string& a, const std::string& b) {
       return a.size() != b.size() ? a.size() < b.size() : a < b;
     });
@@ -70,14 +70,15 @@ std::vector<std::string> window_files(const std::vector<std::string>& arguments)
   return files;
 }
 
-// What is wrong, or an empty string.
-std::string write_results(const Arguments& arguments, const std::string& name, const Submap& submap) {
+Result<> write_results(const Arguments& arguments, const std::string& name, const Submap& submap) {
   const fs::path base = fs::path(arguments.out) / name;
   const std::vector<uint8_t> bytes = encode_message(make_submap_update(submap, 0));
   WholeFile file(base.string() + ".submap");
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  const std::string error = file.commit();
-  return error.empty() ? map_server::write_submap_tum(submap, base.string() + ".txt") : error;
+  if (const std::string error = file.commit(); !error.empty()) return Error{error};
+  if (const std::string error = map_server::write_submap_tum(submap, base.string() + ".txt"); !error.empty())
+    return Error{error};
+  return {};
 }
 
 class Ruminate {
@@ -95,13 +96,13 @@ class Ruminate {
     }
     return failures;
   }
-  // What is wrong, or an empty string.
-  std::string write_csv() const {
-    if (arguments_.out.empty()) return "";
+  Result<> write_csv() const {
+    if (arguments_.out.empty()) return {};
     WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
     file.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
-    return file.commit();
+    if (const std::string error = file.commit(); !error.empty()) return Error{error};
+    return {};
   }
 
  private:
@@ -119,9 +120,9 @@ class Ruminate {
     flush_stdout();
     if (!result.submap) return false;
     if (arguments_.out.empty()) return true;
-    const std::string error = write_results(arguments_, name, *result.submap);
-    if (!error.empty()) complain("ruminate", error);
-    return error.empty();
+    const Result<> written = write_results(arguments_, name, *result.submap);
+    if (!written) complain("ruminate", written.error().text());
+    return written.has_value();
   }
 
   ruminator::BuildResult build(const std::string& name, const ruminator::WindowJob& job) {
@@ -142,7 +143,7 @@ class Ruminate {
     return result;
   }
 
-  // One line on a terminal, over and over.
+  // On a terminal the line is printed again and again.
   void show(const std::string& name, const ruminator::BuildProgress& progress) {
     if (arguments_.quiet || !isatty(STDERR_FILENO)) return;
     constexpr const char* kStages[] = {"extracting", "matching", "mapping"};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi up` is asked for: its flags, and the options that follow from them and from CONFIG.
+// The arguments of `rumi up`: its flags, and the options that follow from them and from CONFIG.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/command_line/options.h"
+#include "base/result.h"
 #include "rumi/run/all_options.h"
 
 namespace rumi::tool {
@@ -15,19 +16,19 @@ struct UpArguments {
   std::string first, second;  // CONFIG, INPUT, or one of them
   std::string config, input, snapshot;
   std::optional<std::string> asked_snapshot;
-  UpOptions up;  // what flags say; empty: nothing
+  UpOptions up;  // from flags; empty: not given
   std::vector<std::string> settings;
-  std::vector<std::string> camera_settings;  // by flags, for a camera_driver
-  std::string calibration;                   // --camera without INPUT: of images from elsewhere
+  std::vector<std::string> camera_settings;  // from flags, for camera_driver
+  std::string calibration;                   // --camera without INPUT: the calibration of images from elsewhere
   bool fresh = false, verbose = false, quiet = false;
 };
 
-// In a file, and not only in memory.
+// True if the database is a file, and not in memory.
 bool is_file(const std::string& database);
 
-// Tells CONFIG and INPUT from each other, of which each may be left out. Returns what is wrong, or nothing.
-std::string sort_out(UpArguments* arguments);
-// Fills all options from CONFIG and the flags. Returns what is wrong, or nothing.
-std::string read_options(UpArguments* arguments, AllOptions* options, OptionTable* table);
+// Tells CONFIG and INPUT from each other; either may be missing. An Error if there are two of one.
+Result<> sort_out(UpArguments* arguments);
+// Fills all options from CONFIG and the flags. An Error if an option or a flag is wrong.
+Result<> read_options(UpArguments* arguments, AllOptions* options, OptionTable* table);
 
 }  // namespace rumi::tool

@@ -11,7 +11,7 @@
 
 namespace rumi::tool {
 
-// The options as all processes are to have them, in a file that lives as long as this object.
+// A file with the options of all processes, which lives as long as this object.
 class SharedConfig {
  public:
   // Throws std::runtime_error.
@@ -27,11 +27,11 @@ class SharedConfig {
   std::string file_;
 };
 
-// map_server is stopped after the others, so that what they hand on at their end still arrives.
+// map_server is stopped after the others, so that it still receives the messages that they send at their end.
 std::vector<Supervised> processes(const UpOptions& up, const std::string& config_file, const UpArguments& arguments);
 
-// The last one tells what it wrote; --update: what an earlier one knew stays.
-// It gets the colours of a recording, if that is played as it is.
+// `is_last`: it prints a summary, and --update keeps the status of processes that have ended since the first snapshot.
+// The map gets the colours of a recording if that is played as it is.
 Supervised snapshot_process(const AllOptions& options, const std::string& config_file, const std::string& out,
                             int64_t since_us, bool is_last);
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Are poses as well known as they are said to be? Of errors that are drawn from a Gaussian with the deviations told,
-// .683 lie within one of them and .954 within two. An error in space lies within them if it is no longer than a
-// Gaussian vector is with that probability: 1.88 and 2.83 deviations of one coordinate.
+// Tests whether the standard deviations of poses are honest. If errors are Gaussian with these deviations, .683 of them
+// lie within one deviation and .954 within two. A vector counts as within them up to the length that a Gaussian vector
+// keeps with that probability: 1.88 and 2.83 deviations of one coordinate.
 //
 // One camera sees neither where the world is nor its unit, and both drift. So a pose is compared with the poses around
 // it: those of the same submap within the interval (MetricOptions::rpe_interval_s) before and after it, aligned with
-// the truth by a similarity of their own. What is left is how far the pose is off in the map around it (and what the
-// unit drifts by within that time), which is what the deviations of position and rotation tell of. The unit's drift is
-// measured by itself: how far two steps of the interval that follow each other are apart by the logarithm of their
-// lengths, against the truth's, beside what the variance of log scale grew by and what the positions' deviations leave
-// of the two lengths.
+// the truth by a similarity of their own. The rest is the error of the pose in the map around it (with the drift of the
+// unit within that time), which the deviations of position and rotation describe. The drift of the unit is measured
+// separately: two consecutive steps of one interval are compared by the logarithm of their lengths, against the
+// truth's. Its variance is the growth of the variance of log scale, plus the variance of the two lengths.
 #pragma once
 
 #include <optional>
@@ -29,7 +28,7 @@ struct ToldPose {
 
 struct WithinSigmas {
   int counted = 0;  // poses, or pairs of steps
-  // Shares of those; absent if there are none.
+  // Shares of `counted`; absent if that is 0.
   std::optional<double> one, two;
 };
 

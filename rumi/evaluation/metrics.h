@@ -35,7 +35,7 @@ struct PoseError {
 
 struct TrajectoryMetrics {
   int poses = 0;                         // in the estimate
-  int associated = 0;                    // of those, with a truth
+  int associated = 0;                    // poses with a truth
   std::optional<double> ate_rmse_m;      // after Sim(3) alignment of all associated poses
   std::optional<double> ate_se3_rmse_m;  // after rigid alignment: the unit of the estimate is taken for a metre
   std::optional<double> rpe_trans_m;     // RMSE of the relative translation over the interval, scale aligned
@@ -50,20 +50,20 @@ TrajectoryMetrics evaluate_trajectory(const std::vector<TimedPose>& estimate, co
                                       const MetricOptions& options = {});
 
 struct RunMetrics {
-  TrajectoryMetrics map;      // of the served map's trajectory
+  TrajectoryMetrics map;      // the trajectory of the served map
   int frames = 0;             // all input frames
-  int frames_with_truth = 0;  // of those in frames.csv, with a truth
+  int frames_with_truth = 0;  // frames in frames.csv with a truth
   int tracked_frames = 0;     // with a pose in the served map
   // Absent without frames.
   std::optional<double> tracked_frame_ratio;
   std::optional<double> span_rate;  // the paper's tracking rate: first to last pose / first to last frame
-  // Frames within true_distance_m / frames that have a truth; absent where all of the truth is so near to itself.
+  // Frames within true_distance_m / frames that have a truth; absent if the whole true path is shorter than that.
   std::optional<double> true_rate;
   std::optional<double> submap_frame_ratio;  // frames with a pose in any submap / all frames
 };
 
-// submaps: the trajectories of all submaps, each in its own frame. Poses at times that are no frame's do not count.
-// images: how many there were, if that is more than frames: a live run may have had no time for some.
+// submaps: the trajectories of all submaps, each in its own frame. Poses at times of no frame do not count.
+// images: number of images, if more than frames: a live run may have had no time for some.
 RunMetrics evaluate_run(const std::vector<TimedPose>& map, const std::vector<std::vector<TimedPose>>& submaps,
                         const std::vector<InputFrame>& frames, const std::vector<TimedPose>& truth,
                         const MetricOptions& options = {}, int images = 0);

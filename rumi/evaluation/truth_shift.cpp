@@ -16,11 +16,11 @@ constexpr double kStepS = 0.01;
 constexpr double kClearlySmaller = 0.5;      // error with a shift / error without
 constexpr double kNearlyAsGood = 1.5;        // error of another shift / error of the best
 constexpr double kBasin = 0.75;              // up to here errors belong to the same minimum
-constexpr double kKeepTruth = 0.7;           // of the poses that have a truth without a shift
-constexpr int64_t kLongestStepUs = 250'000;  // of a truth that is interpolated
-constexpr size_t kPoses = 400;               // as many tell the shift
+constexpr double kKeepTruth = 0.7;           // share of the poses with a truth that must still have one
+constexpr int64_t kLongestStepUs = 250'000;  // between two poses of the truth that are interpolated
+constexpr size_t kPoses = 400;               // so many are compared
 
-using Places = std::vector<std::optional<Eigen::Vector3d>>;  // of each pose; nothing where there is no truth
+using Places = std::vector<std::optional<Eigen::Vector3d>>;  // true position of each pose; absent without a truth
 
 std::vector<TimedPose> thinned(const std::vector<TimedPose>& poses) {
   if (poses.size() <= kPoses) return poses;
@@ -50,7 +50,7 @@ class Search {
         std::count_if(unshifted_.begin(), unshifted_.end(), [](const auto& p) { return p.has_value(); }));
   }
 
-  // The error with that shift over the error without, both of the poses that have a truth in both.
+  // The error with that shift / the error without, over the poses that have a truth either way.
   std::optional<double> ratio(int steps) const {
     const Places places = places_at(steps);
     std::vector<Eigen::Vector3d> estimated, with, without;
@@ -90,7 +90,7 @@ class Search {
   size_t counted_ = 0;
 };
 
-// Whether the minimum is one: inside what was searched, and the only one.
+// True if the minimum lies inside the searched range and no other shift is nearly as good.
 bool is_clear(const std::map<int, double>& ratios, std::map<int, double>::const_iterator best) {
   auto left = best, right = best;
   while (left != ratios.begin() && left->second <= kBasin) --left;

@@ -18,7 +18,7 @@ namespace {
 using map_server::Colour;
 using map_server::LandmarkRef;
 
-// Where a keyframe saw a landmark.
+// A pixel at which a keyframe saw a landmark.
 struct Sight {
   LandmarkRef landmark;
   Eigen::Vector2f pixel;
@@ -31,7 +31,8 @@ struct Look {
 
 using Looks = std::map<int64_t, std::map<SubmapKey, Look>>;  // by the time of the keyframe
 
-// The first one that saw it, and two from elsewhere: what stood before it, or shone, is in one of them only.
+// The first keyframe that saw the landmark, and two from other places: an occlusion or a reflection is in one of them
+// only.
 std::vector<Observation> chosen(const std::vector<Observation>& observations) {
   if (observations.size() < 3) return observations;
   return {observations.front(), observations[observations.size() / 2], observations.back()};
@@ -60,7 +61,7 @@ bool may_show(const image_t& image, const Submap& submap) {
   return submap.stream == stream_of(image) || submap.stream == submap.key.session;
 }
 
-// Of a pixel of the submap's images, which are smaller than those of the camera where these are large.
+// The colour at a pixel of the submap's working images, which may be smaller than those of the camera.
 Colour colour_at(const cv::Mat& bgr, const Eigen::Vector2f& pixel, const Camera& camera) {
   const auto nearest = [](float at, int side, int full_side) {
     const double full = (at + 0.5) * full_side / side - 0.5;

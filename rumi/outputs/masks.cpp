@@ -26,7 +26,7 @@ std::string percent(double share) {
   return fmt::format("{:.{}f} %", 100 * share, 100 * share < kFewPercent ? 1 : 0);
 }
 
-// Images that are large are worked on at another size, of the same shape.
+// Large images are tracked at a smaller size of the same shape.
 bool may_be_of(const cv::Size& size, const map_server::StillMask& mask) {
   const double scale = static_cast<double>(size.width) / mask.width;
   return !size.empty() && std::abs(scale * mask.height - size.height) <= std::max(1.0, scale);
@@ -99,14 +99,14 @@ bool is_mask_name(const std::string& name) {
   return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
-std::string check_mask_stays(const std::string& given, const std::string& input, const std::string& folder) {
+Result<> check_mask_stays(const std::string& given, const std::string& input, const std::string& folder) {
   std::error_code none;
   const fs::path beside = fs::is_directory(input, none) ? fs::path(input) : fs::path(input).parent_path();
   const std::string mask = given.empty() ? (beside / "mask.png").string() : given;
-  if ((given.empty() && input.empty()) || !fs::exists(mask, none)) return "";
+  if ((given.empty() && input.empty()) || !fs::exists(mask, none)) return {};
   const fs::path file = fs::weakly_canonical(mask, none);
-  if (!is_mask_name(file.filename().string()) || file.parent_path() != fs::weakly_canonical(folder, none)) return "";
-  return fmt::format("{}: is what the run itself writes: give the mask another name, or the run another folder", mask);
+  if (!is_mask_name(file.filename().string()) || file.parent_path() != fs::weakly_canonical(folder, none)) return {};
+  return Error{"is what the run itself writes: give the mask another name, or the run another folder", mask};
 }
 
 }  // namespace rumi::tool

@@ -32,7 +32,7 @@ ordered_json to_json(const YAML::Node& node) {
     for (const auto& item : node) object[item.first.Scalar()] = to_json(item.second);
     return object;
   }
-  // A tag of "!" marks what was quoted: text, whatever it looks like.
+  // A tag of "!" marks a quoted value, which is text whatever it looks like.
   int integer = 0;
   double real = 0;
   bool truth = false;
@@ -61,7 +61,7 @@ bool is_submap_name(std::string_view stem) {
   return is_number(stem, 3);
 }
 
-// Does a run write, or remove as left over from an earlier one, a file of this name (relative to its folder)?
+// True if a run writes a file of this name (relative to its folder), or removes it as left over from an earlier run.
 bool is_written_by_a_run(const fs::path& name) {
   static const std::set<std::string> kNames = {"run.json",       "trajectory.txt", "trajectory.png",
                                                "trajectory.mp4", "frames.csv",     "map.db",
@@ -103,55 +103,56 @@ ordered_json read_run_json(const std::string& folder) {
   return ours ? run : ordered_json();
 }
 
-std::string check_output_folder(const std::string& folder) {
+Result<> check_output_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
     std::error_code ignored;
     const bool is_file = fs::exists(folder, ignored) && !fs::is_directory(folder, ignored);
-    return fmt::format("{}: cannot be made a folder: {}", folder,
-                       is_file ? "it is a file; give another name" : error.message());
+    if (is_file) return Error{"cannot be made a folder: it is a file", folder, "give another name"};
+    return Error{"cannot be made a folder: " + error.message(), folder};
   }
-  // Where a map_server has its map in this folder.
+  // A map_server may have its map in this folder.
   const std::string database = (fs::path(folder) / "map.db").string();
   if (fs::exists(map_server::DatabaseLock::file_of(database), error)) {
     const std::string held = thrown_by([&database] { const map_server::DatabaseLock is_free(database); });
-    if (!held.empty()) return fmt::format("{}: {}", folder, held);
+    if (!held.empty()) return Error{held, folder};
   }
-  if (!read_run_json(folder).is_null()) return "";
+  if (!read_run_json(folder).is_null()) return {};
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);
-  if (error) return fmt::format("{}: cannot be read: {}", folder, error.message());
-  if (foreign.empty()) return "";
-  return fmt::format(
-      "{}: {} would be overwritten, and {} not of an earlier run of rumi (no run.json of ours): "
-      "choose another folder, or move {} away",
-      folder, list(foreign), foreign.size() == 1 ? "is" : "are", foreign.size() == 1 ? "it" : "them");
+  if (error) return Error{"cannot be read: " + error.message(), folder};
+  if (foreign.empty()) return {};
+  return Error{fmt::format("{} would be overwritten, and {} not of an earlier run of rumi (no run.json of ours): "
+                           "choose another folder, or move {} away",
+                           list(foreign), foreign.size() == 1 ? "is" : "are", foreign.size() == 1 ? "it" : "them"),
+               folder};
 }
 
-std::string prepare_output_folder(const std::string& folder) {
-  std::string error = check_output_folder(folder);
-  if (!error.empty()) return error;
+Result<> prepare_output_folder(const std::string& folder) {
+  if (const Result<> usable = check_output_folder(folder); !usable) return usable;
   std::error_code is_absent;
-  if (!read_run_json(folder).is_null()) fs::remove(fs::path(folder) / "report.html", is_absent);  // of an earlier run
+  if (!read_run_json(folder).is_null())
+    fs::remove(fs::path(folder) / "report.html", is_absent);  // left by an earlier run
   return write_run_json(folder, {{"finished", false}});
 }
 
-std::string check_map_stays(const std::string& database, const std::string& folder) {
+Result<> check_map_stays(const std::string& database, const std::string& folder) {
   std::error_code none;
   const fs::path output = fs::path(folder) / "map.db";
-  if (fs::weakly_canonical(database, none) != fs::weakly_canonical(output, none)) return "";
-  return fmt::format(
-      "{}: is the map of map_server.database, and the map of the outputs would replace it: choose another folder than "
-      "{}",
-      output.string(), folder);
+  if (fs::weakly_canonical(database, none) != fs::weakly_canonical(output, none)) return {};
+  return Error{
+      "is the map of map_server.database, and the map of the outputs would replace it: choose another folder than " +
+          folder,
+      output.string()};
 }
 
-std::string write_run_json(const std::string& folder, const ordered_json& run) {
+Result<> write_run_json(const std::string& folder, const ordered_json& run) {
   ordered_json json{{"program", "rumi"}, {"version", version()}};
   json.update(run);
   WholeFile file((fs::path(folder) / "run.json").string());
   file.write(json_text(json, 2) + "\n");
-  return file.commit();
+  if (const std::string error = file.commit(); !error.empty()) return Error{error};
+  return {};
 }
 
 ordered_json options_to_json(const std::string& yaml) { return to_json(YAML::Load(yaml)); }

@@ -63,7 +63,7 @@ std::string describe(const WithoutPose& found, int64_t first_us) {
   return text;
 }
 
-// Of what is known of the submap and others, what comes nearest to a link.
+// The link of the submap that comes nearest to being accepted, in words.
 std::string why_not_in_map(const map_server::Atlas& atlas, SubmapKey key) {
   const map_server::Link* best = nullptr;
   for (const map_server::Link& link : atlas.links()) {

@@ -6,7 +6,7 @@
 
 namespace rumi::tool {
 
-// An lcm log; the time of an event is that of its image. It has its name once it is whole.
+// An lcm log. The time of an event is that of its image. The file gets its name when it is complete.
 class LogSink : public ImageSink {
  public:
   LogSink(const std::string& file, std::string channel);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the images of a recording go.
+// Writes the images of a recording.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@ namespace rumi::tool {
 class ImageSink {
  public:
   virtual ~ImageSink() = default;  // what was not closed does not remain
-  // False if it has failed, and more need not come: close() tells why.
+  // False if it has failed, and needs no more images; close() says why.
   virtual bool write(const image_t& image) = 0;
-  // Empty, or what is wrong; then nothing remains of the file.
+  // Ends the file. Returns an empty string, or an error, and then no file is left.
   virtual std::string close() = 0;
-  // What was written, behind the number of images: "images on CAMERA". After close().
+  // The content of the file, to be put after the number of images: "images on CAMERA". Call it after close().
   virtual std::string content() const = 0;
 };
 

@@ -61,7 +61,7 @@ std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::stri
   return ".png";
 }
 
-// Of a bag that has the camera's path, as its truth; empty, or what went wrong.
+// Writes the camera's path in a bag as the truth. Empty, or the error.
 std::string write_truth(const ImportOptions& options) {
   if (kind_of_bag(options.log) == BagKind::kNone) return {};
   const BagPoses bag = poses_in_bag(options.log, options.camera.log_channel);
@@ -80,7 +80,7 @@ std::string write_truth(const ImportOptions& options) {
   return write_text(fs::path(options.folder) / "groundtruth.txt", lines);
 }
 
-// As camera_driver finds it again. Empty, or what went wrong.
+// Writes the mask where camera_driver finds it again. Empty, or the error.
 std::string write_mask(const image_t& image, const fs::path& folder, const std::string& name) {
   const std::string mask = metadata(image, kMaskKey);
   if (mask.empty()) return {};
@@ -102,7 +102,7 @@ std::string write_folder(camera_driver::ImageSource& source, const fs::path& fol
     const std::string extension = to_file(*image, &bytes, &problem);
     if (extension.empty()) return fmt::format("the image at {} s: {}", format_seconds(image->utime), problem);
     const std::string time = format_seconds(image->utime);
-    // Where a clock was set back two images may have the same time.
+    // Two images may have the same time if the clock was set back.
     const std::string more = names.insert(time).second ? "" : fmt::format("_{}", *count);
     const std::string name = "rgb/" + time + more + extension;
     if (problem = write_file(folder / name, bytes); !problem.empty()) return problem;

@@ -14,8 +14,8 @@ struct ImportOptions {
   camera_driver::CameraOptions camera;
 };
 
-// JPEG images are written as they are, all others as PNG. Tells what it does, and what is wrong, on stderr. Returns the
-// exit code. Whatever has been written when something fails stays, and is named.
+// JPEG images are written as they are, all others as PNG. Progress and errors are printed on stderr. Returns the exit
+// code. After an error the files so far stay, and the message names the folder.
 int run_import(const ImportOptions& options);
 
 }  // namespace rumi::tool

@@ -33,7 +33,7 @@ fs::path truth_of_icl(const fs::path& folder) {
   return files.size() == 1 ? files.front() : fs::path();
 }
 
-// EuRoC's state estimate goes before what a tracking system saw of a marker (TUM-VI's mocap0).
+// EuRoC's state estimate is preferred to a tracking system's path of a marker (TUM-VI's mocap0).
 std::vector<fs::path> names_in(const fs::path& folder) {
   std::vector<fs::path> names = {folder / "groundtruth.txt"};
   for (const char* mav : {"mav0", ""})
@@ -53,7 +53,8 @@ FoundTruth look_in(const std::vector<fs::path>& files, const std::vector<fs::pat
   return {};
 }
 
-// A folder in a dataset's: mav0, cam0, rgb. What lies beside the folders of several recordings is of none of them.
+// True for a folder inside that of one recording: mav0, cam0, rgb. A file beside the folders of several recordings
+// belongs to none of them.
 bool is_part_of_dataset(const fs::path& folder) {
   const std::string name = folder.filename().string();
   return name == "mav0" || name == "cam0" || name == "data" || name == "rgb";

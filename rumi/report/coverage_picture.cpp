@@ -20,7 +20,7 @@ constexpr int kText = kTop + kImageHeight + 36, kMissingLeft = 440;
 constexpr int kWidth = kTiltLeft + kTiltSide + kMargin, kHeight = kText + 6 * kLine;
 const cv::Scalar kSeen(238, 244, 226);
 
-// Of the image in the picture.
+// The place of the image in the picture.
 struct Frame {
   explicit Frame(cv::Size image)
       : scale(
@@ -66,7 +66,7 @@ void draw_views(cv::Mat& picture, const Frame& frame, const std::vector<BoardVie
   }
 }
 
-// A circle for each view, the larger the nearer; beyond the black lines it is tilted enough.
+// Each view is a circle, larger if it is nearer. Beyond the black lines it is tilted enough.
 void draw_tilts(cv::Mat& picture, const Coverage& coverage) {
   double limit = 50;
   for (const ViewShape& shape : coverage.shapes())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `rumi calibrate` has seen of the board: where in the image, and from which sides.
+// The views of the board that `rumi calibrate` has seen: where in the image, and from which sides.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -8,7 +8,7 @@
 
 namespace rumi::tool {
 
-// BGR. Precondition: an image has come.
+// Returns BGR. Precondition: an image has come.
 cv::Mat draw_coverage(const ViewCollector& collector);
 
 }  // namespace rumi::tool

@@ -52,7 +52,7 @@ void draw_paths(cv::Mat& image, const RunMetrics& metrics, const std::vector<Tim
   const auto include = [&](const Eigen::Vector2d& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); };
   for (const auto& p : path) include(p);
   for (const PoseError& error : metrics.map.errors) include(plane * error.estimate_m);
-  // The same scale on both axes.
+  // Both axes have the same scale.
   const cv::Rect area(kMargin, kMargin, kWidth - 2 * kMargin, kTopHeight - 2 * kMargin);
   const Eigen::Vector2d middle = (low + high) / 2, extent = (high - low).cwiseMax(1e-6) * 1.1;
   const double per_pixel = std::max(extent.x() / area.width, extent.y() / area.height);
@@ -109,18 +109,17 @@ cv::Mat draw_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>&
   return image;
 }
 
-std::string plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth,
-                            const std::string& png_file) {
-  // The library does not say why.
+Result<> plot_evaluation(const RunMetrics& metrics, const std::vector<TimedPose>& truth, const std::string& png_file) {
+  // OpenCV does not say why it cannot write a file.
   errno = 0;
   if (!std::ofstream(png_file, std::ios::app))
-    return fmt::format("{}: cannot be written ({})", png_file, std::strerror(errno));
+    return Error{fmt::format("cannot be written ({})", std::strerror(errno)), png_file};
   try {
-    if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return "";
+    if (cv::imwrite(png_file, draw_evaluation(metrics, truth))) return {};
   } catch (const cv::Exception&) {
-    // Said below, in words of our own.
+    // The error below says it in plain words.
   }
-  return fmt::format("{}: cannot be written", png_file);
+  return Error{"cannot be written", png_file};
 }
 
 }  // namespace rumi::tool

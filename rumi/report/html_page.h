@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A web page that is one file: nothing in it is fetched from anywhere.
+// A web page in one file, which fetches nothing.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 namespace rumi::tool {
 
 std::string base64(std::span<const uint8_t> bytes);
-// Text that means itself in HTML, in attributes too.
+// The text escaped for HTML, also inside attributes.
 std::string escape_html(const std::string& text);
 
 class HtmlPage {

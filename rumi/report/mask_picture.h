@@ -6,7 +6,7 @@
 
 namespace rumi::tool {
 
-// The image (BGR), with what the mask leaves out in red; without an image the mask alone, or of no PNG nothing.
+// The image (BGR) with the masked parts in red; without an image the mask alone; empty if the mask is no PNG.
 cv::Mat draw_mask(const std::string& png, const cv::Mat& image);
 
 }  // namespace rumi::tool

@@ -15,14 +15,14 @@ namespace rumi::tool {
 
 struct ImageMatches {
   int matched = 0;   // features, summed over the pairs of submaps
-  int verified = 0;  // of those, that agree by reprojection under the similarity of the pair's link
+  int verified = 0;  // matched features that agree by reprojection under the similarity of the pair's link
 };
 
 struct MatchHistory {
   std::map<int64_t, ImageMatches> front;               // between front submaps, by utime_us
   std::map<int64_t, ImageMatches> back;                // in pairs with a back submap
   std::vector<std::pair<int64_t, int64_t>> untracked;  // first and last utime_us of frames that no front submap has
-  int64_t first_us = 0, last_us = 0;                   // of all frames
+  int64_t first_us = 0, last_us = 0;                   // first and last utime_us of all frames
 
   bool empty() const { return front.empty() && back.empty(); }
 };

@@ -96,9 +96,9 @@ void add_timeline(const cv::Mat& all, const viewer_offscreen::Scene& scene, Html
 }
 
 void add_errors(const std::string& folder, const std::string& groundtruth, const TruthOptions& truth, HtmlPage* page) {
-  RunEvaluation evaluation;
-  const std::string error = evaluate_folder(folder, groundtruth, truth, {}, &evaluation);
-  if (!error.empty()) throw std::runtime_error(error);
+  const Result<RunEvaluation> evaluated = evaluate_folder(folder, groundtruth, {truth, {}});
+  if (!evaluated) throw std::runtime_error(evaluated.error().text());
+  const RunEvaluation& evaluation = *evaluated;
   page->section("Error", "Against " + groundtruth + ", after Sim(3) alignment.");
   page->picture(viewer_offscreen::encode_png(draw_evaluation(evaluation.run, evaluation.truth)), "png",
                 "Path and error over time");
@@ -184,7 +184,7 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
   }
 }
 
-// Over an image of the same camera, if a window has one.
+// Draws the mask over an image of the same camera, if a window has one.
 image_t image_of_stream(const std::string& folder, int64_t stream) {
   for (const fs::path& file : window_files(folder)) {
     const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
@@ -266,11 +266,10 @@ void add_load(const ordered_json& run, HtmlPage* page) {
 }
 
 void add_load_over_time(const std::string& log, HtmlPage* page) {
-  std::string error;
-  const ProcessLoad load = read_process_load(log, &error);
-  if (!error.empty()) throw std::runtime_error(error);
-  page->chart("CPU", "% of a core", load.cpu_percent);
-  page->chart("Memory", "MB", load.memory_mb);
+  const Result<ProcessLoad> load = read_process_load(log);
+  if (!load) throw std::runtime_error(load.error().text());
+  page->chart("CPU", "% of a core", load->cpu_percent);
+  page->chart("Memory", "MB", load->memory_mb);
 }
 
 AtlasCounts counts_of(const ordered_json& run) {
@@ -305,7 +304,7 @@ bool lacks_its_map(const std::string& folder, const ordered_json& run) {
   return run.contains("missing") && !fs::exists(fs::path(folder) / "map.db");
 }
 
-// Of a run whose map did not fit on the disk: what the other files tell.
+// For a run whose map did not fit on the disk: the other files in a shorter page.
 std::string report_without_map(const std::string& folder, const ordered_json& run, const ReportOptions& options) {
   const Submap path = path_alone(folder);
   viewer_offscreen::MapPicture picture;

@@ -212,7 +212,7 @@ class Picture {
     paper_.text({kWidth - kMargin - viewer_offscreen::text_width(last, {8}), kStrip - 6}, last, 8);
   }
 
-  // Parts differ in shape too.
+  // The parts differ in shape, too, for people who do not see the colours.
   void draw_mark(const SceneFrame& frame, double x) {
     const double size = std::clamp(cell_width_ * 0.45, 1.5, 4.5);
     const cv::Vec3b& colour = colour_of(frame.sampled_as);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sampling picture, after Fig. 6 of the paper: above, images as they came; in the middle a strip with a cell per
-// frame that says what became of it; below, the samples.
+// The sampling picture, after Fig. 6 of the paper. Above: some images; in the middle: a strip with a cell per frame,
+// coloured by its tracking; below: the samples.
 #pragma once
 
 #include <opencv2/core/mat.hpp>

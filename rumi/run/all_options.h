@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every option of every component in one place: what replay runs on, what `rumi up` checks before it starts anything,
-// and what config/rumi.yaml is made of.
+// Every option of every component in one place: replay takes them, `rumi up` checks them before it starts anything, and
+// config/rumi.yaml is made from them.
 #pragma once
 
 #include <string>
@@ -15,12 +15,12 @@
 
 namespace rumi::tool {
 
-// Of `rumi up`.
+// Options of `rumi up` alone.
 struct UpOptions {
-  std::string input;               // of camera_driver; empty: the images come from elsewhere
+  std::string input;               // input of camera_driver; empty: the images come from elsewhere
   std::string lcm_url;             // empty: LCM_DEFAULT_URL, else the built-in one
   std::string channel_prefix;      // before every channel name
-  std::string channel = "CAMERA";  // of the images
+  std::string channel = "CAMERA";  // channel of the images
   bool viewer = true;
   double settle_s = 2.0;  // from the end of the input to the stop of the others
 };

@@ -22,10 +22,10 @@ class LiveStatus {
   // Listens from now on; the bus must be dispatched.
   explicit LiveStatus(Bus& bus);
 
-  // "processes": by name, "tracking", "map", "windows". Parts that nothing was heard of are missing. Rates are those of
-  // the latest seconds that were heard; CPU time a frame is that of all that was.
+  // "processes": by name, "tracking", "map", "windows". A part is missing if nothing was heard of it. Rates are those
+  // of the latest seconds; CPU time per frame is over everything heard.
   nlohmann::ordered_json to_json() const;
-  // The same for a person, in lines of at most 100 characters but for what processes say of themselves.
+  // As to_json(), for a person, in lines of at most 100 characters except for the words of processes.
   std::string to_text() const;
 
  private:
@@ -33,7 +33,7 @@ class LiveStatus {
     NewestSender states{"", kLateUs};
     process_status_t latest;
     std::optional<process_status_t> before;
-    // When this run of it was heard of first: its status, and frames that had been tracked.
+    // The first message of this run of the process: its status, and the frames tracked so far.
     process_status_t first;
     int64_t frames_at_first = 0, frames_at_latest = 0;
     int64_t frames() const { return frames_at_latest - frames_at_first; }
@@ -54,7 +54,7 @@ class LiveStatus {
     track_t track;
   };
   std::deque<Heard> tracks_;  // of the latest seconds
-  int64_t frames_ = 0;        // heard of
+  int64_t frames_ = 0;        // heard in all
   std::optional<map_status_t> map_;
   std::map<std::pair<int64_t, int32_t>, window_t> windows_;  // by session and id
 };

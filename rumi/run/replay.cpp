@@ -65,7 +65,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
                                   const std::atomic<bool>&) { return build(job, folder, progress, *stop); };
   add<ruminator::RuminatorNode>("ruminator", ruminator, ruminator_hooks, read_given_camera(ruminator.camera_file));
   map_server_ = add<map_server::MapServerNode>("map_server", map_server);
-  // In a replay the clock does not tell one session from another: every folder of images begins at 0.
+  // In a replay the clock cannot order sessions, because every folder of images begins at 0.
   if (const auto& submaps = map_server_->atlas().submaps(); !submaps.empty()) {
     earlier_sessions_ = submaps.rbegin()->first.session;
     tracker->begin_sessions_after(earlier_sessions_);
@@ -77,7 +77,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
 
 Replay::~Replay() = default;
 
-std::string Replay::record(const std::string& log_file) {
+Result<> Replay::record(const std::string& log_file) {
   if (!viewer_.series) {
     viewer_.output.clear();
     add<viewer_offscreen::ViewerNode>("viewer_offscreen", viewer_);
@@ -89,18 +89,19 @@ std::string Replay::record(const std::string& log_file) {
     if (!is_chunk) log_->write(bus_.now_us(), channel, data);
     return true;
   });
-  return log_->error();
+  if (!log_->error().empty()) return Error{log_->error()};
+  return {};
 }
 
-std::string Replay::close_log() {
+Result<> Replay::close_log() {
   if (!log_) return {};
   bus_.set_tap(nullptr);
-  const std::string error = log_->close() ? "" : log_->error();
-  log_.reset();
-  return error;
+  const std::unique_ptr<LogWriter> log = std::move(log_);
+  if (!log->close()) return Error{log->error()};
+  return {};
 }
 
-// Every component does what time and messages ask of it, and so on until no message is under way.
+// Every component handles its messages and its time, until no message is under way.
 void Replay::settle() {
   bus_.dispatch();
   for (const auto& component : components_) {
@@ -119,7 +120,7 @@ bool Replay::step() {
     const CpuTimer timer(&camera.cpu_s);
     utime_us = camera_->next_utime_us();
     if (!utime_us) return false;
-    // The clock goes on where a recording's times go back.
+    // The clock goes on if the recording's times go back.
     if (*utime_us < last_utime_us_) clock_ahead_us_ += last_utime_us_ - *utime_us + kUsualPeriodUs;
     bus_.set_now_us(*utime_us + clock_ahead_us_);
     camera_->publish_next();
@@ -139,7 +140,7 @@ std::string Replay::finish() {
       component->node->finish();
     }
     settle();
-    // One after another: what a component hands on at its end must find the next one at work.
+    // The components end one after another: messages that one sends at its end must find the next one at work.
     while (!component->node->finished() && bus_.now_us() < deadline_us) {
       bus_.set_now_us(bus_.now_us() + kFinishStepUs);
       settle();

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "bus/process/safe_node.h"
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
@@ -36,54 +37,54 @@ class MeteredBus;
 
 struct ReplayProgress {
   int64_t frames = 0;                  // images published
-  int64_t total = -1;                  // that there are, where the input tells
+  int64_t total = -1;                  // images in the input; -1: unknown
   int64_t utime_us = 0;                // of the last one
-  std::function<std::string()> state;  // what front_tracker says of itself
+  std::function<std::string()> state;  // front_tracker's status
 };
 
 struct ReplayHooks {
   std::function<void(const ruminator::WindowJob&)> on_window;  // every window, complete
   std::function<void(const ruminator::RuminationWindow&, const ruminator::BuildResult&)> on_rebuilt;
-  const std::atomic<bool>* stop = nullptr;  // calls off the rebuilding of windows where it becomes true; may be null
+  const std::atomic<bool>* stop = nullptr;  // calls off the rebuilding of windows when it becomes true; may be null
 };
 
 class Replay {
  public:
-  // Throws std::runtime_error with a message for the user (input, calibration, ...). Of the options, those that belong
-  // to a live system are overruled: no threads, no database file (but that to localize in is read), no spool, and
-  // no pictures unless a series of them or a log is asked for.
+  // Throws std::runtime_error with a message for the user (input, calibration, ...). Options for a live
+  // system are overruled: there are no threads, no database file (but the one to localize in is read), no spool, and no
+  // pictures unless a series of them or a log is asked for.
   Replay(const AllOptions& options, const std::string& input, const ReplayHooks& hooks = {});
   ~Replay();
 
   // Writes all messages from now on, pictures among them, into an lcm log, except the chunks of submaps and maps: what
-  // they carry is in the outputs. Call it before the first step. Empty, or why the file cannot be written.
-  std::string record(const std::string& log_file);
-  // Ends the log. Empty, or why it is not complete (file, reason).
-  std::string close_log();
+  // they carry is in the outputs. Call it before the first step. An Error if the file cannot be written.
+  Result<> record(const std::string& log_file);
+  // Ends the log. An Error, naming the file, if it is not complete.
+  Result<> close_log();
 
-  // Publishes the next image and lets every component do all that follows from it. False when the input has ended.
+  // Publishes the next image and lets every component do all that follows from it. False if the input has ended.
   bool step();
-  // Ends everything in order and returns when nothing is left to do. Who was not finished after a minute of logical
-  // time, and with what; empty: all were.
+  // Ends everything in order and returns when nothing is left to do. Returns a note on the components that were not
+  // finished after a minute of logical time; empty: all were.
   std::string finish();
 
   ReplayProgress progress();
   const map_server::Atlas& atlas() const { return map_server_->atlas(); }
   map_server::MapStore& store() { return map_server_->store(); }
-  // The last session that was there before: of the map to localize in.
+  // The last session of the map to localize in.
   int64_t earlier_sessions() const { return earlier_sessions_; }
   std::optional<double> localized_after_s() const { return map_server_->localized_after_s(); }
-  // The recording, to look at its images again when all were played.
+  // The recording, so that its images can be read again after the replay.
   camera_driver::ImageSource& recording();
   // CPU seconds of each component so far.
   std::map<std::string, double> cpu_s() const;
-  // The same by stage.
+  // As cpu_s(), by stage.
   std::map<std::string, std::map<std::string, double>> cpu_s_by_stage() const;
-  // Of the recording, and what front_tracker refused or found repeated.
+  // Images that the recording left out, and those that front_tracker refused or found repeated.
   camera_driver::SkippedFrames skipped() const;
-  // Images of which front_tracker had a pose to find.
+  // Images for which front_tracker had to find a pose.
   int64_t decoded() const;
-  // That the map to localize in has another calibration of this recording; empty: it has not.
+  // Says that the map to localize in was made with another calibration of this recording; empty: it was not.
   const std::string& calibration_doubt() const { return map_server_->calibration_doubt(); }
   // A line for each component that threw on the way.
   std::vector<std::string> broken() const;
@@ -109,7 +110,7 @@ class Replay {
   map_server::MapServerNode* map_server_ = nullptr;
   int64_t earlier_sessions_ = map_server::kNoSession;
   int64_t frames_ = 0;
-  int64_t clock_ahead_us_ = 0;  // of the images' times
+  int64_t clock_ahead_us_ = 0;  // the bus's clock minus the images' times
   int64_t last_utime_us_ = 0;
   std::unique_ptr<LogWriter> log_;
 };

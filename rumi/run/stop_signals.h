@@ -7,11 +7,11 @@
 
 namespace rumi::tool {
 
-// From now on Ctrl-C, SIGTERM, a closed terminal (SIGHUP) and the soft limit of CPU time (SIGXCPU) set what is
-// returned. Who presses Ctrl-C (or sends SIGTERM) twice waits for nobody: the process ends at once.
+// From now on Ctrl-C, SIGTERM, a closed terminal (SIGHUP) and the soft limit of CPU time (SIGXCPU) set the flag that is
+// returned. A second Ctrl-C (or SIGTERM) ends the process at once.
 const std::atomic<bool>& listen_to_stop_signals();
 
-// What asked for the end: "Ctrl-C", "SIGTERM", ...; empty if nothing did.
+// The signal that asked for the end: "Ctrl-C", "SIGTERM", ...; empty if there was none.
 std::string what_stopped();
 
 }  // namespace rumi::tool

@@ -18,10 +18,10 @@
 namespace rumi::tool {
 namespace {
 
-constexpr unsigned kMoreConnections = 16;  // which are told that they are too many; others wait to be accepted
+constexpr unsigned kMoreConnections = 16;  // these get an answer that says so; others wait to be accepted
 constexpr size_t kEventBlockBytes = 65536;
 
-// The page needs nothing from elsewhere, and nobody else is to show it or to read from it.
+// The page needs nothing from other servers, and no other page may show it or read from it.
 constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Content-Security-Policy",
      "default-src 'self'; img-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
@@ -33,7 +33,8 @@ constexpr std::pair<const char*, const char*> kHeaders[] = {
     {"Cache-Control", "no-store"},
 };
 
-// Of "localhost:8642" or "[::1]:8642". Any port: it may be forwarded, as by `ssh -L`.
+// True for a Host header of this computer, "localhost:8642" or "[::1]:8642". Any port is accepted: it may be forwarded,
+// as by `ssh -L`.
 bool is_this_computer(std::string_view host) {
   const size_t colon = host.rfind(':');
   const bool has_port = colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos;
@@ -41,7 +42,7 @@ bool is_this_computer(std::string_view host) {
   return strcasecmp(name.c_str(), "localhost") == 0 || name == "127.0.0.1" || name == "[::1]";
 }
 
-// A page of somebody else may reach this port by a name that its DNS points here: the header Host says which was used.
+// Another page may reach this port by a name that its DNS points here; the header Host has the name that was used.
 bool is_for_this_computer(MHD_Connection* connection) {
   std::vector<std::string> hosts;
   const auto note = [](void* found, MHD_ValueKind, const char* name, const char* value) {
@@ -52,7 +53,7 @@ bool is_for_this_computer(MHD_Connection* connection) {
   return hosts.size() == 1 && is_this_computer(hosts.front());
 }
 
-// The body is shared with the answer, not copied. The library does not write to it.
+// The body is shared with the answer, not copied. libmicrohttpd does not write to it.
 MHD_Response* response_of(const std::shared_ptr<const std::string>& body) {
   auto* const kept = new std::shared_ptr<const std::string>(body ? body : std::make_shared<const std::string>());
   return MHD_create_response_from_buffer_with_free_callback_cls(
@@ -97,10 +98,10 @@ struct HttpServer::Listener {
 };
 
 struct HttpServer::Calls {
-  // Of a request first when its head is there, then for each part of its body, then when it is whole.
+  // Called when the head of a request is there, for each part of its body, and when it is whole.
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* path, const char* method,
                                const char*, const char*, size_t* body_bytes, void** state) {
-    if (*body_bytes > 0) return MHD_NO;  // nothing is to be sent here: closed
+    if (*body_bytes > 0) return MHD_NO;  // a request with a body is refused by closing the connection
     const bool has_begun = std::exchange(*state, self) == nullptr;
     const bool reads = std::strcmp(method, "GET") == 0 || std::strcmp(method, "HEAD") == 0;
     if (has_begun && reads) return MHD_YES;
@@ -173,10 +174,10 @@ void HttpServer::tell(const std::string& event, const std::string& data) {
 void HttpServer::serve(int timeout_ms) {
   leave_who_is_gone();
   MHD_run_wait(daemon_, timeout_ms);
-  if (listeners_.empty()) events_.clear();  // who comes later is to hear nothing that is old
+  if (listeners_.empty()) events_.clear();  // a new listener must not hear an old event
 }
 
-// The library does not look at a connection that is suspended.
+// libmicrohttpd does not look at a suspended connection.
 void HttpServer::leave_who_is_gone() {
   for (Listener& listener : listeners_) {
     const auto* info = MHD_get_connection_info(listener.connection, MHD_CONNECTION_INFO_CONNECTION_FD);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Serves a page to browsers on this computer by GNU libmicrohttpd, in the thread of whoever calls serve(): nothing
-// waits for a client. What is kept for a client is one answer, or for one that listens to events (server-sent events)
-// the newest event of each name, however slowly it reads.
+// Serves a page to browsers on this computer by GNU libmicrohttpd, in the thread that calls serve(). Nothing waits for
+// a client: for each the server keeps one answer, or, if it listens to events (server-sent events), the newest event of
+// each name, however slowly it reads.
 #pragma once
 
 #include <cstdint>
@@ -20,27 +20,27 @@ struct HttpAnswer {
   int status = 200;
   std::string type = "text/plain; charset=utf-8";
   std::shared_ptr<const std::string> body = {};
-  bool events = false;  // the connection stays open, and gets what is told
+  bool events = false;  // the connection stays open, and gets the events
 };
 HttpAnswer text_answer(int status, const std::string& text);
 
 class HttpServer {
  public:
   static constexpr size_t kMaxConnections = 64, kMaxListeners = 8;
-  static constexpr unsigned kPatienceSeconds = 30;  // with a client that neither asks nor reads
-  // To a GET of this path, which is without what follows a '?'.
+  static constexpr unsigned kPatienceSeconds = 30;  // for a client that neither asks nor reads
+  // Answers a GET of this path, which comes without a query ("?...").
   using Answer = std::function<HttpAnswer(const std::string& path)>;
 
-  // On 127.0.0.1; port 0: any that is free. Throws std::runtime_error with a message for the user.
+  // Listens on 127.0.0.1; port 0: any free one. Throws std::runtime_error with a message for the user.
   HttpServer(int port, Answer answer, unsigned patience_seconds = kPatienceSeconds);
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
   int port() const;
-  // Waits up to timeout_ms for something to do and does what can be done at once.
+  // Waits up to timeout_ms for requests, and does what can be done at once.
   void serve(int timeout_ms);
-  // To all listeners, now and later; takes the place of the event of that name that was told before.
+  // Sends the event to all listeners, now and later. It replaces an earlier event of that name.
   void tell(const std::string& event, const std::string& data);
   size_t listeners() const { return listeners_.size(); }
 

@@ -15,7 +15,8 @@ namespace {
 constexpr int kWidth = 480;  // pixels at most
 constexpr int kQuality = 75;
 
-// Not much larger than it is shown; empty if it cannot be decoded: others tell of that.
+// Reduces the image to about the size in which it is shown. Empty if it cannot be decoded; front_tracker counts such
+// images.
 cv::Mat decode_small(const image_t& image) {
   std::string ignored = check_image(image);
   if (!ignored.empty()) return {};
@@ -34,7 +35,7 @@ cv::Mat decode_small(const image_t& image) {
 }  // namespace
 
 LiveImage::LiveImage(Bus& bus) {
-  // Not decoded while nobody looks.
+  // An image is not decoded while nobody looks.
   bus.subscribe_raw(channels::kCamera, {.capacity = 1, .drop = DropPolicy::kDropOldest},
                     [this](std::span<const uint8_t> data) {
                       if (!watched_) return true;

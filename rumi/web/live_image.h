@@ -12,16 +12,16 @@
 
 namespace rumi::tool {
 
-// The newest image of the camera, smaller, as a JPEG. Nothing is decoded that nobody asks for.
+// The newest image of the camera, smaller, as a JPEG. Images are decoded only if somebody asks for them.
 class LiveImage {
  public:
-  static constexpr int64_t kPeriodUs = 200'000;  // from one JPEG to the next at least
+  static constexpr int64_t kPeriodUs = 200'000;  // shortest time from one JPEG to the next
 
   explicit LiveImage(Bus& bus);
   void set_watched(bool watched) { watched_ = watched; }
-  // When it was taken; nothing: none came while somebody looked.
+  // The time of the image; absent: no image came while somebody looked.
   std::optional<int64_t> utime_us() const;
-  // Nothing if there is none or it is broken.
+  // Null if there is no image or it is broken.
   std::shared_ptr<const std::string> jpeg(int64_t now_us);
 
  private:

@@ -54,7 +54,7 @@ Json merges_json(const Scene& scene) {
   return merges;
 }
 
-// The direction that is up for the cameras.
+// The direction that is upwards for the cameras.
 Json up_json(const Scene& scene) {
   std::vector<const SubmapView*> placed;
   for (const SubmapView& view : scene.submaps)
@@ -62,7 +62,7 @@ Json up_json(const Scene& scene) {
   return numbers(viewer_offscreen::principal_plane(placed).axes.col(2));
 }
 
-// A frame of the past that got its pose afterwards, or lost it.
+// A frame of the past whose pose was found afterwards, or withdrawn.
 bool is_told_again(const track_t& track, const track_t& latest) {
   const uint64_t frames_ago = static_cast<uint64_t>(latest.sequence) - static_cast<uint64_t>(track.sequence);
   return track.session == latest.session && frames_ago <= kMostRetoldFrames;
@@ -130,7 +130,7 @@ std::vector<SubmapView> LiveMap::views() {
     Shown& shown = shown_[key];
     if (std::exchange(shown.taken, copy.taken) != copy.taken) {
       shown.view = viewer_offscreen::view_submap(copy.submap);
-      shown.view.key = key;  // nothing of it may have come yet
+      shown.view.key = key;  // the copy may still be empty
       shown.view.kind = copy.summary.kind == submap_update_t::BACK ? SubmapKind::kBack : SubmapKind::kFront;
       shown.blob = std::make_shared<const std::string>(submap_blob(shown.view));
       shown.view.landmarks = {};

@@ -10,10 +10,10 @@
 
 namespace rumi::tool {
 
-// Of the `rumi` in the folder `bin`, installed or in a build tree.
+// The folder of the page for a `rumi` in the folder `bin`, installed or in a build tree.
 std::filesystem::path page_folder_of(const std::filesystem::path& bin);
 
-// What the page is made of, read once: no path that a browser asks for ever reaches the file system.
+// The files of the page, read once, so that no path from a browser ever reaches the file system.
 class PageFiles {
  public:
   // Throws std::runtime_error naming the file that is missing.

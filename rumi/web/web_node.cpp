@@ -42,7 +42,7 @@ void WebNode::tell_if_new(const char* event, const std::string& data, std::strin
 }
 
 void WebNode::tick(int64_t now_us, bool watched) {
-  if (std::exchange(watched_, watched) != watched) told_ = {};  // who begins to look has heard nothing
+  if (std::exchange(watched_, watched) != watched) told_ = {};  // a new listener has heard nothing yet
   image_.set_watched(watched);
   map_.tick(now_us, watched);
   if (!watched) return;

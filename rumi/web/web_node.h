@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the page of `rumi web` shows: messages in, answers and events out. It publishes nothing but requests to
-// map_server for submaps, and these only while somebody looks.
+// Turns messages into the answers and events of the page of `rumi web`. It publishes nothing but requests to map_server
+// for submaps, and these only while somebody looks.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,8 @@ class WebNode {
  public:
   using Tell = std::function<void(const std::string& event, const std::string& data)>;
 
-  // bus_name: where it listens, for a person who sees nothing. tell: to everybody who looks.
+  // bus_name: the bus that it listens to, shown to a person who sees nothing. tell: sends an event to everybody who
+  // looks.
   WebNode(Bus& bus, PageFiles files, std::string bus_name, Tell tell);
 
   HttpAnswer answer(const std::string& path);

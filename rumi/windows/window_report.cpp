@@ -77,7 +77,7 @@ WindowRow make_window_row(const std::string& name, const ruminator::RuminationWi
   return row;
 }
 
-// The times are last: they alone differ from run to run.
+// The times are the last columns, because they alone differ from run to run.
 ordered_json to_json(const WindowRow& row) {
   const ruminator::RuminationWindow& w = row.window;
   const ruminator::BuildResult& r = row.result;

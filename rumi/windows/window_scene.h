@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A rumination window as an lcm log tells of it: which frames there were around a loss, what became of each, and which
+// A rumination window as an lcm log records it: the frames around a loss, the pose or loss of each, and which of them
 // were sampled.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "lcmtypes/rumi/window_t.hpp"
 
 namespace rumi::tool {
@@ -26,17 +27,12 @@ struct SceneFrame {
 struct WindowScene {
   window_t window;                 // as last announced
   int64_t begin_us = 0;            // of the log's first image: times are counted from it
-  std::vector<SceneFrame> frames;  // of the window and some before and after, in order of time
-};
-
-struct WindowSceneResult {
-  WindowScene scene;
-  std::string error;
-  bool ok() const { return error.empty(); }
+  std::vector<SceneFrame> frames;  // the window's and some before and after, in order of time
 };
 
 // Reads RUMI_WINDOW, RUMI_TRACK and CAMERA of a log. window_id 0: the first window with a gap between two submaps, or
-// else the first. Where several sessions have a window of that number, the last of them counts.
-WindowSceneResult read_window_scene(const std::string& log_file, int window_id);
+// else the first. If several sessions have a window of that number, the last one counts. An Error if the log has no
+// such window, or if it is too long to be drawn.
+Result<WindowScene> read_window_scene(const std::string& log_file, int window_id);
 
 }  // namespace rumi::tool

@@ -23,16 +23,9 @@ using testing::TemporaryFolder;
 
 const Paper& a4() { return papers().front(); }
 
-Board parsed(const std::string& text) {
-  Board board;
-  EXPECT_EQ(parse_board(text, &board), "");
-  return board;
-}
+Board parsed(const std::string& text) { return parse_board(text).value(); }
 
-std::string refusal(const std::string& text) {
-  Board board;
-  return parse_board(text, &board);
-}
+std::string refusal(const std::string& text) { return parse_board(text).error_text(); }
 
 TEST(Board, IsWrittenAndReadBack) {
   for (const char* text : {"charuco:9x7:26:19:4X4_50", "charuco:12x9:20.5:15.25:APRILTAG_36h11", "chessboard:8x6:30"})
@@ -75,7 +68,7 @@ TEST(BoardPage, PngHasItsSizeAndResolution) {
   const TemporaryFolder folder;
   const std::string file = folder / "board.png";
   const Board board = parsed("charuco:9x7:26:19");
-  ASSERT_EQ(write_board_page(board, a4(), 300, file), "");
+  ASSERT_EQ(write_board_page(board, a4(), 300, file).error_text(), "");
   const std::string bytes = testing::read_file(file);
   const size_t phys = bytes.find("pHYs");
   ASSERT_NE(phys, std::string::npos);
@@ -113,7 +106,7 @@ std::string page_contents(const std::string& pdf) {
 TEST(BoardPage, PdfHasItsSize) {
   const TemporaryFolder folder;
   const std::string file = folder / "board.pdf";
-  ASSERT_EQ(write_board_page(parsed("chessboard:7x9:20"), a4(), 300, file), "");
+  ASSERT_EQ(write_board_page(parsed("chessboard:7x9:20"), a4(), 300, file).error_text(), "");
   const std::string pdf = testing::read_file(file);
   EXPECT_THAT(pdf, HasSubstr("MediaBox [ 0 0 595.275591 841.889764 ]")) << "A4 upright, in points";
   const std::string contents = page_contents(pdf);
@@ -132,11 +125,13 @@ TEST(BoardPage, PdfHasItsSize) {
 
 TEST(BoardPage, WhatCannotBeIsRefusedAndLeavesNothing) {
   const TemporaryFolder folder;
-  const std::string too_large = write_board_page(parsed("chessboard:11x9:26"), a4(), 300, folder / "b.pdf");
+  const std::string too_large =
+      write_board_page(parsed("chessboard:11x9:26"), a4(), 300, folder / "b.pdf").error_text();
   EXPECT_THAT(too_large, HasSubstr("is 286 x 234 mm and does not fit on a4"));
-  EXPECT_EQ(write_board_page(parsed("chessboard:11x9:26"), papers()[1], 72, folder / "a3.png"), "");
-  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "b.jpg"), HasSubstr("must end in .pdf or .png"));
-  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "none/b.pdf"), HasSubstr("cannot write"));
+  EXPECT_EQ(write_board_page(parsed("chessboard:11x9:26"), papers()[1], 72, folder / "a3.png").error_text(), "");
+  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "b.jpg").error_text(),
+              HasSubstr("must end in .pdf or .png"));
+  EXPECT_THAT(write_board_page(Board(), a4(), 300, folder / "none/b.pdf").error_text(), HasSubstr("cannot write"));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1) << "a3.png only";
 }
 

@@ -20,11 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-Board board_of(const std::string& text) {
-  Board board;
-  EXPECT_EQ(parse_board(text, &board), "");
-  return board;
-}
+Board board_of(const std::string& text) { return parse_board(text).value(); }
 
 class Collecting : public ::testing::Test {
  protected:

@@ -36,11 +36,7 @@ class RunEvaluationTest : public ::testing::Test {
     for (int i = 0; i < kFrames; ++i)
       frames << fmt::format("{},TRACKING,1,1\n", 1'400'000'000'000'000 + 100'000 * int64_t{i});
   }
-  RunEvaluation evaluate() const {
-    RunEvaluation evaluation;
-    EXPECT_EQ(evaluate_folder(out_.string(), (out_ / "truth.txt").string(), {}, {}, &evaluation), "");
-    return evaluation;
-  }
+  RunEvaluation evaluate() const { return evaluate_folder(out_.string(), (out_ / "truth.txt").string()).value(); }
 
   testing::TemporaryFolder folder_;
   fs::path out_ = folder_.path();

@@ -120,15 +120,15 @@ TEST_F(MasksOfARun, DoNotReplaceTheOneThatIsUsed) {
   fs::create_directory(recording);
   for (const std::string& name : {out + "/mask.png", out + "/mine.png", recording + "/mask.png"})
     std::ofstream{name} << "edited";
-  EXPECT_THAT(check_mask_stays(out + "/mask.png", recording, out), HasSubstr("another name"));
-  EXPECT_THAT(check_mask_stays(out + "/../out/mask.png", recording, out), HasSubstr("another name"));
-  EXPECT_EQ(check_mask_stays(out + "/mine.png", recording, out), "");
-  EXPECT_EQ(check_mask_stays("", recording, out), "");
-  EXPECT_EQ(check_mask_stays("none", recording, out), "");
-  EXPECT_EQ(check_mask_stays("", "", out), "");
-  EXPECT_THAT(check_mask_stays("", recording, recording), HasSubstr("another folder"));
+  EXPECT_THAT(check_mask_stays(out + "/mask.png", recording, out).error_text(), HasSubstr("another name"));
+  EXPECT_THAT(check_mask_stays(out + "/../out/mask.png", recording, out).error_text(), HasSubstr("another name"));
+  EXPECT_EQ(check_mask_stays(out + "/mine.png", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("none", recording, out).error_text(), "");
+  EXPECT_EQ(check_mask_stays("", "", out).error_text(), "");
+  EXPECT_THAT(check_mask_stays("", recording, recording).error_text(), HasSubstr("another folder"));
   std::ofstream(recording + "/rgb.txt") << "";
-  EXPECT_THAT(check_mask_stays("", recording + "/rgb.txt", recording), HasSubstr("another folder"));
+  EXPECT_THAT(check_mask_stays("", recording + "/rgb.txt", recording).error_text(), HasSubstr("another folder"));
 }
 
 }  // namespace

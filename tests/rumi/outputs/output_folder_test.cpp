@@ -31,10 +31,10 @@ nlohmann::json read_json(const fs::path& file) {
 TEST(OutputFolder, IsMadeAndMarkedAsOurs) {
   const testing::TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "deep" / "er";
-  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_EQ(read_json(folder / "run.json")["finished"], false);
-  EXPECT_EQ(prepare_output_folder(folder.string()), "") << "of an earlier run";
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "") << "of an earlier run";
 }
 
 TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
@@ -42,7 +42,8 @@ TEST(OutputFolder, NamesThatAreNoUtf8AreInRunJson) {
   const fs::path& folder = temporary.path();
   EXPECT_EQ(write_run_json(folder.string(), {{"input",
                                               "K\xfc"
-                                              "che"}}),
+                                              "che"}})
+                .error_text(),
             "");
   EXPECT_EQ(read_json(folder / "run.json")["input"],
             "K\xef\xbf\xbd"
@@ -55,7 +56,7 @@ TEST(OutputFolder, OptionsThatAreNoUtf8AreInRunJson) {
   const auto options = options_to_json(
       "camera_driver:\n  camera_file: \"K\xfc"
       "che.yaml\"\n");
-  EXPECT_EQ(write_run_json(folder.string(), {{"options", options}}), "");
+  EXPECT_EQ(write_run_json(folder.string(), {{"options", options}}).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["options"]["camera_driver"]["camera_file"],
             "K\xef\xbf\xbd"
             "che.yaml");
@@ -70,20 +71,21 @@ TEST(OutputFolder, TheMapThatIsReadIsNotReplaced) {
   fs::create_symlink(database, folder / "link.db");
   for (const fs::path& name : {folder / "map.db", folder / "." / "map.db", folder / "other_name" / "map.db",
                                folder / "link.db", fs::relative(folder / "map.db")})
-    EXPECT_THAT(check_map_stays(name.string(), folder.string()), HasSubstr("choose another folder")) << name;
-  EXPECT_EQ(check_map_stays(database, (folder / "out").string()), "");
-  EXPECT_EQ(check_map_stays((folder / "other.db").string(), folder.string()), "");
+    EXPECT_THAT(check_map_stays(name.string(), folder.string()).error_text(), HasSubstr("choose another folder"))
+        << name;
+  EXPECT_EQ(check_map_stays(database, (folder / "out").string()).error_text(), "");
+  EXPECT_EQ(check_map_stays((folder / "other.db").string(), folder.string()).error_text(), "");
 }
 
 TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
   const testing::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
-  ASSERT_EQ(prepare_output_folder(folder.string()), "");
+  ASSERT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   {
     const map_server::MapStore store((folder / "map.db").string());
-    EXPECT_THAT(check_output_folder(folder.string()), HasSubstr("has the map open"));
+    EXPECT_THAT(check_output_folder(folder.string()).error_text(), HasSubstr("has the map open"));
   }
-  EXPECT_EQ(check_output_folder(folder.string()), "");
+  EXPECT_EQ(check_output_folder(folder.string()).error_text(), "");
 }
 
 TEST(OutputFolder, OtherFilesAreLeftAlone) {
@@ -93,7 +95,7 @@ TEST(OutputFolder, OtherFilesAreLeftAlone) {
   fs::create_directories(folder / "windows");
   for (const char* name : {"log.txt", "map.db.old", "submaps/notes.txt", "windows/kitchen.png"})
     std::ofstream(folder / name) << "somebody's work\n";
-  EXPECT_EQ(prepare_output_folder(folder.string()), "");
+  EXPECT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   EXPECT_EQ(read_json(folder / "run.json")["program"], "rumi");
   EXPECT_TRUE(fs::exists(folder / "log.txt"));
 }
@@ -107,7 +109,7 @@ TEST(OutputFolder, IsRefusedForWhatWouldBeOverwritten) {
     fs::create_directories((folder / name).parent_path());
     std::ofstream(folder / name) << "somebody's work\n";
     std::ofstream(folder / "log.txt") << "and more of it\n";
-    const std::string error = prepare_output_folder(folder.string());
+    const std::string error = prepare_output_folder(folder.string()).error_text();
     EXPECT_THAT(error, AllOf(HasSubstr(std::string(name) + " would be overwritten"), Not(HasSubstr("log.txt"))));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "nothing was added";
   }
@@ -119,7 +121,7 @@ TEST(OutputFolder, NamesSomeOfTheFilesThatItIsRefusedFor) {
   for (const char* name : {"trajectory.txt", "map.db", "map.ply", "frames.csv", "windows.csv"})
     std::ofstream(folder / name) << "somebody's work\n";
   std::ofstream(folder / "run.json") << "{\"program\": \"of somebody else\"}";
-  EXPECT_THAT(prepare_output_folder(folder.string()),
+  EXPECT_THAT(prepare_output_folder(folder.string()).error_text(),
               HasSubstr("frames.csv, map.db, map.ply and 3 more would be overwritten"));
 }
 
@@ -127,9 +129,11 @@ TEST(OutputFolder, SaysWhyItCannotBeMade) {
   const testing::TemporaryFolder temporary;
   const fs::path& folder = temporary.path();
   std::ofstream(folder / "file") << "x";
-  EXPECT_THAT(prepare_output_folder((folder / "file").string()), HasSubstr("file: cannot be made a folder"));
-  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()), HasSubstr("cannot be made a folder"));
-  EXPECT_NE(prepare_output_folder("/proc/no_such_thing"), "") << "nobody can write there, not even root";
+  EXPECT_THAT(prepare_output_folder((folder / "file").string()).error_text(),
+              HasSubstr("file: cannot be made a folder"));
+  EXPECT_THAT(prepare_output_folder((folder / "file" / "below").string()).error_text(),
+              HasSubstr("cannot be made a folder"));
+  EXPECT_NE(prepare_output_folder("/proc/no_such_thing").error_text(), "") << "nobody can write there, not even root";
 }
 
 TEST(RunJson, OptionsKeepTheirTypes) {

@@ -257,9 +257,7 @@ TEST_F(ReportTest, ShowsTheLoadOfALiveRun) {
   status.cpu_s += 0.1;
   writer.write(status.utime, channels::kStatus, encode_message(status));
   ASSERT_TRUE(writer.close());
-  std::string error;
-  const ProcessLoad load = read_process_load(log, &error);
-  EXPECT_EQ(error, "");
+  const ProcessLoad load = read_process_load(log).value();
   using Point = std::pair<double, double>;
   EXPECT_THAT(load.cpu_percent.at("map_server"), ::testing::ElementsAre(Point(1, 25), Point(2, 25), Point(4, 50)));
   EXPECT_EQ(load.memory_mb.at("map_server").size(), 6u);

@@ -39,7 +39,7 @@ class OtherSystemTest : public testing::Test {
     status.nchannels = static_cast<int32_t>(status.channels.size());
     answers_.push_back(status);
   }
-  std::string find() { return find_other_system(bus_, kWanted, std::chrono::milliseconds(20)); }
+  std::string find() { return find_other_system(bus_, kWanted, std::chrono::milliseconds(20)).error_text(); }
   MemoryBus bus_;
   std::vector<process_status_t> answers_;
   int questions_ = 0;

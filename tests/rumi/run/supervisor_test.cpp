@@ -46,7 +46,8 @@ class SupervisorTest : public ::testing::Test {
       if (line == "stop") stop_ = true;
       if (line == "at once") at_once_ = true;
     });
-    std::string reason = supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}});
+    std::string reason =
+        supervisor.run(stop_, at_once_, {[this] { before_stop_ = true; }, before_last_stage, {}}).error_text();
     restarts_ = supervisor.restarts();
     not_all_ = supervisor.not_all();
     return reason;
@@ -90,7 +91,7 @@ TEST_F(SupervisorTest, KeepsWhatThoseWhoDidNotGiveAllSaidLast) {
                             "trap 'echo \"10:15:01.000 server error no pose\" >&2; exit 3' TERM; while :; do "
                             "sleep 0.05; done");
   Supervisor supervisor({source, server}, quick(), [](const std::string&, const std::string&) {});
-  EXPECT_EQ(supervisor.run(stop_, at_once_, {}), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, {}).error_text(), "");
   EXPECT_THAT(supervisor.complaints(), ::testing::ElementsAre("camera: 2 of 5 left out", "server: no pose"));
 }
 
@@ -115,7 +116,7 @@ TEST_F(SupervisorTest, AsksThoseWhoCanToReadTheirOptionsAgain) {
   });
   Supervisor::Hooks hooks;
   hooks.reload = [&ready] { return std::exchange(ready, false); };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_THAT(lines_, Contains(Pair("camera", "read")));
   EXPECT_THAT(lines_, Not(Contains(Pair("other", "read"))));
 }
@@ -246,7 +247,7 @@ TEST_F(SupervisorTest, TheSourceIsStoppedBeforeTheOthersAreAsked) {
                         });
   Supervisor::Hooks hooks;
   hooks.before_stop = [&] { lines_.emplace_back("", "asked"); };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   std::vector<std::string> order;
   for (const auto& [name, line] : lines_) order.push_back(line);
   EXPECT_EQ(order, (std::vector<std::string>{"stop", "camera done", "asked", "server done"}));
@@ -336,9 +337,9 @@ TEST_F(SupervisorTest, WhatIsSaidBesideAHooksProcessIsReadOn) {
   std::string error;
   hooks.before_stop = [&] {
     const std::string ask = "echo write >" + request + "; timeout 20 cat " + answer;
-    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(error, "");
   EXPECT_THAT(lines_, Contains(Pair("snapshot", "written")));
   EXPECT_EQ(std::count_if(lines_.begin(), lines_.end(), [](const auto& line) { return line.second[0] == 'x'; }), 3000);
@@ -362,9 +363,9 @@ TEST_F(SupervisorTest, WhoDiesBesideAHooksProcessIsStartedAgain) {
   hooks.before_stop = [&] {
     const std::string ask = "touch " + file + "; i=0; while [ ! -e " + file +
                             ".answer ] && [ $i -lt 400 ]; do i=$((i + 1)); sleep 0.05; done; cat " + file + ".answer";
-    error = supervisor.run_beside(shell("snapshot", ask), at_once_);
+    error = supervisor.run_beside(shell("snapshot", ask), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(error, "");
   EXPECT_THAT(lines_, Contains(Pair("snapshot", "again")));
   EXPECT_EQ(supervisor.restarts(), 1);
@@ -380,11 +381,11 @@ TEST_F(SupervisorTest, AHooksProcessThatFailsOrIsKilledSaysSo) {
   Supervisor::Hooks hooks;
   std::string failed, missing, killed;
   hooks.before_stop = [&] {
-    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_);
-    missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_);
-    killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_);
+    failed = supervisor.run_beside(shell("snapshot", "exit 4"), at_once_).error_text();
+    missing = supervisor.run_beside({"snapshot", {"/no/such/file"}}, at_once_).error_text();
+    killed = supervisor.run_beside(shell("snapshot", "trap '' TERM; echo at once; sleep 100"), at_once_).error_text();
   };
-  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks), "");
+  EXPECT_EQ(supervisor.run(stop_, at_once_, hooks).error_text(), "");
   EXPECT_EQ(failed, "snapshot ended with exit code 4");
   EXPECT_THAT(missing, HasSubstr("snapshot cannot be started: /no/such/file"));
   EXPECT_THAT(killed, HasSubstr("snapshot was killed"));
