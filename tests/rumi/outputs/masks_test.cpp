@@ -111,7 +111,7 @@ TEST_F(MasksOfARun, AreAmongItsOutputs) {
 
 TEST_F(MasksOfARun, OfSomebodyAreNotOverwritten) {
   std::ofstream(folder_.path() / "mask.png") << "the only copy";
-  EXPECT_THAT(check_output_folder(folder()), HasSubstr("mask.png would be overwritten"));
+  EXPECT_THAT(check_output_folder(folder()).error_text(), HasSubstr("mask.png would be overwritten"));
 }
 
 TEST_F(MasksOfARun, DoNotReplaceTheOneThatIsUsed) {

@@ -147,7 +147,9 @@ class ReportTest : public ::testing::Test {
     fs::create_directory(folder_ / "windows");
     EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
   }
-  void write_run(const nlohmann::ordered_json& run) { EXPECT_EQ(write_run_json(folder_.string(), run), ""); }
+  void write_run(const nlohmann::ordered_json& run) {
+    EXPECT_EQ(write_run_json(folder_.string(), run).error_text(), "");
+  }
 
   const testing::TemporaryFolder temporary_;
   const fs::path folder_ = temporary_.path();
