@@ -14,7 +14,7 @@
 
 namespace rumi {
 
-// For a person. `where`: file, line, field, message; `remedy`: what to do. Both may be empty.
+// An error for a person. `where`: file, line, field, message; `remedy`: what to do. Both may be empty.
 struct Error {
   std::string what, where = {}, remedy = {};
 
@@ -34,7 +34,7 @@ class [[nodiscard]] Result : public tl::expected<T, Error> {
   using Base::Base;
   Result(Error error) : Base(tl::unexpect, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
-  // Empty where there is a value: for messages, and for tests.
+  // Empty if there is a value. For messages, and for tests.
   std::string error_text() const { return this->has_value() ? "" : this->error().text(); }
 };
 

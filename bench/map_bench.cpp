@@ -26,6 +26,10 @@
 namespace rumi {
 namespace {
 
+void must(const Result<>& done) {
+  if (!done) throw std::runtime_error(done.error().text());
+}
+
 using testing::CameraPath;
 using testing::Image;
 using testing::TemporaryFolder;
@@ -134,14 +138,15 @@ void forget_peak_memory() { std::ofstream("/proc/self/clear_refs") << 5; }
 
 class Server {
  public:
-  explicit Server(const std::string& file) : store_(file), finder_({}), builder_({}) {}
+  explicit Server(const std::string& file)
+      : store_(map_server::MapStore::open(file).value()), finder_({}), builder_({}) {}
 
   void arrive(const Submap& made) {
     times_.clear();
     time("update", [&] {
       submap_update_t update;
       Bus::decode(encode_message(make_submap_update(made, 0)), &update);
-      atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); });
+      must(atlas_.change_submap(made.key, [&](Submap* submap) { return apply_submap_update(update, submap); }));
     });
     time("store it", [&] { save(); });
     time("copy", [&] { copy(); });
@@ -188,8 +193,8 @@ class Server {
     double longest_s = 0;
     do {
       const double start_s = thread_cpu_s();
-      if (const std::string error = store_.save(atlas_, {}, map_server::kSaveBudget); !error.empty())
-        throw std::runtime_error(error);
+      if (const Result<> saved = store_.save(atlas_, {}, map_server::kSaveBudget); !saved)
+        throw std::runtime_error(saved.error().text());
       longest_s = std::max(longest_s, thread_cpu_s() - start_s);
     } while (store_.is_behind());
     return longest_s;
@@ -227,13 +232,17 @@ class Server {
     const std::set<SubmapKey> same = find_same();
     std::vector<map_server::Placement> before;
     for (const auto& [key, left] : built_.culled)  // in slices, as it saves
-      atlas_.change_submap(key, [&left = left](Submap* submap) {
+      must(atlas_.change_submap(key, [&left = left](Submap* submap) {
         *submap = *left;
-        return std::string();
-      });
+        return Result<>();
+      }));
+    map_server::PlacedMap map;
+    if (!built_.placements.empty())
+      map = map_server::PlacedMap::make(std::move(built_.placements), std::move(built_.unmoved)).value();
+    map.note_same(same);
     time("place" + which, [&] {
-      atlas_.set_links(graph_.links());
-      if (!built_.placements.empty()) before = atlas_.swap_map(std::move(built_.placements), built_.unmoved, same);
+      must(atlas_.set_links(graph_.links()));
+      if (!built_.placements.empty()) before = atlas_.place_map(std::move(map)).value();
     });
     for (auto& [key, placement] : input_.placed) placement.revision = atlas_.find(key)->placement.revision;
     time("tell", [&] { status_pages_.next(atlas_, 0); });

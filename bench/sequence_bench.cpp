@@ -44,12 +44,10 @@ struct Recording {
 Recording read_recording(const std::string& folder, const camera_driver::CameraOptions& options, bool needs_truth) {
   Recording r;
   camera_driver::OpenedSource opened = camera_driver::open_image_source(folder, options);
-  if (!opened.ok()) throw std::runtime_error(opened.error);
-  r.camera = opened.source->camera();
-  while (const auto image = opened.source->next()) {
-    std::string error;
-    r.grey.push_back(decode_grey(*image, &error));
-    if (r.grey.back().empty()) throw std::runtime_error(error);
+  if (!opened) throw std::runtime_error(opened.error_text());
+  r.camera = (*opened)->camera();
+  while (const auto image = (*opened)->next()) {
+    r.grey.push_back(decode_grey(*image).value());
     r.utime_us.push_back(image->utime);
   }
   if (!needs_truth) return r;

@@ -16,14 +16,14 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr int kMaxPerTick = 8;                // so that a request to stop is heard while catching up
+constexpr int kMaxPerTick = 8;                // few, so that a request to stop is heard while catching up
 constexpr int64_t kProgressUs = 10'000'000;   // clock
-constexpr int64_t kDegradedLateUs = 500'000;  // behind the pace
+constexpr int64_t kDegradedLateUs = 500'000;  // this late, the process is DEGRADED
 
 std::unique_ptr<ImageSource> open_or_throw(const std::string& input, const CameraOptions& options) {
   OpenedSource opened = open_image_source(input, options);
-  if (!opened.ok()) throw std::runtime_error(opened.error);
-  return std::move(opened.source);
+  if (!opened) throw std::runtime_error(opened.error_text());
+  return std::move(*opened);
 }
 
 }  // namespace
@@ -105,7 +105,7 @@ void CameraNode::put_on_bus() {
   }
 }
 
-// Where the times of a recording go back, its images follow those before at the usual step.
+// If the times of a recording go back, its images follow the earlier ones at the usual step.
 void CameraNode::pace_anew() {
   const auto since_first_us = static_cast<double>(recorded_us_ - first_utime_us_);
   *started_us_ += static_cast<int64_t>((since_first_us + kUsualPeriodUs) / options_.speed);

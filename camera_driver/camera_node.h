@@ -21,7 +21,7 @@ class CameraNode : public Node {
   int64_t next_tick_us(int64_t now_us) const override;
   NodeStatus status() override;
   bool done() const override;
-  // Of a recording: what was left out, and that it was not played to its end because somebody ended the process.
+  // For a recording: says what was left out, and that somebody ended the process before the end.
   std::vector<std::string> complaints() const override;
   void finish() override { is_finished_ = true; }
 
@@ -31,7 +31,7 @@ class CameraNode : public Node {
   void publish_next();
 
   const ImageSource& source() const { return *source_; }
-  // After the replay: to look at its images again.
+  // For looking at the images again after a replay.
   ImageSource& source() { return *source_; }
   void set_controls(const CameraControls& controls) { source_->set_controls(controls); }
 
@@ -48,12 +48,12 @@ class CameraNode : public Node {
   Bus& bus_;
   std::unique_ptr<ImageSource> source_;
   CameraOptions options_;
-  std::optional<image_t> ahead_;  // of a recording; of a camera only inside tick()
+  std::optional<image_t> ahead_;  // the next image of a recording; for a camera only inside tick()
   bool live_ = true, is_finished_ = false;
   bool publish_failed_ = false;
-  int64_t first_utime_us_ = 0;         // of the recording, or of its part where times go back
+  int64_t first_utime_us_ = 0;         // first time of the recording, or of its part where times go back
   std::optional<int64_t> started_us_;  // clock at that image
-  int64_t last_utime_us_ = 0;          // as published
+  int64_t last_utime_us_ = 0;          // of the last published image
   int64_t recorded_us_ = 0;            // recorded time of the last one
   int64_t published_ = 0, late_us_ = 0;
   int64_t progress_us_ = 0, progress_count_ = 0;  // at the last progress line

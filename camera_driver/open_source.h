@@ -18,8 +18,8 @@ OpenedSource open_recording(const std::string& input, const CameraOptions& optio
 // The images of a recording as they are, without a calibration; of the options, log_channel and rate_hz (times of a
 // folder of images, where their names tell none) are used.
 OpenedReader open_frames(const std::string& input, const CameraOptions& options);
-// The same as open_recording(), or a camera: /dev/video0, a name in /dev/v4l/by-id, camera:NAME. Its calibration is
-// options.camera_file.
+// Opens a recording, as above, or a camera: /dev/video0, a name in /dev/v4l/by-id, camera:NAME. options.camera_file is
+// the camera's calibration.
 OpenedSource open_image_source(const std::string& input, const CameraOptions& options);
 // True for what open_image_source() takes for a camera.
 bool is_camera(const std::string& input);

@@ -10,7 +10,7 @@
 namespace rumi::front_tracker {
 
 struct FrontTrackerOptions : TrackerOptions {
-  double publish_interval_s = 0.5;            // between two updates of a submap, at least (frame time)
+  double publish_interval_s = 0.5;            // least time between two updates of a submap
   int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller
   std::string camera_file;                    // overrides the calibration that comes with the images
 };

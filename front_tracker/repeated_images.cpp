@@ -10,7 +10,7 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr double kMostNoise = 1;       // grey levels: what encoding once more may leave
+constexpr double kMostNoise = 1;       // grey levels: the difference that encoding an image again may leave
 constexpr int64_t kMostDoubled = 2;    // images in a row
 constexpr int64_t kWorthTelling = 10;  // images in a row
 

@@ -7,6 +7,7 @@
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
 #include "bus/wire/jpeg_image.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::fuzz {
 namespace {

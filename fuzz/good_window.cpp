@@ -27,7 +27,7 @@ Bytes good_window_file(int frames) {
     }
   }
   const std::string file = scratch() / "good.window";
-  if (const std::string error = write_window_job(file, job); !error.empty()) throw std::logic_error(error);
+  if (const Result<> written = write_window_job(file, job); !written) throw std::logic_error(written.error_text());
   std::ifstream in(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {
 
-// stableNorm: who asks may name any numbers.
+// It uses stableNorm because a requester may send any numbers.
 bool is_within(const Eigen::Vector3d& position, const map_region_t& region) {
   return (position - Eigen::Vector3d(region.center)).stableNorm() <= region.radius;
 }

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <vector>
 
-#include "bus/wire/submap_update.h"
+#include "bus/wire/pose.h"
 
 namespace rumi::map_server {
 namespace {
@@ -109,7 +109,7 @@ std::set<SubmapKey> MapStatusPages::choose_submaps(const Atlas& atlas, size_t mo
   std::set<SubmapKey> chosen;
   for (const auto& [page, key, changed] : by_age)
     if (changed && chosen.size() < most / 2) chosen.insert(key);
-  // The others have their share whatever changes, so that who came late learns of all.
+  // The others have their share however much changes, so that a late listener learns of all submaps.
   for (const auto& [page, key, changed] : by_age)
     if (chosen.size() < most) chosen.insert(key);
   return chosen;

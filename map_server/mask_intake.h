@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// RUMI_MASK: what front_tracker says that never moves in a camera's images. Messages that make no sense are counted;
-// the first is said in the log.
+// Takes RUMI_MASK messages: what front_tracker says that never moves in a camera's images. Messages that make no sense
+// are counted, and the first is logged.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace rumi::map_server {
 
 class MaskIntake {
  public:
-  // True if the atlas has learned something.
+  // Returns true if the atlas has learned something.
   bool take(const mask_t& message, Atlas* atlas);
   int64_t rejected() const { return rejected_; }
 

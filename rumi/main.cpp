@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "base/this_process/exit_codes.h"
 #include "rumi/about/about.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
@@ -27,7 +28,7 @@ constexpr std::array kCommands = {
 int main(int argc, char** argv) {
   if (const rumi::Result<> became = rumi::tool::become_program(argv); !became) {
     fmt::print(stderr, "rumi: {}\n", became.error().text());
-    return 1;
+    return rumi::kNotDone;
   }
   rumi::CommandLine app("Visual SLAM with one camera, made of small LCM processes.", "rumi");
   app.set_version(rumi::tool::about());
@@ -42,11 +43,11 @@ int main(int argc, char** argv) {
       fmt::join(rumi::tool::kPrograms, "|")));
   return rumi::tool::run_command(argc > 1 ? argv[1] : "", [&] {
     const rumi::CommandLine::Result parsed = app.parse(argc, argv);
-    if (parsed.done) return 0;
+    if (parsed.done) return rumi::kDone;
     if (!parsed.error.empty()) {
       const std::string command = argc > 1 && app.has_command(argv[1]) ? std::string(" ") + argv[1] : "";
       fmt::print(stderr, "rumi{0}: {1}\nTry `rumi{0} --help`.\n", command, parsed.error);
-      return 2;
+      return rumi::kNotAgain;
     }
     return chosen();
   });

@@ -8,14 +8,13 @@
 
 namespace rumi::ruminator {
 
-// The builder of everything but tests: build_back_submap with these options.
+// build_back_submap() with these options; tests use other builders.
 struct ColmapBuilder {
   Builder builder;
-  std::function<std::string()> problem;  // with COLMAP, for a person; empty while none is known
+  std::function<std::string()> problem;  // what is wrong with COLMAP, for a person; empty while nothing is known
 };
 
-// COLMAP is asked at once, in a thread beside, whether it is there and works, so that this is known before it is
-// wanted.
+// Asks COLMAP at once, in a thread of its own, whether it works, so that the answer is there before the first window.
 ColmapBuilder colmap_builder(const BuildOptions& options);
 
 }  // namespace rumi::ruminator

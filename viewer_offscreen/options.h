@@ -12,7 +12,7 @@ struct ViewerOptions {
   double interval_s = 5;  // between pictures
   bool camera = true;     // show its image
   bool series = false;    // keep every picture
-  // Go on with a series that was not ended: its process died, and was started again. Replay cannot be.
+  // Go on with a series that was not ended because its process died and was started again. Replay sets it to false.
   bool series_goes_on = true;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Follows the map by its messages and draws it.
+// ViewerNode follows the map by its messages and draws it.
 #pragma once
 
 #include <optional>
@@ -38,7 +38,7 @@ class ViewerNode : public Node {
   void request_missing(int64_t now_us);
   MapPicture picture() const;
   void draw();
-  std::string write(const cv::Mat& image);
+  Result<> write(const cv::Mat& image);
   void report(const std::string& trouble);
 
   Bus& bus_;
@@ -49,7 +49,7 @@ class ViewerNode : public Node {
   std::optional<Renderer> renderer_;
   std::optional<PictureSeries> series_;
   CameraImages images_;
-  MapOverview since_finish_;  // what was told since then
+  MapOverview since_finish_;  // what map_server has told since finish()
   FrameNotes frames_;
   std::optional<track_t> live_;
   bool changed_ = false;

@@ -15,6 +15,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string_view>
 
 namespace rumi {
@@ -51,7 +52,7 @@ std::optional<std::string> find_program(const std::string& name) {
   return std::nullopt;
 }
 
-// Ours, with `settings` (NAME=value) instead of what ours says of the same names.
+// Our environment; `settings` (NAME=value) replace variables of the same names.
 std::vector<std::string> environment_with(const std::vector<std::string>& settings) {
   std::vector<std::string> all = settings;
   for (char** entry = environ; entry && *entry; ++entry) {
@@ -72,7 +73,7 @@ std::vector<char*> pointers(std::vector<std::string>& strings) {
   return list;
 }
 
-// All that the child needs, made before the fork: the child must not allocate.
+// Everything that the child needs, allocated before the fork: the child must not allocate.
 struct Prepared {
   std::string program;
   std::vector<std::string> arguments, environment;
@@ -86,13 +87,13 @@ struct Prepared {
   Pipe output, failure;
 };
 
-// Between fork and exec: async-signal-safe calls only.
+// Runs between fork and exec: only async-signal-safe calls are allowed.
 [[noreturn]] void become_program(const Prepared& launch) {
   const auto give_up = [&](int reason) {
     [[maybe_unused]] const ssize_t written = write(launch.failure.write.get(), &reason, sizeof(reason));
     _exit(kNotExecuted);
   };
-  // What the parent ignores would stay ignored.
+  // Signals that the parent ignores would stay ignored.
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) sigaction(signal, &standard, nullptr);
@@ -126,7 +127,7 @@ pid_t fork_program(const Prepared& launch) {
   return child;
 }
 
-// Why the program could not be executed, 0 when it is running. Ends when exec has closed the pipe.
+// Returns the errno for which the program could not be executed, 0 if it runs. Blocks until exec has closed the pipe.
 int execution_failure(const Pipe& failure) {
   int reason = 0;
   ssize_t count = 0;
@@ -135,12 +136,11 @@ int execution_failure(const Pipe& failure) {
   return count == sizeof(reason) ? reason : 0;
 }
 
-// What went wrong, or an empty string.
-std::string prepare(const ChildLaunch& wanted, Prepared* launch) {
-  if (wanted.arguments.empty() || wanted.arguments.front().empty()) return "no program is named";
+Result<> prepare(const ChildLaunch& wanted, Prepared* launch) {
+  if (wanted.arguments.empty() || wanted.arguments.front().empty()) return Error{"no program is named"};
   const std::string& name = wanted.arguments.front();
   const std::optional<std::string> program = find_program(name);
-  if (!program) return fmt::format("{}: not found in PATH; install it, or give its path", name);
+  if (!program) return Error{"not found in PATH", name, "install it, or give its path"};
   launch->program = *program;
   launch->arguments = wanted.arguments;
   launch->environment = environment_with(wanted.environment);
@@ -154,7 +154,7 @@ std::string prepare(const ChildLaunch& wanted, Prepared* launch) {
   launch->parent = getpid();
   launch->input = FileDescriptor(open("/dev/null", O_RDONLY | O_CLOEXEC));
   if (!launch->input.move_above_stdio() || !launch->output.open() || !launch->failure.open())
-    return fmt::format("{}: cannot be started: {}", name, error_text(errno));
+    return Error{"cannot be started: " + error_text(errno), name};
   return {};
 }
 
@@ -173,22 +173,17 @@ std::string ChildEnd::describe() const {
   return "ended, and another part of this process took its exit status (is SIGCHLD ignored?)";
 }
 
-std::optional<Child> Child::start(const ChildLaunch& launch, std::string* error) {
+Result<Child> Child::start(const ChildLaunch& launch) {
   Prepared prepared;
-  *error = prepare(launch, &prepared);
-  if (!error->empty()) return std::nullopt;
+  if (const Result<> ready = prepare(launch, &prepared); !ready) return ready.error();
   const pid_t pid = fork_program(prepared);
-  if (pid < 0) {
-    *error = fmt::format("{}: cannot be started: {}", launch.arguments.front(), error_text(errno));
-    return std::nullopt;
-  }
+  if (pid < 0) return Error{"cannot be started: " + error_text(errno), launch.arguments.front()};
   prepared.failure.write.reset();
   prepared.output.write.reset();
   Child child(pid, std::move(prepared.output.read));
   if (const int reason = execution_failure(prepared.failure); reason != 0) {
     child.reap();
-    *error = fmt::format("{}: cannot be executed: {}", prepared.program, error_text(reason));
-    return std::nullopt;
+    return Error{"cannot be executed: " + error_text(reason), prepared.program};
   }
   fcntl(child.output(), F_SETFL, O_NONBLOCK);
   return child;

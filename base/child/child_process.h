@@ -5,27 +5,27 @@
 #include <signal.h>
 #include <sys/types.h>
 
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "base/files/file_descriptor.h"
+#include "base/result.h"
 
 namespace rumi {
 
 struct ChildLaunch {
   std::vector<std::string> arguments;    // the program (found in PATH, or a path) and its arguments
   std::vector<std::string> environment;  // NAME=value, besides ours
-  int nice = 0;                          // ours, if that is higher
-  int death_signal = SIGKILL;            // that it gets when the thread that started it ends
+  int nice = 0;                          // our niceness, if that is higher
+  int death_signal = SIGKILL;            // sent to the child when the thread that started it ends
   std::vector<int> held_signals = {};    // wait until the program unblocks them: it may not handle them at once
 };
 
 // How a process ended, as waitpid() tells.
 struct ChildEnd {
   int status = 0;
-  double cpu_s = 0;       // its own and that of the children it waited for
+  double cpu_s = 0;       // includes the children that it waited for
   bool is_known = false;  // false: another part of this process took its status (SIGCHLD is ignored?)
 
   bool exited() const;
@@ -40,8 +40,8 @@ struct ChildEnd {
 // and starts with default signal handling.
 class Child {
  public:
-  // Nothing, and the reason in *error, if the program cannot be executed.
-  static std::optional<Child> start(const ChildLaunch& launch, std::string* error);
+  // An Error if the program cannot be executed.
+  static Result<Child> start(const ChildLaunch& launch);
   Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, 0)), output_(std::move(other.output_)) {}
   Child& operator=(Child&& other) noexcept;
   ~Child();  // kills it and its group

@@ -24,12 +24,12 @@ using Outcome = ChildResult::Outcome;
 
 constexpr size_t kLastOutputBytes = 16384;
 constexpr int kPollMs = 20;       // how soon `cancel` is seen
-constexpr double kGraceS = 1;     // from SIGTERM to SIGKILL
+constexpr double kGraceS = 1;     // time from SIGTERM to SIGKILL
 constexpr int kLastBuffers = 16;  // read after its end; not more: a process that left the group may write for ever
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// What the child says: the beginning goes into the log, the end is remembered.
+// Collects the child's output: its beginning goes into the log, its end is remembered.
 class Output {
  public:
   Output(Child* child, FileDescriptor log, const ChildCommand& command)
@@ -189,9 +189,8 @@ ChildResult run_child(const ChildCommand& command, const std::atomic<bool>& canc
       return not_started(fmt::format("{}: {}", command.log_file, std::strerror(errno)));
   }
   const Clock::time_point start = Clock::now();
-  std::string error;
-  std::optional<Child> child = Child::start(launch_of(command), &error);
-  if (!child) return not_started(error);
+  Result<Child> child = Child::start(launch_of(command));
+  if (!child) return not_started(child.error_text());
   Output output(&*child, std::move(log), command);
   result.outcome = supervise(*child, command, cancel, &output, &result.was_idle);
   note_end(child->reap(), &result);

@@ -18,11 +18,11 @@ struct ChildCommand {
   std::string log_file;                             // stdout and stderr are appended to it; empty: no log
   size_t log_limit_bytes = 1 << 20;                 // output beyond it is left out of the log, but not of last_output
   std::function<void(std::string_view)> on_output;  // called in this thread with the output as it comes; may be empty
-  double time_limit_s = 60;                         // of the wall clock; against a child that hangs
+  double time_limit_s = 60;                         // wall clock; ends a child that hangs
   // How long its first process may use hardly any CPU time and print nothing.
   double idle_limit_s = std::numeric_limits<double>::infinity();
-  double cpu_limit_s = std::numeric_limits<double>::infinity();  // of its first process, all threads
-  int nice = 0;                                                  // ours, if that is higher
+  double cpu_limit_s = std::numeric_limits<double>::infinity();  // CPU time of its first process, all threads
+  int nice = 0;                                                  // our niceness, if that is higher
   int threads = 1;  // OMP_NUM_THREADS and its kin, in the child's environment
 };
 

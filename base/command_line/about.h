@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What --version says. Not in the library of the folder: with every commit, whoever calls this is linked anew.
+// The text of --version. It is not in this folder's library, because each commit relinks every program that calls it.
 #pragma once
 
 #include <string>
 
 namespace rumi {
 
-// That of the sources, "1a8568d" or "1a8568d+changes"; written by cmake/WriteCommit.cmake.
+// The commit of the sources, "1a8568d" or "1a8568d+changes"; cmake/WriteCommit.cmake writes it.
 extern const char* const kCommit;
 
 // "camera_driver 0.2.0" and the commit, a line each.

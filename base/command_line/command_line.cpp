@@ -147,7 +147,7 @@ std::string no_such(const std::string& what, const std::string& word, const std:
   return fmt::format("{}: there is no such {}{}", word, what, similar.empty() ? "" : "; did you mean " + similar + "?");
 }
 
-// What the library says of the rest is plain enough.
+// CLI11's messages about other errors are plain enough.
 std::string reason_of(const CLI::ParseError& error) {
   std::string text = error.what();
   constexpr const char* kNotConverted = "Could not convert: ";
@@ -167,7 +167,7 @@ std::string no_such_flag(const std::string& flag, const std::vector<std::string>
 
 }  // namespace
 
-// What is wrong is most often a word that is spelt wrong, whatever else then is missing. Nothing where it is not.
+// Most errors are misspelt words, whatever else is missing then. Returns nothing if no word is misspelt.
 std::string CommandLine::misspelt(int argc, char** argv) const {
   const CLI::App* app = app_;
   std::vector<std::string> known, commands;

@@ -15,7 +15,7 @@ class Option;
 
 namespace rumi {
 
-// What is said of one flag or argument; each method returns the flag again.
+// Describes one flag or argument; each method returns the flag again.
 class Flag {
  public:
   explicit Flag(CLI::Option* option) : option_(option) {}
@@ -28,11 +28,11 @@ class Flag {
   Flag& shown_default(const std::string& value);
   // How --help names the value: "FILE".
   Flag& type_name(const std::string& name);
-  // Where the flag is not given, this environment variable is.
+  // This environment variable replaces a flag that is not given.
   Flag& envname(const std::string& name);
-  // Of a vector: the flag is given once for each value.
+  // A vector's flag is given once for each value.
   Flag& one_each();
-  // Other values are refused.
+  // These refuse other values.
   Flag& positive();
   Flag& not_negative();
   Flag& in_range(int low, int high);
@@ -45,8 +45,8 @@ class Flag {
 
 class CommandLine {
  public:
-  // From now on what would exceed a limit of the size of files (`ulimit -f`) is an error of that file, as on a full
-  // disk, and not the end of the program; a standard stream that is closed is held (standard_output.h).
+  // From now on a file that would exceed the limit of file sizes (`ulimit -f`) fails as on a full disk, and does not
+  // end the program; closed standard streams are held (standard_output.h).
   CommandLine(const std::string& summary, const std::string& program);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
@@ -63,19 +63,19 @@ class CommandLine {
   // Does something and ends the program well, as --help does.
   void add_action(const std::string& names, std::function<void()> act, const std::string& help);
   void set_version(const std::string& version);
-  // Below the flags in --help.
+  // Sets the text below the flags in --help.
   void footer(const std::string& text);
 
-  // One of the commands must be chosen where there are any; its `chosen` is called then, at the end of parse().
+  // If there are commands, the user must choose one; its `chosen` is called at the end of parse().
   CommandLine* add_command(const std::string& name, const std::string& summary);
   bool has_command(const std::string& name) const;
-  // One that is not read here: its name is known where a command is misspelt.
+  // Names a command that is not read here, for suggestions when a command is misspelt.
   void add_other_command(const std::string& name) { other_commands_.push_back(name); }
   void on_chosen(std::function<void()> chosen);
 
   struct Result {
     bool done = false;  // --help, --version or an action: there is nothing more to do
-    std::string error;  // what is wrong with the command line, or nothing
+    std::string error;  // the error in the command line; may be empty
   };
   Result parse(int argc, char** argv);
   std::string help() const;
@@ -83,7 +83,7 @@ class CommandLine {
  private:
   explicit CommandLine(CLI::App* command);
   std::string misspelt(int argc, char** argv) const;
-  std::unique_ptr<CLI::App> own_;  // of a program
+  std::unique_ptr<CLI::App> own_;  // null for a command of a program
   CLI::App* app_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
   std::vector<std::string> other_commands_;

@@ -21,13 +21,13 @@
 namespace rumi {
 namespace {
 
-constexpr size_t kHelpColumn = 46;    // where the help text starts
-constexpr size_t kMostLetters = 100;  // of a key in a message
+constexpr size_t kHelpColumn = 46;    // column of the help text
+constexpr size_t kMostLetters = 100;  // longest key in a message
 
-// One file is for all processes, each of which knows its own sections only.
+// All processes share one file; each knows only its own sections.
 const std::set<std::string> kSectionsOfAll = {"up",        "camera_driver", "image",           "front_tracker",
                                               "ruminator", "map_server",    "viewer_offscreen"};
-// At the top of the calibration of a camera.
+// These keys stand at the top of a camera's calibration.
 const std::set<std::string> kKeysOfCalibrations = {
     "fx", "camera_matrix", "image_width", "intrinsics", "resolution", "model_type", "model", "cam0", "Camera"};
 
@@ -37,8 +37,8 @@ std::string shortened(const std::string& key) {
   return fmt::format("{}{}", key.substr(0, kMostLetters), key.size() > kMostLetters ? "..." : "");
 }
 
-// As YAML reads it back. YAML::Emitter would put other bytes for those that are no UTF-8, and then a name from a disk
-// of an old Windows names nothing.
+// Quotes text so that YAML reads it back. YAML::Emitter would change bytes that are no UTF-8, and then a name from an
+// old Windows disk would name nothing.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -90,7 +90,7 @@ struct FlatValue {
   int line = 0;
 };
 
-// By an anchor a group may hold itself, and a few lines be a billion.
+// With anchors a group can contain itself, and a few lines can stand for a billion.
 struct Extent {
   static constexpr int kDeepest = 50;
   static constexpr int kMostNodes = 100'000;
@@ -335,7 +335,7 @@ std::string OptionTable::to_yaml(Which which) const {
       if (section_of(entry.key) != section || !is_meant(entry, which)) continue;
       if (which == Which::kExperts && entry.group != group) text += fmt::format("  # {}\n", entry.group);
       group = entry.group;
-      // What is below the section may have dots of its own; load_yaml puts the key together again.
+      // Keys below the section may have dots of their own; load_yaml puts them together again.
       const std::string name = entry.key.substr(section.size() + 1);
       text += fmt::format("{:<{}} # {}\n", fmt::format("  {}: {}", name, value_text(entry.fields.front())), kHelpColumn,
                           describe(entry));

@@ -25,9 +25,9 @@ class OptionTable {
   void add(const std::string& key, std::string* field, const std::string& help,
            const std::vector<std::string>& choices = {});
 
-  // What is added from now on belongs to this room of the section: a heading in the YAML of experts.
+  // Options that are added from now on belong to this room of the section: a heading in the experts' YAML.
   void group(const std::string& room) { group_ = room; }
-  // What a user sets; all others are for experts, who tune or try out. Throws for a key that was not added.
+  // Names the options for users; all others are for experts, who tune or try out. Throws for a key that was not added.
   void for_users(const std::vector<std::string>& keys);
 
   // All return an empty string, or what is wrong: file, key, value and what would be right (the nearest key for an

@@ -7,16 +7,17 @@
 
 namespace rumi {
 
-// "no such file or folder", "no permission to read it ...", "no permission to enter the folder ...": for a person, to
-// be put behind the name and a colon. Empty if it is there and can be read (a folder: listed and entered).
-// `remedy` is added where it is missing.
+// Says, for a person, why the path cannot be read: "no such file or folder", "no permission to read it ...", "no
+// permission to enter the folder ..."; to be put behind the name and a colon. Empty if it can be read (a folder: listed
+// and entered). `remedy` is appended if it does not exist.
 std::string why_unreadable(const std::filesystem::path& path, const std::string& remedy = {});
 
-// Whether something of that name is there, or may be there, in a folder that may not be entered: reading it tells.
+// True if something of that name is there, or may be there in a folder that may not be entered: reading it will tell.
 bool may_be_there(const std::filesystem::path& path);
 
-// "; /srv belongs to root (uid 0), and this is anna (uid 1000)": to be put behind the reason for which `path` cannot be
-// made or written. Of its folder where it is not there. Empty where it belongs to who runs this.
+// Names the owner of `path`, or of its folder if it does not exist: "; /srv belongs to root (uid 0), and this is anna
+// (uid 1000)"; to be put behind the reason for which it cannot be written. Empty if it belongs to the user of this
+// process.
 std::string note_on_owner(const std::filesystem::path& path);
 
 }  // namespace rumi

@@ -25,7 +25,7 @@ class FileDescriptor {
     if (fd_ >= 0) close(fd_);
     fd_ = -1;
   }
-  // In a process that was started without stdin or stdout, a new descriptor may be one of 0 to 2, which the child
+  // If the process was started without stdin or stdout, a new descriptor may be one of 0 to 2, which the child
   // replaces.
   bool move_above_stdio() {
     if (fd_ < 0 || fd_ > STDERR_FILENO) return fd_ >= 0;

@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-// Who held the lock may have removed the file after this process had opened it: that one is nobody's any more.
+// The previous holder may have removed the file after this process had opened it: that file is nobody's any more.
 bool is_still_there(int fd, const std::string& file) {
   struct stat ours {
   }, there{};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What one process at a time may do, tied to a file (flock). The kernel gives it back when the process ends, however it
-// ends.
+// Lets one process at a time do something, tied to a file (flock). The kernel releases the lock when the process ends,
+// however it ends.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ namespace rumi {
 
 class FileLock {
  public:
-  // Makes the file where it is missing. Nothing if another process holds it, or if it cannot be made: errno says which
-  // (EWOULDBLOCK: held).
+  // Creates the file if it does not exist. Returns nothing if another process holds it, or if it cannot be created:
+  // errno tells which (EWOULDBLOCK: held).
   static std::optional<FileLock> take(const std::string& file);
   // Writes the pid into the file, for people. On a full disk the lock holds without it.
   void sign() const;

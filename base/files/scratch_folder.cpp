@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr uintmax_t kRoomBytes = 64'000'000;  // COLMAP's database of a window and its models
 
-// What nobody knows counts as none.
+// Free space that cannot be determined counts as none.
 uintmax_t free_bytes(const std::string& folder) { return free_space(folder).value_or(0); }
 
 std::string why_not_chosen(const std::string& folder) {

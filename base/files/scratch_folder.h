@@ -9,9 +9,9 @@ namespace rumi {
 // string.
 std::string why_unusable(const std::string& folder);
 
-// A folder for temporary files: TMPDIR, /tmp, /var/tmp, `also` (such as that of a run's outputs) or the present one,
-// whichever is there, can be written to and has room. Where TMPDIR is set and is not it, the log tells why, once.
-// Throws std::runtime_error where none will do.
+// Chooses a folder for temporary files: TMPDIR, /tmp, /var/tmp, `also` (such as that of a run's outputs) or the present
+// one, the first that exists, can be written to and has room. If TMPDIR is set and not chosen, the log tells why, once.
+// Throws std::runtime_error if none can be used.
 std::string scratch_folder(const std::string& also = {});
 
 }  // namespace rumi

@@ -32,9 +32,9 @@ class Database {
   static Database open_existing(const std::string& file);
   // Opens what there is, for reading only.
   static Database open_to_read(const std::string& file);
-  // So long whoever else has the file locked is waited for; without this, not at all.
+  // How long to wait for other processes that have the file locked; by default not at all.
   void wait_for_others(std::chrono::milliseconds time);
-  // All of the other one, instead of what is here. Waits as the other one does.
+  // Replaces all contents by those of the other database. Waits for locks as the other one does.
   void copy_from(Database& other);
   ~Database();
   Database(Database&& other) noexcept;
@@ -81,7 +81,7 @@ class Statement {
   void bind_one(int index, int value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, bool value) { bind_one(index, static_cast<int64_t>(value)); }
   void bind_one(int index, double value);
-  void bind_one(int index, const std::optional<double>& value);  // nothing: NULL
+  void bind_one(int index, const std::optional<double>& value);  // nullopt: NULL
   void bind_one(int index, const std::string& value);
   void bind_one(int index, std::span<const uint8_t> value);
   void check(int code) const;

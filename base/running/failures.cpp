@@ -41,7 +41,7 @@ std::string file_reason(const std::filesystem::filesystem_error& error) {
   return files.empty() ? reason : fmt::format("{}: {}", files, reason);
 }
 
-// What libfmt says of any file that it prints to: "cannot write to file: No space left on device".
+// libfmt says this of any file that it cannot print to: "cannot write to file: No space left on device".
 constexpr const char* kNotPrinted = "cannot write to file: ";
 
 }  // namespace

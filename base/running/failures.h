@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What broke off in a process that goes on: counted, with the last reason, and told in the log now and then.
+// Failures of a process that goes on: they are counted, and logged now and then with the last reason.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace rumi {
 
-// What was thrown, for a person: what libraries say of their own code is left out, and a file is named.
+// The reason of an exception, for a person: texts of libraries about their own code are left out, and files are named.
 std::string reason_of(const std::exception& thrown);
-// Of the exception that is being handled.
+// The reason of the exception that is being handled.
 std::string what_was_thrown();
 
 // Why it broke off; empty if it did not.
@@ -37,7 +37,7 @@ class Failures {
   int64_t count() const { return count_; }
   // "a build of the map broke off (3 so far): why"; empty if none did.
   std::string text() const;
-  // Some were noted since the last call.
+  // True if failures were noted since the last call.
   bool take_news() { return std::exchange(news_, false); }
 
  private:

@@ -29,7 +29,7 @@ void start_logging(const std::string& name, bool verbose, bool quiet) {
   // An earlier logger of that name may exist where several mains run in one process, as in tests.
   spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-  // On a terminal a line of progress may be there: the log takes its place.
+  // A terminal may show a line of progress: the log replaces it.
   const std::string erase = isatty(STDERR_FILENO) ? "\r\x1b[K" : "";
   spdlog::set_pattern(erase + "%H:%M:%S.%e %n %^%l%$ %v");
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres tells of every step that it takes back

@@ -12,13 +12,13 @@ namespace rumi {
 
 enum class LogLevel { kDebug, kInfo, kWarning, kError };
 
-// From now on lines have this name, from info on; verbose: from debug, quiet: from warning.
+// Sets the name of the lines; they are logged from info on, `verbose`: from debug, `quiet`: from warning.
 void start_logging(const std::string& name, bool verbose, bool quiet);
 
 void log_line(LogLevel level, const std::string& text);
 bool is_logged(LogLevel level);
 
-// What is not logged is not formatted either.
+// Arguments of lines that are not logged are not formatted either.
 template <class... Args>
 void log_at(LogLevel level, fmt::format_string<Args...> format, Args&&... args) {
   if (is_logged(level)) log_line(level, fmt::format(format, std::forward<Args>(args)...));

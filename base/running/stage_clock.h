@@ -21,7 +21,7 @@ class StageClock {
   double begin_s_;
 };
 
-// What was measured otherwise, of a child process.
+// Adds CPU time that was measured otherwise, such as that of a child process.
 void add_stage_cpu(const char* stage, double cpu_s);
 
 // CPU seconds so far of the stages of a component, by "stage"; of all threads.

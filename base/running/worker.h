@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Does jobs one after another: in a thread of its own (live), or each at once where it is posted (replay). What a job
-// throws ends that job, not the process.
+// Does jobs one after another: in a thread of its own (live), or each at once when it is posted (replay). An exception
+// ends the job, not the process.
 #pragma once
 
 #include <condition_variable>
@@ -19,7 +19,7 @@ class Worker {
   // Jobs that broke off.
   struct Broken {
     int64_t count = 0;
-    std::string reason;  // of the last one
+    std::string reason;  // reason of the last one
   };
 
   // `nice`: of the thread, and of the child processes that it starts, more than the process has.
@@ -33,7 +33,7 @@ class Worker {
   // Jobs waiting or at work.
   int pending() const;
   void wait_until_idle();
-  // Since the last call.
+  // The number since the last call.
   Broken take_broken();
 
  private:

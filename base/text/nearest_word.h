@@ -6,9 +6,9 @@
 
 namespace rumi {
 
-// The word that is spelt most like `word`; empty where there are none.
+// The word whose spelling is nearest to `word`; empty if there are no words.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
-// The same, but none that has little in common with it.
+// As above, but nothing if no word has much in common with it.
 std::string similar_word(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace rumi

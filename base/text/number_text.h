@@ -18,7 +18,7 @@ std::optional<Number> parse_number(std::string_view text) {
   return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
-// As other programs write positive numbers: "+1".
+// Removes the plus sign that other programs write: "+1".
 inline std::string_view without_plus(std::string_view text) { return text.starts_with('+') ? text.substr(1) : text; }
 
 }  // namespace rumi

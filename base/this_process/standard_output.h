@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether what a program prints arrives: a full disk takes it without a word until it is flushed.
+// Finds out whether printed text arrives: a full disk accepts it silently until it is flushed.
 #pragma once
 
 #include <string>
 
 namespace rumi {
 
-// Where stdin, stdout or stderr are closed, the next file that is opened would take its place, and what is printed
-// would go into that file. Called before any file is opened: each then stands for nothing, and writing to it is an
-// error.
+// If stdin, stdout or stderr is closed, the next file that is opened would take its place, and printed text would go
+// into that file. To be called before any file is opened: it occupies the closed streams, and writing to them fails.
 void hold_standard_streams();
 
-// Everything that was printed is on its way. Returns "cannot write: No space left on device" if not all of it could be
+// Flushes everything that was printed. Returns "cannot write: No space left on device" if not all of it could be
 // written since the program began, or an empty string.
 std::string flush_stdout();
 

@@ -14,7 +14,7 @@ constexpr int64_t kFutureUs = 60'000'000;  // the clocks of two computers may di
 
 }  // namespace
 
-// If the clock goes back, as when a log begins again, nobody waits for ever.
+// A clock that goes back, as when a log begins again, must not make anybody wait for ever.
 bool NewestSender::is_older(int64_t number, int64_t now_us) const {
   return is_lower(number) && now_us >= heard_us_ && now_us - heard_us_ <= kSilentUs;
 }

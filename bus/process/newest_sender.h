@@ -12,14 +12,15 @@ inline constexpr int64_t kLateUs = 2'000'000;  // slack for the time at which a 
 
 class NewestSender {
  public:
-  // what: of the messages, for the log: "RUMI_TRACK"; empty: nothing is said. slack: a number may be lower by so much.
+  // what: the name of the messages for the log, "RUMI_TRACK"; empty: nothing is logged. slack: by this much a number
+  // may be lower.
   explicit NewestSender(std::string what, int64_t slack = 0) : what_(std::move(what)), slack_(slack) {}
 
-  // number: rises from message to message of one sender, and from one sender to the next: the time at which it was
-  // sent, or at which its session began. False for a lower one as long as the other one was heard in the last five
-  // seconds.
+  // number: rises from message to message of a sender, and from sender to sender: the time at which the message was
+  // sent, or at which its session began. False for a lower number as long as the other sender was heard in the last
+  // five seconds.
   bool take(int64_t number, int64_t now_us);
-  // The same question, without telling or counting.
+  // As above, without telling or counting.
   bool is_older(int64_t number, int64_t now_us) const;
   int64_t refused() const { return refused_; }
 

@@ -29,13 +29,15 @@ class OnlyOne {
   // publish on other channels; empty: there may be one of this name.
   OnlyOne(Bus& bus, std::string process, std::string publishes);
 
-  // Asks. The bus has to be dispatched for a moment until problem() is known; who is busy may answer within a second.
+  // Asks the other processes. The bus must be dispatched until problem() is known; a busy process may answer within a
+  // second.
   void ask();
-  // Why this process is to end, for a person; empty: it may go on. Who was alone for three seconds may.
+  // Says, for a person, why this process must end; empty: it may go on. A process that was alone for three seconds may
+  // go on.
   const std::string& problem() const { return problem_; }
   // Somebody asked since the last call: the status is to be published now.
   bool take_question();
-  // Another process of this name that does not end although it is the later one, since the last call; for a person.
+  // Describes, for a person, a later process of this name that does not end although it should; since the last call.
   std::string take_warning();
 
   int64_t started_us() const { return started_us_; }

@@ -39,7 +39,6 @@ constexpr const char* kLossAdvice =
     "`sudo sysctl -w net.core.rmem_max=8388608` help";
 // How long a process that is on the bus already may take to answer. Each start waits for it, also after a crash.
 constexpr std::chrono::milliseconds kAnswer{100};
-enum ExitCode { kOk = 0, kFailure = 1, kNotAgain = 2 };
 
 std::atomic<int> g_stop_signals = 0;
 std::atomic<int> g_finish_signals = 0;
@@ -181,7 +180,7 @@ int refused(const std::string& problem) {
 int complain(const Node& node) {
   const std::vector<std::string> complaints = node.complaints();
   for (const std::string& complaint : complaints) log_error("{}", complaint);
-  return complaints.empty() ? static_cast<int>(kOk) : kNotAll;
+  return complaints.empty() ? kDone : kNotAll;
 }
 
 int run(int argc, char** argv, const ProcessDescription& description) {
@@ -201,7 +200,7 @@ int run(int argc, char** argv, const ProcessDescription& description) {
       "print all options for --config and --set, and exit");
 
   const CommandLine::Result parsed = app.parse(argc, argv);
-  if (parsed.done) return kOk;
+  if (parsed.done) return kDone;
   if (!parsed.error.empty())
     return wrong_command_line(description.name,
                               fmt::format("{}\nTry `rumi {} --help`.", parsed.error, description.name));
@@ -210,10 +209,10 @@ int run(int argc, char** argv, const ProcessDescription& description) {
 
   start_logging(description.name, flags.verbose, flags.quiet);
   try {
-    std::string error;
     const ReceiveLosses losses;
-    const std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
-    if (!bus) throw std::runtime_error(error);
+    const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(flags.lcm_url, flags.names);
+    if (!opened) throw std::runtime_error(opened.error_text());
+    const std::unique_ptr<LcmBus>& bus = *opened;
     catch_stop_signals();
     std::optional<OnlyOne> only_one;
     if (description.only_one || description.only_one_on_channel) {
@@ -229,7 +228,7 @@ int run(int argc, char** argv, const ProcessDescription& description) {
     return problem.empty() ? complain(node) : refused(problem);
   } catch (const std::exception& e) {
     log_error("{}", reason_of(e));
-    return kFailure;
+    return kNotDone;
   }
 }
 
@@ -245,7 +244,7 @@ int run_process(int argc, char** argv, const ProcessDescription& description) {
     problem = reason_of(e);
   }
   std::fputs(fmt::format("{}: {}\n", description.name, problem).c_str(), stderr);
-  return kFailure;
+  return kNotDone;
 }
 
 StatusPublisher::StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost)

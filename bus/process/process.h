@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the five processes have in common: flags, logging, the LCM connection, the 1 Hz status, a clean end.
+// The frame of the five processes: flags, logging, the LCM connection, the 1 Hz status, a clean end.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ struct NodeStatus {
   bool degraded = false;  // works, but detail says what does not
   int64_t last_utime_us = 0;
   double processing_ms = 0;    // mean per item since the last status
-  int64_t refused_images = 0;  // so far, of those that could be decoded as messages
+  int64_t refused_images = 0;  // messages that could be decoded and were refused, so far
 };
 
 // A component: messages in, messages out. It subscribes in its constructor; all its methods run on one thread.
@@ -40,11 +40,11 @@ class Node {
   virtual void stop() { finish(); }
   // Live: true ends the process (a camera_driver that came to the end of its dataset).
   virtual bool done() const { return false; }
-  // What it has yet to do or to hand on, for a person; empty: nothing.
+  // Describes, for a person, what the node has yet to do or to hand on; empty: nothing.
   virtual std::string waits_for() const { return {}; }
   bool finished() const { return waits_for().empty(); }
-  // What of the input is not in what the process made, a sentence each, with what to do. It is the last thing that the
-  // process says, and its exit code is then kNotAll.
+  // Says, in a sentence each with what to do, which input is missing from the process's results. This is the last thing
+  // that the process says, and its exit code is then kNotAll.
   virtual std::vector<std::string> complaints() const { return {}; }
   // How much of what others wait for they have; another number each time they have more.
   virtual int64_t handed_on() const { return 0; }
@@ -63,9 +63,9 @@ struct ProcessDescription {
   // SIGUSR2: --config and --set were read again, into the fields of the options, and are right. Throws what is wrong
   // with them all the same. (Not SIGHUP: a closed terminal must end the process.)
   std::function<void(Node&)> on_reload = {};
-  // What is wrong with the options as a whole, once all are read, or an empty string (may be empty).
+  // Checks the options together, once all are read: returns what is wrong, or an empty string. May be empty.
   std::function<std::string()> check_options = {};
-  std::string about = {};  // what --version says (base/command_line/about.h)
+  std::string about = {};  // the text of --version (base/command_line/about.h)
   // There may be one on a bus (only_one.h): of its name, or ...
   bool only_one = false;
   bool only_one_on_channel = false;  // ... of those that publish on the camera's channel
@@ -80,12 +80,13 @@ int run_process(int argc, char** argv, const ProcessDescription& description);
 // The 1 Hz status of a node on any bus; call after every dispatch.
 class StatusPublisher {
  public:
-  // lost: how many datagrams found the receive buffer full so far (ReceiveLosses); nothing where there are none.
+  // lost: returns how many datagrams found the receive buffer full so far (ReceiveLosses); empty on buses that lose
+  // none.
   StatusPublisher(Bus& bus, std::string process_name, std::function<int64_t()> lost = {});
   // See OnlyOne: when the process began, and the channel that it alone publishes on.
   void set_claim(int64_t started_us, const std::string& publishes);
   void tick(Node& node, int64_t now_us);
-  // Now, as somebody asked.
+  // Publishes now, because somebody asked.
   void answer(Node& node, int64_t now_us);
   void stopping(Node& node, int64_t now_us);
 

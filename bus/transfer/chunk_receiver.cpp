@@ -93,7 +93,7 @@ void ChunkReceiver::on_chunk(const chunk_t& chunk) {
 
 ChunkReceiver::Assembly& ChunkReceiver::assembly_of(const Id& id, const chunk_t& chunk) {
   const auto found = open_.find(id);
-  // Another payload under the same number: the sender was started anew, its old chunks are worth nothing.
+  // The number now stands for another payload: the sender was restarted, and its old chunks are worthless.
   if (found != open_.end() && same_transfer(found->second.header, chunk)) return found->second;
   if (found != open_.end()) forget(found);
   make_room(kMaxOpen - 1, id);
@@ -109,7 +109,8 @@ void ChunkReceiver::forget(std::map<Id, Assembly>::iterator assembly) {
   open_.erase(assembly);
 }
 
-// What had no news for longest goes. One payload fits (see is_plausible), so the one in hand need not.
+// Removes the transfers that had no chunk for longest. One payload always fits (see is_plausible), so the present one
+// stays.
 void ChunkReceiver::make_room(size_t max_open, const Id& but_for) {
   while (open_.size() > max_open || held_bytes_ > options_.max_held_bytes) {
     auto oldest = open_.end();

@@ -26,7 +26,8 @@ ChunkSender::ChunkSender(Bus& bus, std::string data_channel, std::string ack_cha
 int64_t ChunkSender::send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
                           DoneHandler done, std::optional<int64_t> checksum) {
   Transfer transfer;
-  // Not 1, 2, 3: after a restart under the same name the receiver must not take it for an earlier transfer.
+  // Numbers do not begin at 1: after a restart under the same name the receiver must not take a transfer for an earlier
+  // one.
   transfer.id = last_id_ = std::max(last_id_ + 1, bus_.now_us());
   transfer.receiver = receiver;
   transfer.done = std::move(done);
@@ -114,7 +115,7 @@ void ChunkSender::finish(const std::string& receiver, const TransferResult& resu
   if (done) done(result);  // last: it may send the next payload
 }
 
-// Not at once: who sends may not be ready for an answer yet.
+// The answer is not sent at once: the sender may not be ready for it yet.
 void ChunkSender::refuse_oversized() {
   const std::string why =
       fmt::format("it is larger than {} bytes, the most that is sent at once", options_.max_payload_bytes);

@@ -35,7 +35,7 @@ struct TransferResult {
   int64_t transfer_id = 0;
   bool ok = false;
   std::string reason;    // when not ok
-  int64_t revision = 0;  // what the receiver said (see chunk_ack_t)
+  int64_t revision = 0;  // the receiver's answer (see chunk_ack_t)
 };
 
 class ChunkSender {
@@ -45,8 +45,9 @@ class ChunkSender {
   ChunkSender(Bus& bus, std::string data_channel, std::string ack_channel, std::string sender_name,
               const TransferOptions& options = {});
 
-  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. One
-  // above max_payload_bytes is not sent: `done` says so at the next tick. The CRC-32 is computed where it is not given.
+  // Queues a payload (may be empty); transfers to the same receiver go one after another. Returns its transfer id. A
+  // payload above max_payload_bytes is not sent: `done` is told at the next tick. The CRC-32 is computed if it is not
+  // given.
   int64_t send(const std::string& receiver, int8_t kind, int32_t request_id, std::vector<uint8_t> payload,
                DoneHandler done, std::optional<int64_t> checksum = {});
   void tick(int64_t now_us);
@@ -104,15 +105,15 @@ class ChunkReceiver {
   ChunkReceiver(Bus& bus, std::string data_channel, std::string ack_channel, std::string receiver_name,
                 bool accept_unaddressed, PayloadHandler handler, const TransferOptions& options = {});
   void tick(int64_t now_us);
-  // Of the transfer that this request started: (chunks received, chunks in all), for progress. Nothing before the
-  // first.
+  // The progress of the transfer that this request started: (chunks received, chunks in all). Nothing before the first
+  // chunk.
   std::optional<std::pair<int, int>> progress(int32_t request_id) const;
   // Transfers that came in part and had to make room for others, so far.
   int64_t dropped() const { return dropped_; }
 
  private:
   struct Assembly {
-    chunk_t header;                                  // of the first chunk that came, without data
+    chunk_t header;                                  // the first chunk that came, without its data
     std::map<int32_t, std::vector<uint8_t>> pieces;  // by index; grows with what arrives, not with what is announced
     int32_t next_index = 0;                          // all below it are here
     int32_t unacknowledged = 0;

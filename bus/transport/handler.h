@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all implementations of Bus do with a message.
+// All implementations of Bus handle a message in the same way.
 #pragma once
 
 #include <fmt/format.h>

@@ -78,29 +78,28 @@ bool is_multicast(const std::string& group) {
 
 bool is_udpm(const std::string& url) { return url.starts_with("udpm://") || url.starts_with("mpudpm://"); }
 
-// LCM has buses that are none for several processes, and one whose server may be missing (tcpq), which ends the
-// process.
-std::string why_not_used(const std::string& url) {
+// Some of LCM's buses cannot connect several processes, and one ends the process if its server is missing (tcpq).
+Result<> check_url(const std::string& url) {
   if (url.starts_with("memq://"))
-    return fmt::format(
-        "the LCM URL {} is not used: such a bus lives within one process, and Rumi is several. A usual "
-        "URL is {}",
-        url, kUsualUrl);
+    return Error{
+        fmt::format("the LCM URL {} is not used: such a bus lives within one process, and Rumi is several. A usual "
+                    "URL is {}",
+                    url, kUsualUrl)};
   if (url.starts_with("file://"))
-    return fmt::format(
-        "the LCM URL {} is not used: it is a log file and no bus. `rumi replay FILE` plays one; a usual "
-        "URL is {}",
-        url, kUsualUrl);
+    return Error{
+        fmt::format("the LCM URL {} is not used: it is a log file and no bus. `rumi replay FILE` plays one; a usual "
+                    "URL is {}",
+                    url, kUsualUrl)};
   if (!is_udpm(url))
-    return fmt::format("the LCM URL {} is not used: only udpm:// is, multicast. Expected an LCM URL such as {}", url,
-                       kUsualUrl);
+    return Error{fmt::format("the LCM URL {} is not used: only udpm:// is, multicast. Expected an LCM URL such as {}",
+                             url, kUsualUrl)};
   if (lacks_port(url))
-    return fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl);
+    return Error{fmt::format("the LCM URL {} has no port from 1 to 65535; a usual one is {}", url, kUsualUrl)};
   if (const std::string group = multicast_group(url); !is_multicast(group))
-    return fmt::format(
+    return Error{fmt::format(
         "the LCM URL {} is not used: {} is no multicast address (224.0.0.0 to 239.255.255.255); a usual URL is {}, and "
         "ttl=1 in it reaches other computers",
-        url, group, kUsualUrl);
+        url, group, kUsualUrl)};
   return {};
 }
 
@@ -120,24 +119,17 @@ std::string ChannelNames::on_wire(const std::string& channel) const {
   return prefix + (channel == channels::kCamera ? camera : channel);
 }
 
-std::unique_ptr<LcmBus> LcmBus::open(const std::string& url, const ChannelNames& names, std::string* error) {
+Result<std::unique_ptr<LcmBus>> LcmBus::open(const std::string& url, const ChannelNames& names) {
   const size_t longest = names.on_wire(channels::kCameraToSubmap).size();
-  if (std::max(longest, names.on_wire(channels::kCamera).size()) > kMaxLcmChannelLength) {
-    *error =
+  if (std::max(longest, names.on_wire(channels::kCamera).size()) > kMaxLcmChannelLength)
+    return Error{
         fmt::format("--channel-prefix {} or --channel {} is too long: an LCM channel name has at most {} characters",
-                    names.prefix, names.camera, kMaxLcmChannelLength);
-    return nullptr;
-  }
-  if (*error = why_not_used(url); !error->empty()) return nullptr;
-  if (const std::string why = why_unreachable(multicast_group(url)); !why.empty()) {
-    *error = fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url));
-    return nullptr;
-  }
+                    names.prefix, names.camera, kMaxLcmChannelLength)};
+  if (const Result<> usable = check_url(url); !usable) return usable.error();
+  if (const std::string why = why_unreachable(multicast_group(url)); !why.empty())
+    return Error{fmt::format("the LCM bus {} cannot be used: {}. {}", url, why, multicast_advice(url))};
   auto lcm = std::make_unique<lcm::LCM>(url);
-  if (!lcm->good()) {
-    *error = fmt::format("the LCM bus {} cannot be opened. {}", url, multicast_advice(url));
-    return nullptr;
-  }
+  if (!lcm->good()) return Error{fmt::format("the LCM bus {} cannot be opened. {}", url, multicast_advice(url))};
   warn_once_about_receive_buffer(url);
   return std::unique_ptr<LcmBus>(new LcmBus(url, std::move(lcm), names));
 }
@@ -166,13 +158,13 @@ void LcmBus::subscribe_raw(const std::string& channel, const QueueOptions& queue
   }
   const lcm_msg_handler_t callback = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
     auto* const to = static_cast<Subscription*>(user);
-    // Nothing may be thrown through LCM, which is C.
+    // Exceptions must not pass through LCM, which is C.
     const std::string reason = thrown_by([&] {
       to->bus->enqueue(*to, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
     });
     if (!reason.empty()) to->bus->note_dropped(*to);
   };
-  // Not by its C++ class, which takes a subscription that failed for one.
+  // LCM's C++ class is not used here: it takes a failed subscription for a good one.
   lcm_subscription_t* const made =
       lcm_subscribe(lcm_->getUnderlyingLCM(), escaped(names_.on_wire(channel)).c_str(), callback, added);
   if (!made) throw std::runtime_error(fmt::format("LCM on {} cannot receive. {}", url_, multicast_advice(url_)));

@@ -12,7 +12,7 @@ namespace rumi {
 
 class LogBus : public Bus {
  public:
-  // Either may be null: nothing to dispatch, or publish_raw fails.
+  // Each of them may be null: then there is nothing to dispatch, or publish_raw fails.
   LogBus(std::unique_ptr<LogReader> in, std::unique_ptr<LogWriter> out);
 
   bool publish_raw(const std::string& channel, std::span<const uint8_t> data) override;
@@ -27,7 +27,7 @@ class LogBus : public Bus {
 
   void set_now_us(int64_t now_us) { now_us_ = now_us; }
   bool ended() const { return ended_; }
-  // Empty, or why reading ended before the end of the file.
+  // Says why reading ended before the end of the file; empty if it did not.
   std::string read_error() const { return in_ ? in_->error() : ""; }
 
  private:

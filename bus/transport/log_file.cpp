@@ -122,7 +122,7 @@ bool LogReader::may_begin_at(int64_t position) {
          std::none_of(channel.begin(), channel.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; });
 }
 
-// From within the last event on: if its length is what was damaged, it hides others.
+// Searches from within the last event on: if its length was damaged, it hides others.
 bool LogReader::go_on() {
   if (!file_) return false;
   constexpr std::array<uint8_t, 4> kMark = {kSync >> 24, kSync >> 16 & 0xFF, kSync >> 8 & 0xFF, kSync & 0xFF};

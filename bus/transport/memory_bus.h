@@ -22,7 +22,8 @@ class MemoryBus : public Bus {
   int64_t published() const override { return published_; }
 
   void set_now_us(int64_t now_us) { now_us_ = now_us; }
-  // Sees every message as it is published (to record a log, to count, to disturb in tests); false: the message is lost.
+  // The tap sees every message when it is published (to record a log, to count, to disturb in tests); it returns false
+  // to lose the message.
   void set_tap(std::function<bool(const std::string& channel, std::span<const uint8_t>)> tap) { tap_ = std::move(tap); }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the kernel throws away when messages come faster than this process takes them: nobody else would notice.
+// Counts the datagrams that the kernel drops when they come faster than this process takes them: nobody else would
+// notice.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +11,10 @@ namespace rumi {
 
 class ReceiveLosses {
  public:
-  // Make it before any socket is opened: those that are open already were inherited, and are not ours to read.
+  // To be made before any socket is opened: sockets that are open already were inherited, and do not count.
   ReceiveLosses();
-  // UDP datagrams that came for this process and found a full receive buffer. One of them loses the message that it is
-  // a part of. (Column `drops` of /proc/net/udp; 0 where there is none.)
+  // The UDP datagrams that came for this process and found a full receive buffer. Each loses the message that it is a
+  // part of. (Column `drops` of /proc/net/udp; 0 without that file.)
   int64_t datagrams() const;
 
  private:

@@ -15,11 +15,11 @@
 namespace rumi::camera_driver {
 namespace {
 
-constexpr double kMaxDisorder = 0.1;    // steps back, of all: more of them is disorder
-constexpr double kMaxDuplicates = 0.5;  // of all
+constexpr double kMaxDisorder = 0.1;    // share of steps that go back; above it the times are in disorder
+constexpr double kMaxDuplicates = 0.5;  // share of the frames
 constexpr size_t kFew = 4;              // frames: of wrong times, or stored a little too early or too late
 constexpr size_t kNearPlaces = 16;      // frames
-constexpr int64_t kNearPeriods = 10;    // of the median period
+constexpr int64_t kNearPeriods = 10;    // multiples of the median period
 constexpr size_t kMostSessions = 3;
 constexpr int64_t kLongPauseUs = 60'000'000;
 constexpr int64_t kManyTimes = 10;
@@ -30,9 +30,9 @@ class Ordering {
  public:
   explicit Ordering(const std::vector<int64_t>& utimes_us) : times_(utimes_us) {}
 
-  FrameOrder run() {
-    for (std::string error : {check_duplicates(), check_clocks()})
-      if (!error.empty()) return {{}, {}, {}, false, std::move(error)};
+  Result<FrameOrder> run() {
+    for (const Result<>& checked : {check_duplicates(), check_clocks()})
+      if (!checked) return checked.error();
     if (const int64_t step_us = usual_step(times_); step_us > 0) period_us_ = step_us;
     if (is_in_disorder())
       sort_all();
@@ -48,22 +48,22 @@ class Ordering {
   int64_t time(size_t frame) const { return times_[frame]; }
   bool earlier(size_t a, size_t b) const { return time(a) < time(b); }
 
-  std::string check_duplicates() const {
+  Result<> check_duplicates() const {
     std::vector<int64_t> sorted = times_;
     std::sort(sorted.begin(), sorted.end());
     const auto distinct = static_cast<size_t>(std::unique(sorted.begin(), sorted.end()) - sorted.begin());
     const size_t doubled = sorted.size() - distinct;
     if (static_cast<double>(doubled) <= kMaxDuplicates * static_cast<double>(sorted.size())) return {};
     if (distinct == 1)
-      return fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times", times_.size(),
-                         static_cast<double>(times_.front()) * 1e-6);
-    return fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
-                       times_.size(), doubled);
+      return Error{fmt::format("all of its {} images have the time {:.6f} s; give --rate HZ to make new times",
+                               times_.size(), static_cast<double>(times_.front()) * 1e-6)};
+    return Error{fmt::format("of its {} images {} have the time of another one; give --rate HZ to make new times",
+                             times_.size(), doubled)};
   }
 
   // Finds times of two clocks in turn: each clock rises, mostly every other image is of the other clock, and sorting
   // would move images far from where they are stored.
-  std::string check_clocks() const {
+  Result<> check_clocks() const {
     std::array<Frames, 2> clocks;
     size_t last = 0, turns = 0;
     for (size_t i = 0; i < times_.size(); ++i) {
@@ -78,10 +78,10 @@ class Ordering {
       last = clock;
     }
     if (2 * turns < times_.size() || median_displacement() <= kNearPlaces / 2) return {};
-    return fmt::format(
+    return Error{fmt::format(
         "the times of its images are of two clocks in turn ({:.6f} s and {:.6f} s are those of two images in a row); "
         "give --rate HZ to make new times",
-        static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6);
+        static_cast<double>(time(0)) * 1e-6, static_cast<double>(time(1)) * 1e-6)};
   }
 
   // How far frames are stored from their place in the order of times, in frames.
@@ -241,8 +241,8 @@ class Ordering {
 
 }  // namespace
 
-FrameOrder order_frames(const std::vector<int64_t>& utimes_us) {
-  if (utimes_us.empty()) return {};
+Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us) {
+  if (utimes_us.empty()) return FrameOrder();
   return Ordering(utimes_us).run();
 }
 

@@ -8,10 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
+
 namespace rumi::camera_driver {
 
 struct OrderedFrame {
-  size_t frame = 0;        // its number in the recording, from 0
+  size_t frame = 0;        // number in the recording, from 0
   int64_t utime_us = 0;    // rises strictly within a part
   int64_t elapsed_us = 0;  // since the first frame, the parts one after the other; rises strictly
   int part = 0;            // another one begins where the clock was set back
@@ -22,7 +24,6 @@ struct FrameOrder {
   std::vector<size_t> duplicates;   // left out: another frame has the same time
   std::vector<size_t> wrong_times;  // left out: the time is far from those of the frames around it
   bool is_sorted = false;           // frames were not stored in the order of their times
-  std::string error;                // empty, or why these times cannot be used, and what to do
 };
 
 // - Times that rise, but for a few: those are put where their time is, or left out if it is far from there.
@@ -31,9 +32,10 @@ struct FrameOrder {
 //   parts whose times do not overlap are put into the order of their times, as one.
 // - Times in disorder: sorted.
 // - Most frames have the time of another one, or of another clock than the one before: an error.
-FrameOrder order_frames(const std::vector<int64_t>& utimes_us);
+Result<FrameOrder> order_frames(const std::vector<int64_t>& utimes_us);
 
-// As they are stored, at this rate, from `first_us` on. Precondition: rate_hz > 0.
+// Gives frames new times at this rate, in the order in which they are stored, from `first_us` on. Precondition: rate_hz
+// > 0.
 FrameOrder frames_at_rate(size_t count, double rate_hz, int64_t first_us);
 
 }  // namespace rumi::camera_driver

@@ -8,8 +8,8 @@
 namespace rumi::camera_driver {
 
 MissingImages find_missing_images(const std::vector<OrderedFrame>& frames) {
-  constexpr double kMaxUneven = 0.2;  // of a period, of a step that is whole periods
-  constexpr double kMinWhole = 0.9;   // of the steps
+  constexpr double kMaxUneven = 0.2;  // share of a period by which a step of whole periods may be off
+  constexpr double kMinWhole = 0.9;   // share of steps that are whole periods
   constexpr double kPause = 10.5;     // periods
   std::vector<int64_t> steps_us;
   for (size_t i = 1; i < frames.size(); ++i)

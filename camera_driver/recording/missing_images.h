@@ -10,7 +10,7 @@ namespace rumi::camera_driver {
 
 struct MissingImages {
   int64_t count = 0;
-  int64_t period_us = 0;  // from an image to the next
+  int64_t period_us = 0;  // time from an image to the next
 };
 
 // Counts the images that a recorder has lost, as far as the times show it: if images come at one rate, the steps are

@@ -8,7 +8,7 @@
 
 namespace rumi::camera_driver {
 
-// Which frames of a recording are wanted, from their times alone.
+// Selects frames of a recording by their times alone.
 class FrameSelector {
  public:
   enum class Verdict { kTake, kPass, kEnd, kDuplicate, kOutOfOrder };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where images come from: one interface, whatever the recording or the camera.
+// One interface for all sources of images, recordings and cameras.
 #pragma once
 
 #include <cstdint>
@@ -10,39 +10,40 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "camera_driver/source/camera_options.h"
 #include "lcmtypes/rumi/image_t.hpp"
 #include "slam/geometry/camera.h"
 
 namespace rumi::camera_driver {
 
-// Frames that are not handed out, by reason; and those that front_tracker leaves out.
+// Counts frames that are not handed out, by reason, and those that front_tracker leaves out.
 struct SkippedFrames {
   int64_t malformed = 0;     // lines or messages that are no frame
   int64_t duplicate = 0;     // time equal to that of another frame
   int64_t out_of_order = 0;  // recording: time far from those around; camera: before that of the frame before
   int64_t unreadable = 0;    // missing or corrupt
-  int64_t wrong_size = 0;    // not that of the calibration
-  int64_t other_camera = 0;  // of another camera or stream on the same channel, in turn
+  int64_t wrong_size = 0;    // another size than the calibration's
+  int64_t other_camera = 0;  // from another camera or stream on the same channel
   int64_t lost = 0;          // camera: gaps in the driver's numbering
   int64_t repeated = 0;      // the same image as the one before, in a row that is not short
-  int64_t longest_row = 0;   // of such images
-  double longest_row_s = 0;  // where it begins, since the first image
+  int64_t longest_row = 0;   // longest run of such images
+  double longest_row_s = 0;  // its begin, since the first image
   int64_t total() const {
     return malformed + duplicate + out_of_order + unreadable + wrong_size + other_camera + lost + repeated;
   }
   std::string to_string() const;  // "2 duplicate times, 1 unreadable", or empty
-  // Of a recording of which `handed_out` images were not skipped: a sentence for each reason for which more than 1 % of
-  // all were, with what to do.
+  // A sentence, with what to do, for each reason for which more than 1 % of the images were skipped; `handed_out` were
+  // not.
   std::vector<std::string> complaints(int64_t handed_out) const;
 };
 
-// Empty, or that images of this size can hardly be tracked.
+// Says that images of this size can hardly be tracked; empty if they can.
 std::string too_few_pixels(int width, int height);
 
-// How a camera does.
+// The state of a camera while it runs.
 struct LiveState {
-  std::string problem;  // why there are no images now, and what to do; empty: there are
+  std::string problem;  // why there are no images now, and what to do; empty while there are
   double rate_hz = 0;   // measured; 0: not yet
   bool ended = false;   // after options.duration_s
 };
@@ -57,29 +58,26 @@ class ImageSource {
   virtual const Camera& camera() const = 0;
   // The input, for messages.
   virtual const std::string& name() const = 0;
-  // How many images there are to hand out, those that will turn out unreadable included; -1: unknown or endless.
+  // The number of images to hand out, including those that will turn out unreadable; -1: unknown or endless.
   virtual int64_t total() const = 0;
   virtual const SkippedFrames& skipped() const = 0;
   // Null for a recording. For a camera next() waits for an image for some 20 ms, and nothing means that there is none
   // yet, unless it has ended; utime is when the image was taken, on the system clock.
   virtual const LiveState* live() const { return nullptr; }
-  // A recording hands out its images once more, from the beginning: those of these times only, in colour where they
-  // have any. Nothing more is counted or logged of what is skipped.
+  // A recording hands out its images of these times once more, from the beginning, in colour if they have any. Skipped
+  // images are no longer counted or logged.
   virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
-  // Whether playing few images again costs little: a video is decoded from its beginning on.
+  // True if playing few images again costs little. A video is decoded from its beginning on.
   virtual bool plays_few_quickly() const { return true; }
   // The file of the image that was handed out last, and the deepest folder that has all images of the recording; empty
-  // where images have no files.
+  // if images have no files.
   virtual std::filesystem::path file_of_last() const { return {}; }
   virtual std::filesystem::path image_folder() const { return {}; }
-  // A camera's controls are from now on these.
+  // Sets a camera's controls.
   virtual void set_controls(const CameraControls& /*controls*/) {}
 };
 
-struct OpenedSource {
-  std::unique_ptr<ImageSource> source;
-  std::string error;  // empty, or file, what is wrong, and what to do
-  bool ok() const { return source != nullptr; }
-};
+// Errors name the input, what is wrong, and what to do.
+using OpenedSource = Result<std::unique_ptr<ImageSource>>;
 
 }  // namespace rumi::camera_driver

@@ -14,7 +14,7 @@ class StreamName {
   void add(std::span<const uint8_t> bytes);
   void add(std::string_view text);
   void add(int64_t number);
-  // Above 0.
+  // The number is above 0.
   int64_t number() const;
 
  private:

@@ -9,11 +9,11 @@
 
 namespace rumi::camera_driver {
 
-// What is known of a frame's time when it is dequeued.
+// The times that are known when a frame is dequeued.
 struct FrameStamps {
-  int64_t stamp_us = 0;           // of the driver, CLOCK_MONOTONIC
+  int64_t stamp_us = 0;           // the driver's stamp, CLOCK_MONOTONIC
   bool monotonic = true;          // the driver does not say that it is of another clock
-  bool start_of_exposure = true;  // else: when the last pixel had come
+  bool start_of_exposure = true;  // false: the stamp is of the last pixel's arrival
   int64_t exposure_us = 0;        // 0: not known
   VideoSystem::Clocks now;        // at the dequeuing
 };
@@ -30,7 +30,7 @@ class CaptureClock {
   int64_t utime_us(const FrameStamps& stamps);
 
   int64_t replaced() const { return replaced_; }
-  // Since the last call: the system clock was set forward or back by so much, and is not followed slowly.
+  // The step by which the system clock was set since the last call, which is not followed slowly.
   std::optional<int64_t> take_step_us();
 
  private:

@@ -4,11 +4,13 @@
 #pragma once
 
 #include <cstdint>
+#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "lcmtypes/rumi/image_t.hpp"
 
 namespace rumi::camera_driver {
@@ -30,10 +32,10 @@ struct PixelFormat {
   int to_grey = -1, to_bgr = -1;  // cv::ColorConversionCodes; -1: not needed
 };
 
-// In the order in which they are preferred: least work and least loss first.
+// In order of preference: least work and least loss first.
 const std::vector<PixelFormat>& pixel_formats();
 const PixelFormat* find_pixel_format(uint32_t fourcc);
-// "YUYV"; what is not printable as '?'.
+// "YUYV"; letters that cannot be printed become '?'.
 std::string fourcc_text(uint32_t fourcc);
 
 // A frame as the driver left it in its buffer.
@@ -44,12 +46,14 @@ struct RawImage {
 
 // Bytes of a row's pixels (of the first plane); 0 for JPEG.
 int64_t row_bytes(const PixelFormat& format, int width);
-// Bytes that such a frame has at least; nothing if that cannot be: a stride shorter than a row, an odd size where
+// The bytes that a frame has at least; nothing for an impossible frame: a stride shorter than a row, an odd size where
 // pixels come in pairs. Not for JPEG.
 std::optional<int64_t> frame_bytes(const PixelFormat& format, int width, int height, int stride);
 
-// JPEG as it is, anything else as grey or (`colour`) as RGB where there is colour. The time is 0. Nothing, and why in
-// *error, if the data is too short or, for JPEG, broken or of another size.
-std::optional<image_t> to_image(const PixelFormat& format, const RawImage& raw, bool colour, std::string* error);
+// A JPEG as it is, with time 0. An Error if it is broken or has another size.
+Result<image_t> jpeg_image(const RawImage& raw);
+// 8-bit pixels of another format: BGR if the format has colour and `colour` is wanted, else grey. They may lie in the
+// driver's buffer. An Error if the data is too short.
+Result<cv::Mat> to_pixels(const PixelFormat& format, const RawImage& raw, bool colour);
 
 }  // namespace rumi::camera_driver

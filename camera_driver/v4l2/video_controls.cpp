@@ -163,8 +163,8 @@ std::vector<std::string> apply_controls(const VideoDevice& device, const CameraC
                                        : V4L2_CID_POWER_LINE_FREQUENCY_AUTO;
     setter.set(V4L2_CID_POWER_LINE_FREQUENCY, value, "power_line");
   }
-  std::string ignored;  // the options were checked
-  for (const auto& [name, value] : parse_control_list(controls.controls, &ignored)) setter.set_named(name, value);
+  if (const Result<ControlList> list = parse_control_list(controls.controls))  // the options were checked
+    for (const auto& [name, value] : *list) setter.set_named(name, value);
   return setter.problems;
 }
 
@@ -188,9 +188,8 @@ std::string lock_automatic(const VideoDevice& device) {
   return text;
 }
 
-std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::string& text, std::string* error) {
-  std::vector<std::pair<std::string, int32_t>> list;
-  error->clear();
+Result<ControlList> parse_control_list(const std::string& text) {
+  ControlList list;
   for (size_t begin = 0; begin < text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     std::string item = text.substr(begin, end - begin);
@@ -198,10 +197,8 @@ std::vector<std::pair<std::string, int32_t>> parse_control_list(const std::strin
     begin = end + 1;
     const size_t equals = item.find('=');
     const auto value = equals == std::string::npos ? std::nullopt : parse_number<int32_t>(item.substr(equals + 1));
-    if (equals == 0 || !value) {
-      *error = fmt::format("controls has '{}': expected NAME=NUMBER, NAME=NUMBER, ...", item);
-      return {};
-    }
+    if (equals == 0 || !value)
+      return Error{fmt::format("controls has '{}': expected NAME=NUMBER, NAME=NUMBER, ...", item)};
     list.emplace_back(item.substr(0, equals), *value);
   }
   return list;

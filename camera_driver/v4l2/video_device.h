@@ -60,23 +60,23 @@ struct RateRange {
   double min_hz = 0, max_hz = 0;
 };
 
-// Bounded, whatever a device says. Empty: it does not say.
+// Their lengths are bounded, whatever a device says; empty if it does not say.
 std::vector<uint32_t> pixel_formats_of(const VideoDevice& device);
 std::vector<SizeRange> sizes_of(const VideoDevice& device, uint32_t fourcc);
 std::vector<RateRange> rates_of(const VideoDevice& device, uint32_t fourcc, int width, int height);
-// The offered rate that is nearest to the wanted one; the wanted one where nothing is said.
+// The offered rate that is nearest to the wanted one; the wanted one if the device offers no rates.
 double nearest_rate(const std::vector<RateRange>& rates, double wanted_hz);
 
-// True for what names a camera and not a recording: "/dev/video0", "/dev/v4l/by-id/...", "camera:NAME".
+// True if the input names a camera and not a recording: "/dev/video0", "/dev/v4l/by-id/...", "camera:NAME".
 bool names_camera(const std::string& input);
 struct FoundDevice {
   std::string path, error;
 };
-// The device file of such an input: "camera:NAME" is looked up by (a part of) the camera's name or its name in
+// Finds the device file of such an input: "camera:NAME" is looked up by (a part of) the camera's name or its name in
 // /dev/v4l/by-id, and must be unambiguous.
 FoundDevice find_camera_device(VideoSystem& system, const std::string& input);
 
-// Cameras with their formats, sizes, rates and controls, for a person.
+// Describes the cameras with their formats, sizes, rates and controls, for a person.
 std::string list_cameras(VideoSystem& system);
 
 }  // namespace rumi::camera_driver

@@ -14,8 +14,8 @@ namespace {
 
 constexpr uint32_t kBuffers = 4;  // enough for 100 ms of not looking at 30 Hz
 constexpr uint32_t kBufType = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-constexpr double kRateTolerance = 0.95;    // of the wanted rate that counts as reaching it
-constexpr int64_t kMostBytes = 256 << 20;  // of a frame
+constexpr double kRateTolerance = 0.95;    // this share of the wanted rate counts as reaching it
+constexpr int64_t kMostBytes = 256 << 20;  // largest frame
 
 v4l2_buffer empty_buffer(uint32_t index = 0) {
   v4l2_buffer buffer{};
@@ -146,12 +146,12 @@ void VideoStream::set_rate(double rate_hz) {
   constexpr uint32_t kParts = 100'000;
   v4l2_streamparm parameters{};
   parameters.type = kBufType;
-  // As a fraction that drivers compare with their own: 1/30, not 33333/1000000.
+  // Makes a fraction that drivers compare with their own: 1/30, not 33333/1000000.
   const bool whole = std::abs(rate_hz - std::round(rate_hz)) < 1e-6;
   parameters.parm.capture.timeperframe.numerator = whole ? 1 : kParts;
   parameters.parm.capture.timeperframe.denominator =
       static_cast<uint32_t>(std::llround(whole ? rate_hz : rate_hz * kParts));
-  // Not every driver knows of rates, which is no fault.
+  // Some drivers do not know rates, which is no fault.
   if (device_->ioctl(VIDIOC_S_PARM, &parameters) < 0) return;
   const v4l2_fract& got = parameters.parm.capture.timeperframe;
   if (got.numerator > 0) format_.rate_hz = static_cast<double>(got.denominator) / got.numerator;

@@ -19,7 +19,7 @@ struct StreamRequest {
   std::string format = "auto";  // or the option name of one of pixel_formats()
 };
 
-// What the driver agreed to.
+// The format that the driver agreed to.
 struct StreamFormat {
   const PixelFormat* pixels = nullptr;
   int width = 0, height = 0, stride = 0;

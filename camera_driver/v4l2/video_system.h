@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the V4L2 source wants of the operating system, so that tests can put a device of their own in its place.
+// The operating system as the V4L2 source needs it, so that tests can replace it by a device of their own.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +33,7 @@ class VideoSystem {
 
   // "/dev/video0", "/dev/video1", ... that exist.
   virtual std::vector<std::string> devices() = 0;
-  // Other names of a device that stay the same when it is plugged in again: /dev/v4l/by-id/...
+  // Names of a device that stay the same when it is plugged in again: /dev/v4l/by-id/...
   virtual std::vector<std::string> lasting_names(const std::string& device) = 0;
   // The group that a file belongs to, or an empty string.
   virtual std::string group_of(const std::string& path) = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the camera of a bag was, as its transforms of frames (tf) tell it: those of TUM RGB-D have their truth so.
+// Reads the path of a bag's camera from its transforms (tf): this is where bags of TUM RGB-D have their truth.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@ namespace rumi {
 struct BagPoses {
   struct Pose {
     int64_t utime_us = 0;
-    SE3 map_from_cam;  // from the frame of the images to that in which all others lie
+    SE3 map_from_cam;  // from the images' frame to the root of the frames
   };
   std::vector<Pose> poses;  // by time, one per time
   bool has_transforms = true;
-  std::string note;   // from which frames they are
+  std::string note;   // names the frames
   std::string error;  // empty, or why there are none
 };
 

@@ -14,11 +14,11 @@ namespace rumi {
 
 enum class Compression { kNone, kBz2, kLz4, kZstd };
 
-// By its name in a bag; nothing if it is not known. "" and "none" are kNone.
+// Finds a compression by its name in a bag; nothing if it is not known. "" and "none" are kNone.
 std::optional<Compression> compression_named(const std::string& name);
 
 struct Decompressed {
-  std::vector<uint8_t> bytes;  // of a stream that was cut off or is damaged: those before
+  std::vector<uint8_t> bytes;  // of a damaged stream: the bytes before the damage
   bool is_whole = false;       // up to the mark of its end
   bool is_cut_off = false;     // good, but without that mark
   int64_t stored_bytes = 0;    // that it took

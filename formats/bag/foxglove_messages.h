@@ -14,8 +14,8 @@ namespace rumi {
 // "sensor_msgs/CompressedImage" for "foxglove.CompressedImage"; empty for what is not read.
 std::string ros_type_of_foxglove(const std::string& type);
 
-// The same as ROS 1 writes it; empty if the bytes are no such message. `encoding`: kProtobuf or kJson; `ros_type`: as
-// above.
+// Converts the message to ROS 1's form; empty if the bytes are no such message. `encoding`: kProtobuf or kJson;
+// `ros_type`: as above.
 std::vector<uint8_t> ros_message_of_foxglove(std::span<const uint8_t> message, RosEncoding encoding,
                                              const std::string& ros_type);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the bags that are one record behind the other have in common (ROS 1's and MCAP): they are read from the
-// beginning to the end without their index, which a bag that was being recorded does not have. What is in a chunk that
-// is not compressed is read as if there were no chunk.
+// Reads bags that consist of records, ROS 1's and MCAP, from the beginning to the end. It needs no index, which a bag
+// that was being recorded does not have. Records in an uncompressed chunk are read as if there were no chunk.
 #pragma once
 
 #include <string>
@@ -25,15 +24,15 @@ class RecordBag : public BagFile {
  protected:
   static constexpr int64_t kNoRecord = -1;
   static constexpr int64_t kNoEnd = -2;  // a record, but where the next one begins is not known
-  // Where the records begin; kNoRecord if the file does not begin as it should.
+  // The position of the first record; kNoRecord if the file does not begin as it should.
   virtual int64_t begin(ByteSource& file) = 0;
-  // Takes in the record at `at`, and returns where the next one begins; kNoRecord if this is none, or is cut off,
-  // kNoEnd if it was taken in as far as it goes.
+  // Reads the record at `at`, and returns where the next one begins; kNoRecord if there is no record or it is cut off,
+  // kNoEnd if it was read as far as it goes.
   virtual int64_t take(ByteSource& source, int64_t at, int32_t chunk) = 0;
   // The first place from `from` on where a record seems to begin; the file's end if there is none.
   virtual int64_t find_record(ByteSource& file, int64_t from) = 0;
 
-  // For take(). Returns where the next record begins, or kNoEnd. `crc`: of what was compressed.
+  // Reads a chunk, for take(). Returns where the next record begins, or kNoEnd. `crc`: of the compressed bytes.
   static constexpr uint32_t kNoCrc = 0;
   int64_t take_chunk(int64_t at, int64_t stored_bytes, Compression compression, uint32_t crc = kNoCrc);
   void take_message(ByteSource& source, BagMessage* message);

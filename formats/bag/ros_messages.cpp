@@ -13,12 +13,13 @@ int64_t time_ns(uint32_t seconds, uint32_t nanoseconds, bool has_sign) {
   return with_sign * kNanoseconds + nanoseconds;
 }
 
-// Takes one value behind the other; what the bytes cannot hold is 0 or empty, and then they are no such message.
+// Reads one value after the other. Values beyond the end are 0 or empty, and then the bytes are no such message.
 class MessageReader {
  public:
   MessageReader(Bytes bytes, RosEncoding encoding) : bytes_(bytes), is_cdr_(encoding == RosEncoding::kCdr) {
     if (!is_cdr_) return;
-    // The second byte: big or little endian. Other kinds (with parameters, or of version 2) are not those of ROS.
+    // The second byte says whether numbers are big or little endian. Other values (parameter lists, version 2) are not
+    // used by ROS.
     constexpr size_t kPreambleBytes = 4;
     is_ok_ = bytes.size() >= kPreambleBytes && bytes[0] == 0 && bytes[1] <= 1;
     is_big_endian_ = is_ok_ && bytes[1] == 0;
@@ -77,7 +78,7 @@ class MessageReader {
     at_ += count;
     return taken;
   }
-  // CDR: each number at a multiple of its size.
+  // CDR aligns each number to its size.
   void align(size_t size) {
     if (is_cdr_) take((size - at_ % size) % size);
   }
@@ -155,7 +156,7 @@ bool parse(Bytes message, RosEncoding encoding, std::vector<RosTransform>* trans
 }
 
 int64_t stamp_ns(Bytes head, RosEncoding encoding) {
-  // Behind seq in ROS 1, behind the preamble in ROS 2, both of 4 bytes.
+  // The stamp follows seq in ROS 1, and the preamble in ROS 2, both of 4 bytes.
   std::vector<uint8_t> padded(head.begin(), head.end());
   padded.resize(kHeadBytes);
   MessageReader in(padded, encoding);

@@ -43,15 +43,15 @@ struct RosTransform {  // geometry_msgs/TransformStamped
   SE3 parent_from_child;
 };
 
-// Each is false if the bytes are no such message; what they give points into them.
+// Each returns false if the bytes are no such message; results point into the bytes.
 bool parse(Bytes message, RosEncoding encoding, RosImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCompressedImage* image);
 bool parse(Bytes message, RosEncoding encoding, RosCameraInfo* info);
 bool parse(Bytes message, RosEncoding encoding,
            std::vector<RosTransform>* transforms);  // TFMessage; those that are any
-// Of the header that all three begin with, of which the first kHeadBytes are enough.
+// Reads the stamp of the header with which all three messages begin; the first kHeadBytes are enough.
 int64_t stamp_ns(Bytes head, RosEncoding encoding);
-// The frame that such a header names, without a slash before it; empty if there is none.
+// The frame that such a header names, without a leading slash; empty if it names none.
 std::string frame_of(Bytes message, RosEncoding encoding);
 
 }  // namespace rumi

@@ -5,14 +5,15 @@
 #include <opencv2/core/mat.hpp>
 #include <string>
 
+#include "base/result.h"
 #include "formats/bag/ros_messages.h"
 
 namespace rumi {
 
-// Grey, or BGR if they have colour and `colour` is wanted; of 8 or 16 bits, and they may be those of the message.
-// Empty, and why in *error, if there are none.
-cv::Mat pixels_of(const RosImage& image, bool colour, std::string* error);
-// Distances instead of brightness.
+// BGR if the image has colour and `colour` is wanted, else grey; 8 or 16 bits. The pixels may lie in the message, which
+// must outlive them. An Error if the encoding is not read, or the sizes do not fit.
+Result<cv::Mat> pixels_of(const RosImage& image, bool colour);
+// True if pixels are distances instead of brightness.
 bool is_depth_encoding(const std::string& encoding);
 
 }  // namespace rumi

@@ -85,9 +85,9 @@ class McapWriter : public BagWriter {
     span_.add(utime_ns);
   }
 
-  std::string problem() const override { return file_.problem(); }
+  const Result<>& so_far() const override { return file_.so_far(); }
 
-  std::string close() override {
+  Result<> close() override {
     end_chunk();
     std::string content;
     put(crc_, &content);
@@ -149,7 +149,7 @@ class McapWriter : public BagWriter {
     chunk_span_ = {};
   }
 
-  // Behind its chunk; and the record that the summary has of it.
+  // Writes the chunk's index behind the chunk, and notes the record that the summary has of it.
   void write_index(uint64_t chunk_at, uint64_t chunk_record_bytes, uint64_t stored_bytes) {
     const uint64_t begin = position_;
     std::string offsets;
@@ -197,7 +197,8 @@ class McapWriter : public BagWriter {
     return record(kStatistics, content);
   }
 
-  // What is in the file, so that nobody has to read all of it; then where the kinds of records begin in this.
+  // Writes the summary, so that nobody has to read the whole file; then the offsets of the kinds of records in the
+  // summary.
   void write_summary() {
     const uint64_t begin = position_;
     std::string summary, offsets;
@@ -229,7 +230,7 @@ class McapWriter : public BagWriter {
 
   WholeFile file_;
   uint64_t position_ = 0;
-  uint32_t crc_ = 0;  // of all so far
+  uint32_t crc_ = 0;  // checksum of everything so far
   std::map<std::string, uint16_t> schemas_, channels_;
   std::vector<std::string> schema_records_, channel_records_, chunk_records_;
   std::map<uint16_t, uint32_t> messages_;

@@ -16,7 +16,7 @@ class MessageWriter {
   }
   template <class Number>
   void number(Number value) {
-    // CDR: each number at a multiple of its size, counted from behind the preamble.
+    // CDR aligns each number to its size, counted from the end of the preamble.
     while (is_cdr_ && (bytes_.size() - kPreambleBytes) % sizeof(Number) != 0) bytes_ += '\0';
     put(value, &bytes_);
   }

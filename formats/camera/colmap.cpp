@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMostLines = 1000;
 
-// What the parameters of a model are, in their order.
+// The parameters of each model, in their order.
 const std::map<std::string, std::vector<std::string>>& parameters() {
   static const std::map<std::string, std::vector<std::string>> kParameters = {
       {"SIMPLE_PINHOLE", {"f", "cx", "cy"}},
@@ -86,8 +86,8 @@ bool is_colmap_list(const std::string& text) {
   return false;
 }
 
-FileCameras read_colmap(const std::string& text, const std::string& file) {
-  FileCameras all{"COLMAP", {}, ""};
+Result<FileCameras> read_colmap(const std::string& text, const std::string& file) {
+  FileCameras all{"COLMAP", {}};
   std::istringstream in(text);
   for (std::string line; std::getline(in, line) && all.cameras.size() < kMostLines;)
     if (const std::vector<std::string> words = words_of(line); is_camera_line(words))

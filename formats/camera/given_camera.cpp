@@ -9,10 +9,10 @@ namespace rumi {
 
 std::optional<Camera> read_given_camera(const std::string& file) {
   if (file.empty()) return std::nullopt;
-  const CameraFileResult read = read_camera_file(file);
-  if (!read.ok()) throw std::runtime_error(read.error);
-  log_notes(read);
-  return read.camera;
+  const Result<CameraFile> read = read_camera_file(file);
+  if (!read) throw std::runtime_error(read.error_text());
+  log_notes(*read);
+  return read->camera;
 }
 
 }  // namespace rumi

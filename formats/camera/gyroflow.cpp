@@ -7,7 +7,7 @@
 
 namespace rumi {
 
-FileCameras read_gyroflow(Fields in) {
+Result<FileCameras> read_gyroflow(Fields in) {
   Camera camera;
   camera.width = in.size("calib_dimension.w"), camera.height = in.size("calib_dimension.h");
   const std::pair<const char*, int> others[] = {{"fisheye_params.image_width", camera.width},
@@ -27,7 +27,7 @@ FileCameras read_gyroflow(Fields in) {
   in.pass_over({"orig_dimension", "output_dimension"});  // of the video before and after
   FileCamera read = file_camera("", camera, in);
   read.notes.clear();  // names, sizes of the result, how well it was calibrated
-  return {"Gyroflow", {read}, ""};
+  return FileCameras{"Gyroflow", {read}};
 }
 
 }  // namespace rumi

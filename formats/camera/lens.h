@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the formats have in common: a camera matrix and the coefficients of a lens become a Camera, or a refusal.
+// Shared by the formats: makes a Camera from a camera matrix and the coefficients of a lens, or refuses them.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace rumi {
 
-// Below this a skew moves no pixel by as much as keypoints are uncertain.
+// A smaller skew moves pixels by less than the uncertainty of keypoints.
 inline constexpr double kLargestSkew_px = 0.1;
 
 void set_intrinsics(const std::vector<double>& fx_fy_cx_cy, Camera* camera);

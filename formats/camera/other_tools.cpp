@@ -27,7 +27,7 @@ Camera read_basalt_camera(Fields& in, int index) {
   const std::string prefix = fmt::format("intrinsics[{}].", index), lens = prefix + "intrinsics.";
   const std::vector<double> sizes = in.list("resolution", "[width, height] of each camera");
   if (sizes.size() < 2 * static_cast<size_t>(index) + 2) in.fail("value0.resolution has no size of this camera");
-  if (!in.error().empty()) return camera;
+  if (in.error()) return camera;
   for (const double side : {sizes[2 * index], sizes[2 * index + 1]})
     if (!(side >= 0 && side <= 1e6)) return in.fail("value0.resolution: must be numbers of pixels"), camera;
   camera.width = static_cast<int>(sizes[2 * index]), camera.height = static_cast<int>(sizes[2 * index + 1]);
@@ -57,8 +57,8 @@ Camera read_depthai_camera(Fields& in) {
 
 }  // namespace
 
-FileCameras read_basalt(const Fields& in) {
-  FileCameras all{"Basalt", {}, in.error()};
+Result<FileCameras> read_basalt(const Fields& in) {
+  FileCameras all{"Basalt", {}};
   for (int i = 0; i < kMostSockets && in.has_any(fmt::format("value0.intrinsics[{}].", i)); ++i) {
     Fields fields = in.group("value0.");
     const Camera camera = read_basalt_camera(fields, i);
@@ -70,7 +70,7 @@ FileCameras read_basalt(const Fields& in) {
   return all;
 }
 
-FileCameras read_camodocal(Fields in) {
+Result<FileCameras> read_camodocal(Fields in) {
   Camera camera;
   camera.width = in.size("image_width"), camera.height = in.size("image_height");
   const std::string model = in.text("model_type", ""), p = "projection_parameters.", d = "distortion_parameters.";
@@ -81,7 +81,7 @@ FileCameras read_camodocal(Fields in) {
     set_intrinsics({in.number(p + "mu", "pixels"), in.number(p + "mv", "pixels"), in.number(p + "u0", "pixels"),
                     in.number(p + "v0", "pixels")},
                    &camera);
-    // They count from k1, which is 1.
+    // Here the coefficients count from k1, which is 1.
     set_fisheye(in, coefficients(in, p, {"k2", "k3", "k4", "k5"}), "projection_parameters", &camera);
   } else {
     refuse_model(in, "model_type", model, "PINHOLE and KANNALA_BRANDT");
@@ -113,11 +113,11 @@ FileCameras read_camodocal(Fields in) {
                 "visualize",
                 "save_image",
                 "fisheye"});
-  return {"camodocal", {file_camera("", camera, in)}, ""};
+  return FileCameras{"camodocal", {file_camera("", camera, in)}};
 }
 
-FileCameras read_depthai(const Fields& in) {
-  FileCameras all{"DepthAI", {}, in.error()};
+Result<FileCameras> read_depthai(const Fields& in) {
+  FileCameras all{"DepthAI", {}};
   for (int i = 0; i < kMostSockets; ++i) {
     const std::string prefix = fmt::format("cameraData[{}][1].", i);
     if (!in.has(prefix + "intrinsicMatrix")) continue;

@@ -15,7 +15,7 @@ class ByteSource {
  public:
   virtual ~ByteSource() = default;
   virtual int64_t size() const = 0;
-  // All of `out`; false if there are not so many, or they cannot be read.
+  // Fills all of `out`; false if there are not so many bytes, or they cannot be read.
   virtual bool read(int64_t at, std::span<uint8_t> out) = 0;
 };
 

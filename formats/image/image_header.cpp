@@ -66,7 +66,7 @@ std::optional<HeaderSize> pnm_size(File file) {
   return HeaderSize{*width, *height};
 }
 
-// Of the first picture in the file. A tag that is there twice counts with its larger value.
+// Reads the size of the first picture in the file. If a tag is there twice, the larger value counts.
 std::optional<HeaderSize> tiff_size(File file, uint32_t (*number)(File, size_t, int)) {
   constexpr uint32_t kWidthTag = 256, kHeightTag = 257, kShort = 3, kLong = 4;
   constexpr size_t kEntryBytes = 12;

@@ -13,7 +13,8 @@ struct HeaderSize {
   int64_t width = 0, height = 0;  // as they stand there: they may be anything
 };
 
-// Of PNG, BMP, PGM and PPM (PNM), TIFF and WebP; nothing for anything else, and for a header that is cut short.
+// Reads the header of a PNG, BMP, PGM, PPM (PNM), TIFF or WebP file; nothing for other files, and if the header is cut
+// short.
 std::optional<HeaderSize> size_in_header(std::span<const uint8_t> file);
 
 // The value of white in a binary PGM or PPM file of 8 bits (P5, P6), which decoders do not look at; 255 in all others.

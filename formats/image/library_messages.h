@@ -12,8 +12,8 @@ namespace rumi {
 // FFmpeg's messages from now on.
 void log_what_ffmpeg_says();
 
-// While it lives: those of libpng (to stderr) and OpenCV (to std::cerr). Our own log goes on, whichever thread writes
-// it.
+// While it lives, messages of libpng (to stderr) and OpenCV (to std::cerr) are held back. Our own log goes on,
+// whichever thread writes it.
 class DecoderMessages {
  public:
   DecoderMessages();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What to do where a recording of messages has several channels with images.
+// Advice for a recording of messages that has several channels with images.
 #pragma once
 
 #include <cstdint>

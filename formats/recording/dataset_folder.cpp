@@ -21,9 +21,7 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(path, ignored);
 }
 
-bool has_images(const fs::path& folder) { return is_folder(folder) && !list_image_folder(folder, {}).entries.empty(); }
-
-// Colour beside depth, and no list of the one or the other: ICL-NUIM's for TUM's programs.
+// True for ICL-NUIM's datasets for TUM's programs: colour beside depth, without lists.
 bool is_colour_beside_depth(const fs::path& folder) {
   return is_folder(folder / "depth") && has_images(folder / "rgb");
 }
@@ -32,7 +30,7 @@ bool is_dataset(const fs::path& folder) {
   return may_be_there(folder / "rgb.txt") || !find_euroc_list(folder).empty() || is_colour_beside_depth(folder);
 }
 
-// The one folder in it; empty if there are more. macOS puts another one into its archives.
+// The only folder inside; empty if there are several. The one that macOS adds to archives does not count.
 fs::path only_folder_in(const fs::path& folder) {
   std::vector<fs::path> folders;
   std::error_code code;

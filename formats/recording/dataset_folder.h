@@ -7,20 +7,20 @@
 
 namespace rumi {
 
-// Where a recording is, if a folder above it was given.
+// The folder of a recording, found in a folder above it.
 struct DatasetFolder {
   std::filesystem::path folder;  // what was given, if nothing else is known
   std::string note;              // empty, or what was taken instead
 };
-// Of an archive that was unpacked into a folder of its own: the dataset in it, if there is one and nothing else to
-// play. Of an RGB-D dataset without a list (ICL-NUIM): its colour images.
+// Finds the dataset inside the folder of an unpacked archive, if there is one and nothing else to play, and the colour
+// images of an RGB-D dataset without a list (ICL-NUIM).
 DatasetFolder find_dataset(const std::filesystem::path& given);
 
-// data.csv of the camera of a folder as EuRoC's, however much of its path is given; empty if it is none.
+// Finds data.csv of the camera in a folder like EuRoC's, however much of its path is given; empty if there is none.
 std::filesystem::path find_euroc_list(const std::filesystem::path& folder);
 
-// "; it seems to be of TUM's freiburg1: try --camera config/cameras/tum_fr1.yaml (of Rumi)", by the names of a
-// dataset's download; empty if it is none that is known.
+// Recognizes a dataset by the names of its download: "; it seems to be of TUM's freiburg1: try --camera
+// config/cameras/tum_fr1.yaml (of Rumi)". Empty if it is not known.
 std::string advice_on_known_camera(const std::filesystem::path& recording, const std::string& channel);
 
 }  // namespace rumi

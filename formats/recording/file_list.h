@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/image/image_file.h"
 #include "formats/recording/frame_reader.h"
 
@@ -19,15 +20,14 @@ struct FileList {
     int64_t utime_us = 0;
     std::filesystem::path file;
     int line = 0;           // in the list, 0 for a plain folder
-    int page = kWholeFile;  // of a TIFF file of several
+    int page = kWholeFile;  // page of a TIFF file that has several
   };
   std::vector<Entry> entries;      // in the order of the list
   std::filesystem::path source;    // the list, or the folder
   Malformed malformed;             // lines, names without a time among those that have one
-  int64_t not_read = 0;            // pictures of a kind that is not read, pages behind the first one
+  int64_t not_read = 0;            // pictures of a kind that is not read, and pages behind the first one
   std::string why_no_times;        // empty, or why the times of all entries are 0
-  std::vector<std::string> notes;  // what the user should know of how it was read
-  std::string error;               // empty, or file, what is wrong, and what to do
+  std::vector<std::string> notes;  // what the user should know about how it was read
 };
 
 struct ListOptions {
@@ -35,18 +35,24 @@ struct ListOptions {
   bool needs_times = true;  // else times need not be readable, and a line may be a path alone
 };
 
+// Errors of these functions name the file, what is wrong, and what to do. A list that names no image is an Error, a
+// folder without images is not.
+
 // rgb.txt: "seconds path" in each line, '#' comments; paths are relative to the folder of the list. Lines of two images
 // ("seconds path seconds path", as of colour and depth, or "seconds left right") give the first one.
-FileList read_tum_list(const std::filesystem::path& rgb_txt, const ListOptions& options);
+Result<FileList> read_tum_list(const std::filesystem::path& rgb_txt, const ListOptions& options);
 // data.csv: "nanoseconds,name" in each line; the images are in the folder `data` beside it.
-FileList read_euroc_list(const std::filesystem::path& data_csv, const ListOptions& options);
-// All images of a folder in natural order (2 before 10), with the times that their names give, if they do.
-FileList list_image_folder(const std::filesystem::path& folder, const ListOptions& options);
+Result<FileList> read_euroc_list(const std::filesystem::path& data_csv, const ListOptions& options);
+// Lists all images of a folder in natural order (2 before 10), with the times that their names give, if they do.
+Result<FileList> list_image_folder(const std::filesystem::path& folder, const ListOptions& options);
+
+// True for a folder with images that can be played.
+bool has_images(const std::filesystem::path& folder);
 
 // The pages of a TIFF file, in their order.
-FileList list_pages(const std::filesystem::path& tiff);
+Result<FileList> list_pages(const std::filesystem::path& tiff);
 
-// `grey_range`: of images with 16 bits; without it that of the recording is measured when the first one is met.
+// `grey_range` of images with 16 bits; if it is not given, the reader measures that of the recording at the first one.
 std::unique_ptr<FrameReader> make_file_list_reader(FileList list, std::optional<GreyRange> grey_range);
 
 }  // namespace rumi

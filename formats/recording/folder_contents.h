@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What files are in a folder.
+// Looks at the files in a folder.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// By its ending; hidden files are none.
+// Judges by the ending of the name; hidden files are no images.
 bool is_image_name(const std::filesystem::path& file);
 // Names of those files of a folder that are pictures, by their endings, but of a kind that is not read.
 std::vector<std::string> pictures_not_read(const std::filesystem::path& folder);

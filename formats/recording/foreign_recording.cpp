@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Archives, and files that only stand for others.
+// Recognizes archives, and files that only stand for others.
 std::string advice_on_container(const fs::path& file, const std::string& beginning) {
   using namespace std::string_literals;
   if (beginning.starts_with("version https://git-lfs"))
@@ -41,7 +41,7 @@ std::string advice_on_container(const fs::path& file, const std::string& beginni
   return {};
 }
 
-// By the beginnings of the files, whatever their names are.
+// Judges files by their beginnings, whatever their names are.
 std::string advice_on_file(const fs::path& file) {
   using namespace std::string_literals;
   const std::string beginning = beginning_of(file, 32), extension = lower_extension(file);
@@ -69,7 +69,7 @@ uint64_t big_endian(const std::string& bytes, size_t at, size_t count) {
   return value;
 }
 
-// Of the boxes that an MP4 or MOV file consists of. False also if it is no such file.
+// Looks for one of the boxes of which an MP4 or MOV file consists. False also if the file is none.
 bool lacks_index(const fs::path& file) {
   constexpr size_t kHeadBytes = 16, kLeastBytes = 8;
   constexpr int kMostBoxes = 100'000;

@@ -14,7 +14,7 @@ namespace rumi {
 namespace {
 
 constexpr char kNumber = '*';   // stands for digits in the form of a name
-constexpr double kAlike = 0.5;  // of the numbers of the smaller kind: counts alike
+constexpr double kAlike = 0.5;  // this share of the smaller kind's numbers in common: they count alike
 
 constexpr int kRankOfNoCamera = -2;
 
@@ -29,7 +29,7 @@ struct Name {
   std::string camera;  // its number, where the name has one
 };
 
-// Names of one form.
+// The names of one form.
 struct Kind {
   std::string form;
   std::vector<size_t> images;
@@ -38,7 +38,7 @@ struct Kind {
   std::string camera;
 };
 
-// Words of letters in a name, without its ending.
+// The words in a name, without its ending.
 std::vector<std::string> words_of(const std::string& form) {
   std::vector<std::string> words(1);
   for (const char c : form.substr(0, form.rfind('.'))) {
@@ -50,7 +50,7 @@ std::vector<std::string> words_of(const std::string& form) {
   return words;
 }
 
-// How much the images are those of a camera that is to be tracked, by their name.
+// Ranks, by their names, how likely the images are those of the camera that is to be tracked.
 int rank_of(const std::string& form) {
   static constexpr std::array kNoCamera = {"depth",      "disp",   "disparity", "mask",     "masks", "seg",
                                            "semantic",   "labels", "label",     "normal",   "flow",  "conf",
@@ -69,8 +69,8 @@ int rank_of(const std::string& form) {
   return rank;
 }
 
-// "cam0_001.png" and "001_cam0.png" are of camera 0: a short number after such a word is part of the form, unless it is
-// the only one.
+// True for a form that names a camera: "cam0_001.png" and "001_cam0.png" are of camera 0. A short number after such a
+// word belongs to the form, unless it is the only number.
 bool names_a_camera(const std::string& form) {
   const size_t end = form.ends_with('_') || form.ends_with('-') ? form.size() - 1 : form.size();
   size_t begin = end;
@@ -117,8 +117,8 @@ std::vector<Kind> kinds_of(const std::vector<Name>& names) {
   return kinds;
 }
 
-// "1_001.png" and "2_001.png", without a word: a number of one digit, of few values, with the same numbers beside each
-// of them. Returns its values with the images of each; nothing if it is not so.
+// Splits "1_001.png" and "2_001.png", which have no word, by a number of one digit that has few values and the same
+// numbers beside each value. Returns the values with the images of each; nothing if the names are not like this.
 std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, const std::vector<Name>& names,
                                                             size_t place) {
   constexpr size_t kMostCameras = 4, kLeastImages = 10;
@@ -140,7 +140,7 @@ std::map<std::string, std::vector<size_t>> split_by_a_digit(const Kind& kind, co
   return images;
 }
 
-// With the digit in the form of the names.
+// The form of the names with `value` for the digit at `place`.
 std::string form_with(const std::string& form, size_t place, const std::string& value) {
   size_t at = form.find(kNumber);
   for (size_t i = 0; i < place; ++i) at = form.find(kNumber, at + 1);
@@ -163,7 +163,7 @@ std::vector<Kind> split_by_digits(const std::vector<Kind>& kinds, const std::vec
 
 bool has_number(const Kind& kind) { return kind.form.find(kNumber) != std::string::npos; }
 
-// A single image of a form says nothing.
+// One image does not show which form its name has.
 bool count_alike(const Kind& a, const Kind& b) {
   if (a.images.size() < 2 || b.images.size() < 2 || !has_number(a) || !has_number(b)) return false;
   const Kind& small = a.numbers.size() < b.numbers.size() ? a : b;
@@ -188,7 +188,7 @@ bool goes_with(const Kind& kind, const Kind& main) {
   return (kind.rank < -1) == (main.rank < -1) && !count_alike(kind, main);
 }
 
-ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
+Result<ImageChoice> choose_by_pattern(const std::vector<std::string>& names, const std::string& pattern) {
   ImageChoice choice;
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string last = names[i].substr(names[i].rfind('/') + 1);
@@ -196,7 +196,7 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
       choice.kept.push_back(i);
   }
   if (choice.kept.empty())
-    choice.error = fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front());
+    return Error{fmt::format("camera_driver.files is '{}', which fits no image; one is '{}'", pattern, names.front())};
   return choice;
 }
 
@@ -204,8 +204,8 @@ ImageChoice choose_by_pattern(const std::vector<std::string>& names, const std::
 
 bool is_no_camera(const std::string& name) { return rank_of(name) == kRankOfNoCamera; }
 
-ImageChoice choose_images(const std::vector<std::string>& names, const std::string& pattern) {
-  if (names.empty()) return {};
+Result<ImageChoice> choose_images(const std::vector<std::string>& names, const std::string& pattern) {
+  if (names.empty()) return ImageChoice();
   if (!pattern.empty()) return choose_by_pattern(names, pattern);
   std::vector<Name> parts;
   parts.reserve(names.size());

@@ -91,9 +91,9 @@ std::string printable(const std::string& text) {
   return out;
 }
 
-std::string no_name_after(const std::string& time) {
-  if (is_number(time)) return "no file name after the time";
-  return fmt::format("time is '{}': must be a number", printable(time));
+Error no_name_after(const std::string& time) {
+  if (is_number(time)) return {"no file name after the time"};
+  return {fmt::format("time is '{}': must be a number", printable(time))};
 }
 
 void split_line(const std::string& text, ListLine* line) {
@@ -112,13 +112,10 @@ void add_malformed(FileList* list, int line, const std::string& problem) {
     list->malformed.first = fmt::format("{}:{}: {}", list->source.string(), line, problem);
 }
 
-std::vector<ListLine> read_lines(FileList* list, const LineParser& parse) {
+Result<std::vector<ListLine>> read_lines(FileList* list, const LineParser& parse) {
   std::vector<ListLine> lines;
   TextLines stream(list->source);
-  if (!stream.error().empty()) {
-    list->error = fmt::format("{}: {}", list->source.string(), stream.error());
-    return lines;
-  }
+  if (!stream.error().empty()) return Error{stream.error(), list->source.string()};
   std::string text;
   for (int number = 1; stream.next(&text); ++number) {
     const std::string content = trimmed(text);
@@ -126,12 +123,12 @@ std::vector<ListLine> read_lines(FileList* list, const LineParser& parse) {
     ListLine line;
     line.number = number;
     const bool is_too_long = content.size() > kLongestLine;
-    const std::string problem = is_too_long ? "is too long for a line of a list" : parse(content, &line);
+    const Result<> parsed = is_too_long ? Error{"is too long for a line of a list"} : parse(content, &line);
     if (lines.empty() && list->malformed.count == 0 && is_heading(line.time)) continue;
-    if (!problem.empty())
-      add_malformed(list, number, problem);
-    else
+    if (parsed)
       lines.push_back(std::move(line));
+    else
+      add_malformed(list, number, parsed.error_text());
   }
   return lines;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "formats/recording/file_list.h"
 
 namespace rumi {
@@ -14,8 +15,8 @@ namespace rumi {
 struct ListLine {
   std::string time, name;
   int number = 0;
-  size_t images = 1;     // that it names
-  bool is_first = true;  // of these
+  size_t images = 1;     // how many images the line names
+  bool is_first = true;  // `name` is the first of them
   bool has_decimal_comma = false;
 };
 
@@ -25,14 +26,14 @@ inline constexpr const char* kSeparators = " \t,;";
 // Splits "time name" at any separator.
 void split_line(const std::string& text, ListLine* line);
 
-// Takes a line without comment apart; returns what is wrong with it, or an empty string.
-using LineParser = std::function<std::string(const std::string& text, ListLine* line)>;
+// Takes a line without comment apart. An Error says what is wrong with it.
+using LineParser = std::function<Result<>(const std::string& text, ListLine* line)>;
 
-// What is wrong with a line that gave a time and no name.
-std::string no_name_after(const std::string& time);
+// The error of a line that has a time and no name.
+Error no_name_after(const std::string& time);
 void add_malformed(FileList* list, int line, const std::string& problem);
-// Counts the lines that `parse` refuses as malformed.
-std::vector<ListLine> read_lines(FileList* list, const LineParser& parse);
+// Counts the lines that `parse` refuses as malformed. An Error if the file cannot be read.
+Result<std::vector<ListLine>> read_lines(FileList* list, const LineParser& parse);
 // Removes lines that repeat an earlier one: some recorders write a line twice.
 std::vector<ListLine> without_repeats(FileList* list, std::vector<ListLine> lines);
 // Tells of lines of several images, and of decimal commas, in the notes.

@@ -14,7 +14,7 @@ class TextLines {
 
   // False at the end. Of a line that is longer than any of a list the beginning.
   bool next(std::string* line);
-  // Empty, or why it cannot be read, and what to do, without the name of the file.
+  // Says why the file cannot be read, and what to do, without the name of the file; empty if it can.
   const std::string& error() const { return error_; }
 
  private:

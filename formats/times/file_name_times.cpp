@@ -29,8 +29,8 @@ struct Zone {
   bool is_at_once = false;  // no decimals are between the second and it
 };
 
-// "+02:00", "+0200", "-05:00" or ".250+02:00" behind the second of a date. Anything else, such as "Z", is UTC. "-0500"
-// is taken for decimals: they are usual behind this sign.
+// Reads the zone behind the second of a date: "+02:00", "+0200", "-05:00" or ".250+02:00". Other texts, such as "Z",
+// are UTC. "-0500" is taken for decimals, which are usual behind this sign.
 Zone zone_behind(const std::string& text) {
   static const std::regex form("^([-_.,]?[0-9]{1,9})?([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
   static const std::regex at_once("^([+-])(0[0-9]|1[0-4])(:?)([0-5][0-9])(?:[^0-9]|$)");
@@ -67,7 +67,7 @@ std::string date_in(const std::string& name) {
   return fmt::format("{}.{}", utc, decimals.empty() || zone.is_at_once ? "0" : decimals);
 }
 
-// Of a day, without the date.
+// A time of day, without the date.
 std::string clock_in(const std::string& name) {
   static const std::regex form(
       "(?:^|[^0-9])([01]?[0-9]|2[0-3])([-_:h])([0-5][0-9])[-_:m]([0-5][0-9])[.,]([0-9]{1,9})(?:[^0-9]|$)");
@@ -89,21 +89,22 @@ std::string whole_number_in(const std::string& name) {
   return match ? (*match)[1].str() : "";
 }
 
-// Of ten digits, with zeros before them: a counter of 32 bits, if it begins again.
+// A number of ten digits, padded with zeros: a 32-bit counter, if it begins again.
 std::string counter_in(const std::string& name) {
   static const std::regex form("(?:^|[^0-9])([0-9]{10})(?:[^0-9]|$)");
   const auto match = find(name, form);
   return match ? (*match)[1].str() : "";
 }
 
-// As times since 1970 have so many digits.
+// Times since 1970 have this many digits.
 TimeUnit unit_of_digits(size_t digits) {
   if (digits < 12) return TimeUnit::kSeconds;
   if (digits < 15) return TimeUnit::kMilliseconds;
   return digits < 18 ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
 }
 
-// 0, 1, 2 ... or 1, 2, 3 ... behind each second: of at least one second, and of no second anything else.
+// True if the decimals count 0, 1, 2 ... or 1, 2, 3 ... within each second, in at least one second, and differently in
+// none.
 bool decimals_count(const std::vector<std::string>& times) {
   constexpr size_t kLeast = 3;
   constexpr size_t kMostDigits = 6;
@@ -127,8 +128,8 @@ bool decimals_count(const std::vector<std::string>& times) {
   return most >= kLeast;
 }
 
-// Of a recording of less than half a day that passes midnight: the times after it are those of the next day. True if
-// so.
+// Adds a day to the times after midnight, if the recording is shorter than half a day and passes midnight. True if it
+// does.
 bool pass_midnight(std::vector<std::string>* times) {
   constexpr int64_t kDayUs = 86'400'000'000;
   std::vector<int64_t> sorted;
@@ -146,7 +147,7 @@ bool pass_midnight(std::vector<std::string>* times) {
 
 bool is_hexadecimal(char c) { return std::isxdigit(static_cast<unsigned char>(c)) != 0; }
 
-// As numbers in names they are then not in the order of their values: ".0333" comes behind ".1".
+// Decimals of different lengths are not in the order of their values when names are sorted: ".0333" comes behind ".1".
 bool have_unequal_decimals(const std::vector<std::string>& times) {
   const auto decimals = [](const std::string& time) {
     const size_t point = time.find('.');
@@ -158,7 +159,7 @@ bool have_unequal_decimals(const std::vector<std::string>& times) {
   return std::adjacent_find(times.begin(), times.end(), differs) != times.end();
 }
 
-// Without the ending, which may not be taken for decimals.
+// Removes the ending, which must not be taken for decimals.
 std::string stem_of(const std::string& name) { return name.substr(0, name.rfind('.')); }
 
 }  // namespace

@@ -17,14 +17,14 @@ struct FileNameTimes {
   std::string note;                  // empty, or how odd times are read
 };
 
-// Of "1305031102.175304" (seconds, at least three decimals, or nine digits before them), "1403636579763555584" (seconds
-// to nanoseconds, at least ten digits and no 0 before them: else it is a number) "2026-03-02_10-15-00.250" (UTC) and
-// "10-15-00.250" (of a day), with anything before and after.
-// What most of the names have. Times of a day that leave out more than half of it go on past midnight.
+// Reads times such as "1305031102.175304" (seconds, at least three decimals, or nine digits before them),
+// "1403636579763555584" (seconds to nanoseconds, at least ten digits and no 0 before them: else it is a number),
+// "2026-03-02_10-15-00.250" (UTC) and "10-15-00.250" (time of day), with any text before and after. Takes the kind of
+// time that most names have. Times of day that leave out more than half of the day go on past midnight.
 FileNameTimes times_in_names(const std::vector<std::string>& names);
 
-// "0000000a.jpg" behind "00000009.jpg": names of one length and one beginning, of which some have letters up to f and
-// others digits alone.
+// True for names such as "0000000a.jpg" behind "00000009.jpg": they have one length and one beginning, some have
+// letters up to f, and others digits alone.
 bool are_hexadecimal(const std::vector<std::string>& names);
 
 }  // namespace rumi

@@ -15,8 +15,8 @@ struct ChosenUnit {
   std::string note;  // empty, or what was chosen against the format, and why
 };
 
-// `usual` where it gives a rate that a camera can have, else the unit whose rate is nearest to that of a usual camera;
-// `usual`, too, if none gives such a rate. `times`: decimal numbers, in any order.
+// Chooses `usual` if it gives a rate that a camera can have, else the unit whose rate is nearest to that of a usual
+// camera; `usual` also if no unit gives such a rate. `times`: decimal numbers, in any order.
 ChosenUnit choose_time_unit(const std::vector<std::string>& times, TimeUnit usual);
 
 }  // namespace rumi

@@ -45,7 +45,7 @@ bool is_heading(const Words& words) {
   });
 }
 
-// Lines of words, without comments and what stands above columns.
+// Reads lines of words, without comments and headings of columns.
 std::vector<Words> read_lines(const fs::path& file) {
   constexpr size_t kLongestLine = 1000, kMostLines = 10'000'000;
   std::vector<Words> lines;

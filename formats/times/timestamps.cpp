@@ -14,7 +14,7 @@ constexpr int64_t kMaxUs = int64_t{1} << 53;  // what a message may have: the ye
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// digits[.digits][e[+-]digits] taken apart: value = digits * 10^exponent.
+// Holds digits[.digits][e[+-]digits] in parts: value = digits * 10^exponent.
 struct Decimal {
   std::string digits;
   int exponent = 0;

@@ -12,13 +12,13 @@
 
 namespace rumi {
 
-// From image to image where it is not known: 30 Hz.
+// The step from image to image where it is not known: 30 Hz.
 inline constexpr int64_t kUsualPeriodUs = 33'333;
 
-// A decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest microsecond.
-// Nothing for anything else, negative numbers, and 2^53 us (the year 2255) and above.
+// Parses a decimal number of `unit`, "1305031102.175304" or "1.305031102175304e+09", rounded to the nearest
+// microsecond. Returns nothing for other texts, negative numbers, and 2^53 us (the year 2255) and above.
 std::optional<int64_t> parse_time_us(std::string_view text, TimeUnit unit);
-// "1305031102.175304": what parse_time_us reads back. Precondition: not negative.
+// Writes "1305031102.175304", which parse_time_us() reads back. Precondition: not negative.
 std::string format_seconds(int64_t utime_us);
 
 }  // namespace rumi

@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// What is between any of the separators; there are no empty fields.
+// Splits at any of the separators; there are no empty fields.
 std::vector<std::string> split(const std::string& line, const char* separators);
 // A finite number, and nothing else.
 std::optional<double> to_number(const std::string& text);

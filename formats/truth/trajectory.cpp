@@ -17,7 +17,7 @@
 namespace rumi {
 namespace {
 
-// Empty fields count; the end of the line may be that of another system.
+// Splits a line, with empty fields; accepts line ends of other systems.
 std::vector<std::string> split_csv(const std::string& line) {
   std::vector<std::string> fields;
   const size_t length = line.ends_with('\r') ? line.size() - 1 : line.size();
@@ -36,7 +36,7 @@ bool parse(const std::string& text, Number* value) {
   return number.has_value();
 }
 
-// Of the fields at `columns` (none: the file has no such columns). False if one of them is no number.
+// Reads sigmas from the fields at `columns` (none: the file has no such columns). False if one is no number.
 bool parse_sigmas(const std::vector<std::string>& fields, const std::vector<size_t>& columns, PoseSigmas* sigmas) {
   std::vector<double> values;
   for (const size_t column : columns) {
@@ -59,7 +59,7 @@ std::optional<std::vector<double>> numbers(const std::vector<std::string>& field
   return values;
 }
 
-// Far enough from the ends of the numbers for the difference of two times.
+// True if the difference of two such times cannot overflow.
 bool is_time(int64_t utime_us) { return std::abs(static_cast<double>(utime_us)) < 0x1p53; }
 
 void sort_by_time(TrajectoryFile* result) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a run writes: trajectories in TUM format (time tx ty tz qx qy qz qw, map_from_cam), and frames.csv. The truth is
-// read by truth.h.
+// Reads the outputs of a run: trajectories in TUM format (time tx ty tz qx qy qz qw, map_from_cam), and frames.csv.
+// truth.h reads the truth.
 #pragma once
 
 #include <cstdint>

@@ -60,7 +60,7 @@ class TruthReader {
     result_.error = fmt::format("{}: {}", file_, why);
     return result_;
   }
-  // What is no text of poses, and is known all the same.
+  // Recognizes known files that are no text of poses.
   std::string known_stranger() const {
     std::error_code code;
     if (fs::is_directory(file_, code))
@@ -155,7 +155,7 @@ class TruthReader {
     note(fmt::format("has no times: they are those of {}", file));
   }
 
-  // Images whose times are not since 1970 begin at 0, wherever they are played from.
+  // Images begin at 0, wherever they are played from, if their times are not since 1970.
   std::optional<int64_t> at_rate(double number) const {
     const bool since_1970 = options_.run && static_cast<double>(options_.run->first_us) > 1e14;
     const std::optional<int64_t> since_first = to_us({number, std::nullopt}, options_.frames_per_second);
@@ -204,7 +204,7 @@ class TruthReader {
     }
   }
 
-  // EuRoC's truth is of the body, or of a marker on it.
+  // EuRoC's truth is the path of the body, or of a marker on it.
   void move_to_camera() {
     if (!result_.has_rotations) return note("they are of the tracked point (a prism or marker), and not of the camera");
     const TrackedFrame tracked = read_tracked_frame(file_);

@@ -12,7 +12,7 @@
 
 namespace rumi {
 
-// Of the recording's images.
+// The times of the recording's images.
 struct RunTimes {
   int64_t first_us = 0, last_us = 0;
   int64_t period_us = 0;  // the usual one
@@ -30,14 +30,14 @@ struct TruthOptions {
 
 struct TruthFile {
   std::vector<TimedPose> poses;    // by time, one per time; rotations are the identity without has_rotations
-  bool has_rotations = true;       // of the camera
+  bool has_rotations = true;       // rotations of the camera are known
   std::vector<std::string> notes;  // with the file's name
   std::string hint;                // what may be wrong if its times are not those of the images; may be empty
   std::string error;               // empty, or why the file could not be used
   bool ok() const { return error.empty(); }
 };
 
-// What ICL-NUIM's files end with. Their poses are of the renderer's world, whose y points up: they are mirrored, so
+// ICL-NUIM's files of poses have this ending. Their world is the renderer's, whose y points up: poses are mirrored, so
 // that y points down as in the images.
 inline constexpr const char* kEndingOfIclNuim = ".gt.freiburg";
 

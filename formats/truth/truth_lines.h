@@ -19,7 +19,7 @@ struct RawTime {
 };
 
 struct RawPose {
-  size_t index = 0;  // of its line among those of the table
+  size_t index = 0;  // number of its line in the table
   RawTime time;
   SE3 pose;
 };

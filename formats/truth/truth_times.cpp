@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLatestNumber = 1e8;  // as seconds three years; more is no number of an image
+constexpr double kLatestNumber = 1e8;  // three years in seconds; larger numbers are no numbers of images
 
 double usual_step_of(const std::vector<RawPose>& poses) {
   std::vector<double> times;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the times of a truth are: their unit, numbers of images, or those of another file.
+// Interprets the times of a truth: their unit, or whether they are numbers of images or belong to another file.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@
 
 namespace rumi {
 
-// Nothing for a time so far from 0 that differences of times could overflow.
+// Returns nothing for a time so far from 0 that differences of times could overflow.
 std::optional<int64_t> to_us(const RawTime& time, double per_second);
-// All times are whole numbers, and small enough to be numbers of images.
+// True if all times are whole numbers, and small enough to be numbers of images.
 bool are_small_and_whole(const std::vector<RawPose>& poses);
 // The times are 1, 2, 3, ... although the images are not a second apart.
 bool are_numbers_of_images(const std::vector<RawPose>& poses, const TruthOptions& options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which stream of a video file is played, and what its header says of its pictures.
+// Chooses the stream of a video file, and reads what its header says about the pictures.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace rumi {
 struct VideoChoice {
   int stream = -1;  // -1: the file is no video, or cannot be read
   bool is_interlaced = false;
-  std::vector<std::string> notes;  // of several streams, and of pixels that are not square
+  std::vector<std::string> notes;  // about several streams, and pixels that are not square
 };
 
 // The stream of one of the sizes that are wanted, else the largest; of equals the one that FFmpeg holds for the best.

@@ -23,19 +23,21 @@ class VideoDecoder {
   // Null if the file has no such stream (see VideoStream), or this FFmpeg cannot decode it.
   static std::unique_ptr<VideoDecoder> open(const std::filesystem::path& file, int stream);
 
-  // To the next picture, in the order of showing. False after the last one; what cannot be decoded is passed over.
+  // Decodes the next picture, in the order of showing. False after the last one; packets that cannot be decoded are
+  // skipped.
   bool next();
 
-  // FFmpeg found the present picture damaged: it has guessed a part of it.
+  // True if FFmpeg found the present picture damaged and has guessed a part of it.
   bool is_damaged() const;
-  // The present picture says that its rows are of two moments in turn.
+  // True if the present picture says that its rows are of two moments in turn.
   bool is_interlaced() const;
-  // Of the present picture: its time of showing, as it is stored in its packet.
+  // The time of showing of the present picture, as it is stored in its packet.
   std::optional<int64_t> stamp() const { return usable_time(frame_->pts); }
-  // The same where only some packets have such a time: what FFmpeg makes of it.
+  // The time that FFmpeg computes, for files in which only some packets have one.
   std::optional<int64_t> likely_stamp() const { return usable_time(frame_->best_effort_timestamp); }
-  // The right way up. Grey of more than 8 bits: 16 bits, the values as they are stored. All else: 8 bits, BGR if colour
-  // is wanted and there, else grey. Empty if the pixels are of a kind that cannot be converted.
+  // The present picture, upright. Grey of more than 8 bits gives 16 bits, the values as stored; other pictures give 8
+  // bits, BGR if there is colour and it is wanted, else grey. Empty if the pixels are of a kind that cannot be
+  // converted.
   cv::Mat pixels(bool colour);
 
  private:

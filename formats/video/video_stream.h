@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a video file has stored, packet by packet, not decoded (FFmpeg's libavformat).
+// Reads the packets that a video file stores, without decoding them (FFmpeg's libavformat).
 #pragma once
 
 #include <cstdint>
@@ -29,11 +29,11 @@ class VideoStream {
   const AVPacket* next();
 
   const AVStream& stream() const { return *format_->streams[index_]; }
-  // How long the file is by its own header, all its streams together; 0 if it does not say.
+  // The length of the file by its own header, over all streams; 0 if the header does not say.
   int64_t promised_us() const;
   // The end of what was read so far, of all streams.
   int64_t end_us() const { return end_us_; }
-  // It has no container: FFmpeg counts its frames at 25 Hz, whatever they are.
+  // True if the file has no container: FFmpeg then counts its frames at 25 Hz, whatever their rate is.
   bool is_bare() const;
 
  private:
@@ -53,7 +53,7 @@ class VideoStream {
 // How often its pictures are turned by 90 degrees counter-clockwise to be upright, 0 to 3: phones say so.
 int quarter_turns(const AVStream& stream);
 
-// Of a packet or a picture, in the unit of its stream; nothing if there is none.
+// The time of a packet or a picture, in the unit of its stream; nothing if it has none.
 std::optional<int64_t> usable_time(int64_t stored);
 
 }  // namespace rumi

@@ -9,7 +9,7 @@
 namespace rumi {
 
 struct VideoTimes {
-  std::vector<int64_t> utimes;  // of each frame that is shown, in that order; the least is 0
+  std::vector<int64_t> utimes;  // times of the frames in the order of showing; the least is 0
   std::vector<int64_t> stamps;  // the same as stored in the packets; empty: not each packet has its time of showing
   bool has_times = false;       // else all utimes are 0
   int64_t stored = 0;           // frames, those that are not shown included
@@ -18,7 +18,8 @@ struct VideoTimes {
   bool ends_early = false;            // before its stream does, by the header
 };
 
-// Of one stream of the file. Decodes it only if the packets do not tell all times. Empty if the file cannot be read.
+// Reads the times of one stream of the file. Decodes it only if the packets do not tell all times. Empty if the file
+// cannot be read.
 VideoTimes read_video_times(const std::filesystem::path& file, int stream);
 
 }  // namespace rumi

@@ -16,7 +16,7 @@ namespace {
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 using Matrix26d = Eigen::Matrix<double, 2, 6>;
 
-// Of a projection, by the point in the camera's frame: in units of the keypoint's noise.
+// The derivative of a projection by the point in the camera's frame, in units of the keypoint's noise.
 Matrix23d derivative_by_point(const Camera& camera, double sigma_px, const Eigen::Vector3d& p) {
   return WhitenedProjection(camera, Eigen::Vector2d::Zero(), sigma_px, Eigen::Matrix2d::Identity()).derivative(p);
 }
@@ -40,7 +40,7 @@ double image_uncertainty_px(const Camera& camera, const Matrix6d& twist_covarian
   return std::sqrt(variance);
 }
 
-// What a keypoint tells of the twist, being taken for a landmark whose own place is not known exactly.
+// The information that a keypoint gives about the twist, if its landmark's position is uncertain.
 Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landmark& landmark, double sigma_px) {
   const Eigen::Vector3d p = cam_from_submap * landmark.position;
   if (!(p.z() > 1e-6)) return Matrix6d::Zero();
@@ -52,7 +52,7 @@ Matrix6d sight_of(const Camera& camera, const SE3& cam_from_submap, const Landma
   return by_twist.transpose() * covariance.inverse() * by_twist;
 }
 
-// About one axis.
+// The variance of the rotation about one axis.
 double rotation_variance(const Matrix6d& twist_covariance) {
   return twist_covariance.bottomRightCorner<3, 3>().trace() / 3;
 }
@@ -64,7 +64,7 @@ Matrix6d invert(const Matrix6d& information) {
 }  // namespace
 
 Matrix6d second_twist_covariance(const Camera& camera, const FreeStructure& structure) {
-  // The reduced system of all views but the first: each point is whatever suits all its views best.
+  // The reduced system of all views but the first; the points are eliminated.
   const auto size = static_cast<Eigen::Index>(6 * (structure.cam_from_structure.size() - 1));
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(size, size);
   struct Part {
@@ -122,7 +122,7 @@ PoseCertainty certainty_of(const Submap& submap, const std::vector<double>& octa
     const double sigma_px = octave_scales[frame.features->keypoints[i].octave];
     const Matrix6d added = sight_of(submap.camera, frame.cam_from_submap, *lm, sigma_px);
     information += added;
-    // What tells of the position tells of the scale.
+    // Position and scale are determined together.
     const double weight = added.topLeftCorner<3, 3>().trace();
     weights += weight;
     scale_variance += weight * lm->log_scale_variance;
@@ -157,9 +157,9 @@ PoseSigmas sigmas_of(const FrontSubmap& submap, const Frame& frame) {
   const Matrix6d& c = frame.certainty.twist_covariance;
   // exp(twist) moves the centre by a rotated translation, which leaves the trace as it is.
   double position = c.topLeftCorner<3, 3>().trace() / 3, rotation = rotation_variance(c);
-  constexpr double kNothing = 1e10;  // what invert() makes of no information is more
+  constexpr double kNothing = 1e10;  // a variance above this means no information, see invert()
   if (!(position > 0 && position < kNothing && rotation > 0 && rotation < kNothing)) return {};
-  // A keyframe is its own reference: those around it are known about as well.
+  // A keyframe is its own reference. Its neighbours are known about as well.
   const auto known = submap.certainty.find(frame.reference_keyframe);
   if (known != submap.certainty.end()) {
     position += known->second.position_covariance.trace() / 3;

@@ -7,15 +7,15 @@
 namespace rumi::front_tracker {
 
 struct InitializerOptions {
-  int keypoints = 2000;                // per image while there is no submap to track
-  int min_matches = 100;               // with the reference image; fewer: a later reference
+  int keypoints = 2000;                // in an image while there is no submap to track
+  int min_matches = 100;               // with the reference image; with fewer, a later reference is used
   int max_frames = kMostRetoldFrames;  // buffered; they get their poses once the submap stands
   int max_keyframes = 6;               // of the first bundle adjustment
-  // Of the direction of the motion between the two images that begin a submap, the structure being whatever suits it:
-  // standard deviation by what the images leave unexplained. Beyond it the submap may be bent: more motion is waited
-  // for.
+  // The largest standard deviation, estimated from the residuals, of the direction of the motion between the two images
+  // that begin a submap. If it is larger, the submap may be bent, so the initializer waits for more motion.
   double max_direction_sigma_rad = 0.03;
-  double max_rival_rmse_ratio = 0.9;  // of the two best structures' errors, where two views allow two (a plane does)
+  double max_rival_rmse_ratio =
+      0.9;  // ratio of the two best structures' errors, if the two views allow two (a plane does)
   TwoViewOptions two_view;
 };
 

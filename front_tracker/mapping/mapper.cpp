@@ -66,8 +66,8 @@ void Mapper::fuse_landmarks(FrontSubmap& submap, int keyframe_id) const {
   for (int id : landmarks_of(keyframe_id)) update_landmark_view(submap.map, submap.map.landmark(id));
 }
 
-// Looks for each landmark in the keyframe: a free keypoint becomes an observation of it, a keypoint of another landmark
-// shows that the two are one.
+// Looks for each landmark in the keyframe. A free keypoint becomes an observation of it. If the keypoint has another
+// landmark, the two are fused.
 void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids, int keyframe_id) const {
   Submap& map = submap.map;
   const KeypointGrid& grid = submap.grids[keyframe_id];
@@ -106,14 +106,15 @@ void Mapper::fuse_into(FrontSubmap& submap, const std::vector<int>& landmark_ids
   }
 }
 
-// A neighbour of which nearly all landmarks are seen by at least three other keyframes, as finely, adds nothing.
+// Removes the neighbours that are redundant: at least three other keyframes observe nearly all of their landmarks at as
+// fine an octave.
 void Mapper::cull_keyframes(FrontSubmap& submap, int keyframe_id) const {
   Submap& map = submap.map;
   if (!map.keyframe(keyframe_id)) return;
   std::vector<const Features*> features_of(map.keyframes.rbegin()->first + 1, nullptr);
   for (const auto& [id, kf] : map.keyframes) features_of[id] = kf.features.get();
   for (const auto& [id, shared] : map.covisible_keyframes(keyframe_id)) {
-    // The first keyframe carries the gauge; the newest ones are still in use by the tracker.
+    // The first keyframe carries the gauge; the tracker still uses the newest ones.
     if (id == map.keyframes.begin()->first || id + 2 >= map.keyframes.rbegin()->first) continue;
     const Keyframe& kf = *map.keyframe(id);
     int total = 0, redundant = 0;

@@ -9,24 +9,24 @@
 namespace rumi::front_tracker {
 namespace {
 
-constexpr int64_t kBetweenLooks_us = 200'000;      // at least: the world has to move on
-constexpr float kEdge = 6;                         // grey levels per pixel from which a gradient is one
-constexpr double kLeastChange = 1.0 / 3;           // of the edges: less, and the image stands
-constexpr int kFirstVerdict = 16;                  // looks
-constexpr double kForget = 0.98;                   // what is left of a look at the next: 50 of them count
-constexpr float kAgree = 0.7F;                     // of a pixel's gradients: it is still
-constexpr int kCell = 8;                           // px, side
-constexpr int kStillPixels = 5, kWorldPixels = 2;  // still ones in a cell that make it still; fewer: it is no longer
-constexpr double kLargePart = 0.0015;              // of the image: what lies in its bays is of it
-constexpr double kBay = 0.08;                      // half width of a bay, of the image's height
+constexpr int64_t kBetweenLooks_us = 200'000;  // least time between two images that are used: the world has to move on
+constexpr float kEdge = 6;                     // grey levels per pixel: smaller gradients are ignored
+constexpr double kLeastChange = 1.0 / 3;       // share of the edges that must change; with fewer the image stands still
+constexpr int kFirstVerdict = 16;              // looks
+constexpr double kForget = 0.98;               // weight that is left of an image at the next one: about 50 count
+constexpr float kAgree = 0.7F;                 // a pixel is still if this share of its gradients agrees
+constexpr int kCell = 8;                       // px, side
+constexpr int kStillPixels = 5, kWorldPixels = 2;  // still pixels that make a cell still, or keep it so
+constexpr double kLargePart = 0.0015;              // share of the image: the bays of so large a part are filled
+constexpr double kBay = 0.08;                      // half the width of a bay, as a share of the image's height
 
 void gradients(const cv::Mat& grey, cv::Mat* dx, cv::Mat* dy) {
   cv::Scharr(grey, *dx, CV_32F, 1, 0, 1.0 / 32);
   cv::Scharr(grey, *dy, CV_32F, 0, 1, 1.0 / 32);
 }
 
-// Fills what narrow bays between large still parts, and between them and the image's border, enclose: a bonnet's paint
-// shows no edges but what it mirrors.
+// Fills narrow bays between large still parts, and between them and the image's border: a bonnet's paint has no edges
+// of its own, it only mirrors some.
 cv::Mat fill_bays(const cv::Mat& cells) {
   cv::Mat labels, stats, centroids;
   const int parts = cv::connectedComponentsWithStats(cells, labels, stats, centroids, 8);
@@ -43,7 +43,7 @@ cv::Mat fill_bays(const cv::Mat& cells) {
   return filled | cells;
 }
 
-// Fills what is enclosed: all of the rest but its largest part, if that is most of it.
+// Fills enclosed regions: everything else but its largest part, if that is most of it.
 void fill_holes(cv::Mat* cells) {
   constexpr double kMost = 0.5;
   const cv::Mat rest = *cells == 0;
@@ -104,7 +104,7 @@ void StillParts::accumulate(const cv::Mat& dx, const cv::Mat& dy) {
   }
 }
 
-// 255 where a cell's edges stay. A cell that was still before remains so as long as it is not clearly otherwise.
+// Returns 255 for cells whose edges stand still. A cell that was still remains so until it clearly is not.
 cv::Mat StillParts::still_cells() const {
   const cv::Size size((sum_dx_.cols + kCell - 1) / kCell, (sum_dx_.rows + kCell - 1) / kCell);
   cv::Mat still = cv::Mat::zeros(size, CV_8U);

@@ -29,7 +29,7 @@ const PatchTemplate* PatchTemplates::find(const ImagePyramid& keyframe_images, c
 }
 
 void PatchTemplates::end_frame() {
-  // Of thousands: not after every frame.
+  // There are thousands, so not after every frame.
   if (frame_ % kKeptFrames == 0)
     std::erase_if(entries_, [this](const auto& entry) { return entry.second.used + kKeptFrames <= frame_; });
   ++frame_;

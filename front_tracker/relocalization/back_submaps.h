@@ -1,30 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Back submaps as places to relocalize in. They know places where no front submap has been, and where both have been
-// they often have more landmarks: all images of a window are matched with each other.
+// Back submaps as places to relocalize in. They cover places where no front submap has been. Where both have been, a
+// back submap often has more landmarks, because all images of a window are matched with each other.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "front_tracker/relocalization/relocalizer.h"
 
 namespace rumi::front_tracker {
 
 class BackSubmaps {
  public:
-  // The camera is that of the frames, octave_scales those of their keypoints. At most options.back_keyframes keyframes
-  // are kept; the submaps of the oldest images go first.
+  // `camera` and `pyramid` are those of the frames. At most options.back_keyframes keyframes are kept; the submaps with
+  // the oldest images are dropped first.
   BackSubmaps(const Camera& camera, const TrackingOptions& options, const Pyramid& pyramid);
 
-  // Replaces the submap of the same id. Returns why it was refused, or an empty string.
-  std::string add(Submap submap);
-  // Nothing happens where there is none of that id.
+  // Replaces the submap of the same id. An Error says why the submap cannot be used; nothing changes then.
+  Result<> add(Submap submap);
+  // Does nothing if there is no submap of this id.
   void remove(int id);
 
-  // The submap in which the frame was found: the frame has a pose in it then, and its matches. It is not kept any
-  // longer. Its keyframes and landmarks are numbered from 0 on, the keyframes in order of time.
-  std::optional<Submap> relocalize(Frame* frame);
+  struct Found {
+    Submap submap;  // its keyframes and landmarks are numbered from 0 on, the keyframes in order of time
+    Frame frame;    // with its pose in the submap and its matches
+  };
+  // Looks for the frame in the submaps, and takes out the one in which it is found.
+  std::optional<Found> relocalize(const Frame& frame);
 
   size_t submaps() const { return submaps_.size(); }
   int keyframes() const;

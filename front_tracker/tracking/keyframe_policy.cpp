@@ -6,10 +6,10 @@
 namespace rumi::front_tracker {
 namespace {
 
-// So long after a camera was found it sees from elsewhere what the submap knows, and beside it what it does not know.
+// For so long after it was found again, the camera sees known things from new places, and unknown ones beside them.
 constexpr int64_t kFoundAgain_us = 1'000'000;
 
-// Of the keyframe: landmarks that more than two keyframes have seen. A young submap has none yet, there all count.
+// Counts the keyframe's landmarks that more than two keyframes observe. A young submap has none yet: all count there.
 int established_landmarks(const Submap& map, const Keyframe& keyframe) {
   constexpr size_t kYoung = 4, kSeenBy = 3;  // keyframes
   return static_cast<int>(std::count_if(keyframe.landmark_ids.begin(), keyframe.landmark_ids.end(), [&](int id) {
@@ -29,7 +29,7 @@ bool KeyframePolicy::is_due(const Submap& map, const Frame& frame, double motion
   const double since_s = 1e-6 * static_cast<double>(frame.utime_us - last_keyframe_us_);
   if (since_s < options_.min_interval_s) return false;
   if (frame.utime_us - found_again_us_ < kFoundAgain_us) return true;
-  // The first of images that blur or darken: its corners are what the next are matched with.
+  // The first image that blurs or darkens becomes a keyframe: the next ones are matched with its corners.
   if (frame.corners == Corners::kFew && static_cast<int>(reference.features->size()) >= keypoints_ / 2) return true;
   if (inliers < options_.min_tracked_ratio * established || motion > options_.max_motion) return true;
   if (inliers < options_.min_inliers && since_s >= 3 * options_.min_interval_s) return true;

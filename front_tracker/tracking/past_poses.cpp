@@ -59,7 +59,7 @@ PoseCertainty PastPoses::certainty_at(const Frame& posed, const FrontSubmap& sub
   return matched.certainty;
 }
 
-// From where its neighbour in time was.
+// Tracks the frame, starting from its neighbour's pose.
 bool PastPoses::track_from(const Frame& neighbour, const std::vector<const Landmark*>& landmarks, double max_image_px,
                            const FrontSubmap& submap, Frame* frame) const {
   const Submap& map = submap.map;

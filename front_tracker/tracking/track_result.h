@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the tracker says of an image.
+// The tracker's result for an image.
 #pragma once
 
 #include <vector>
@@ -21,9 +21,9 @@ struct TrackResult {
   int keypoints = 0, inliers = 0;
 };
 
-// The frame's pose, which the submap has by now.
+// Copies the frame's pose, which the submap has already, into the result.
 void note_pose(const FrontSubmap& submap, const Frame& frame, TrackResult* result);
-// Of earlier frames, which have got their poses since.
+// Returns the results of earlier frames that have got their poses since.
 std::vector<TrackResult> results_afterwards(const FrontSubmap& submap, const std::vector<Frame>& frames);
 
 }  // namespace rumi::front_tracker

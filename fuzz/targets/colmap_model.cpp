@@ -26,9 +26,9 @@ void run(View input) {
     scratch().write(std::string("model/") + name, input.first(length));
     input = input.subspan(length);
   }
-  const SparseModelFile file = read_colmap_model(scratch() / "model", kKeypoints);
-  if (!file.ok()) return;
-  for (const SparseModel::Point& point : file.model.points)
+  const Result<SparseModel> model = read_colmap_model(scratch() / "model", kKeypoints);
+  if (!model) return;
+  for (const SparseModel::Point& point : model->points)
     for (const auto& [image, keypoint] : point.track)
       if (keypoint < 0 || keypoint >= kKeypoints.at(static_cast<size_t>(image)))
         throw std::logic_error("a keypoint that is not there has got through");
@@ -53,7 +53,7 @@ std::vector<Bytes> seeds() {
   for (int k = 0; k < 3; ++k) model.points.push_back({{1.0 * k, 0, 3}, {{0, k}, {1, k}, {2, k}}});
   const std::string folder = scratch() / "seed";
   std::filesystem::create_directory(folder);
-  if (!write_colmap_model(folder, good_camera(), images, model).empty()) return {{}};
+  if (!write_colmap_model(folder, good_camera(), images, model)) return {{}};
   Bytes seed;
   for (const char* name : kFiles) {
     const Bytes bytes = contents(folder + "/" + name);

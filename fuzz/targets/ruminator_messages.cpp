@@ -17,8 +17,8 @@ BuildResult build(const WindowJob& job, const std::string&, const std::function<
                   const std::atomic<bool>&) {
   progress({.stage = BuildStage::kMapping, .fraction = 0.5, .remaining_s = 1});
   BuildResult result;
-  if (!check_window_job(job).empty() || job.images.size() % 2 == 0)
-    result.failure = "this one is to fail";
+  if (!check_window_job(job) || job.images.size() % 2 == 0)
+    result.submap = Error{"this one is to fail"};
   else
     result.submap = good_submap({job.window.session, -job.window.id}, 2);
   return result;

@@ -20,7 +20,7 @@ void run(View input) {
   options.rate_hz = (input[0] & 1) != 0 ? 30 : 0;
   const std::string file = scratch().write("video", input.subspan(1));
   const camera_driver::OpenedSource opened = camera_driver::open_recording(file, options);
-  for (int i = 0; opened.ok() && i < kMostImages && opened.source->next(); ++i) {
+  for (int i = 0; opened && i < kMostImages && (*opened)->next(); ++i) {
   }
 }
 

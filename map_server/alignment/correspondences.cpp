@@ -31,7 +31,7 @@ struct Observed {
     }
   }
 
-  // Index of the nearest pixel within the distance, kNone if there is none.
+  // Returns the index of the nearest pixel within the distance, or kNone.
   int nearest(const KeypointGrid& grid, const Eigen::Vector2f& pixel, float max_distance_px) const {
     int best = kNone;
     float best_distance = max_distance_px;
@@ -46,7 +46,7 @@ struct Observed {
   }
 };
 
-// Keypoints that are the same, or each other's nearest.
+// Pairs of keypoints that are the same, or each other's nearest.
 void match_keyframes(const Keyframe& a, const Keyframe& b, const Camera& camera, float max_distance_px, int shared,
                      std::vector<LandmarkMatch>* matches) {
   if (same_corners(*a.features, *b.features)) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What two submaps have in common because they were made of the same images: frames of the same time, and landmarks
-// that the same keypoint observes (the paper's M_com, section IV.C: by the distance in the image, not by descriptor,
-// and without a check of the geometry, which on challenging frames is what is wrong).
+// Correspondences of two submaps that were made of some of the same images: frames of the same time, and landmarks that
+// the same keypoint observes (the paper's M_com, section IV.C). Keypoints are matched by their distance in the image,
+// not by descriptor, and the geometry is not checked: on challenging frames it is the geometry that is wrong.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct SharedKeyframe {
   int a = kNone, b = kNone;  // ids
 };
 
-// One observation each of the same pixel in a shared keyframe.
+// Two landmarks that are observed at the same pixel of a shared keyframe.
 struct LandmarkMatch {
   int a = kNone, b = kNone;  // landmark ids
   int shared = 0;            // index into Correspondences::keyframes
@@ -27,20 +27,20 @@ struct LandmarkMatch {
 struct Correspondences {
   std::vector<int64_t> frames;            // utime_us, with a pose in both submaps; ascending
   std::vector<SharedKeyframe> keyframes;  // ascending utime
-  std::vector<LandmarkMatch> landmarks;   // by shared keyframe; each keypoint at most once in each
+  std::vector<LandmarkMatch> landmarks;   // ordered by shared keyframe; each keypoint at most once per keyframe
 };
 
-// Keypoint by keypoint the same corners of the same image: front_tracker may have moved some of them since, to where
-// they are more exactly.
+// True if the two have the same corners of the same image, keypoint by keypoint. front_tracker may have refined the
+// position of some of them since.
 bool same_corners(const Features& a, const Features& b);
 
-// Where keyframes of one image do not have the same corners: `max_distance_px` between keypoints (undistorted) that are
-// taken for one.
+// `max_distance_px`: if keyframes of one image do not have the same corners, undistorted keypoints within this distance
+// are taken for one.
 constexpr double kSameKeypointPx = 1.0;
 Correspondences find_correspondences(const Submap& a, const Submap& b, double max_distance_px = kSameKeypointPx);
 
-// Logarithm of the depth of the common landmarks of a shared keyframe in b over that in a: the median, and its standard
-// error from the spread. Infinite error where there are fewer than `min_landmarks`.
+// The median, over the common landmarks of a shared keyframe, of the logarithm of the depth in b over the depth in a,
+// and its standard error from the spread. The error is infinite if there are fewer than `min_landmarks`.
 struct ScaleRatio {
   double log_b_over_a = 0, sigma = 0;
   double depth_b = 0;  // median

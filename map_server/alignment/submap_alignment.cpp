@@ -16,16 +16,16 @@
 namespace rumi::map_server {
 namespace {
 
-// Of a shared keyframe that agrees: rotation, and distance of its two places over the median depth.
+// A shared keyframe agrees if its two poses differ by no more than this: rotation, and distance over the median depth.
 constexpr double kMaxRotationDeg = 3.0;
 constexpr double kMaxCenterDepthRatio = 0.1;
-constexpr double kMinKeyframeRatio = 0.7;  // of the shared keyframes, that agree
-// What the depths of common landmarks tell of the scale: they err together, so no more of them than this count, and
-// never is it known better than that.
+constexpr double kMinKeyframeRatio = 0.7;  // share of the shared keyframes that must agree
+// The depths of common landmarks tell the scale. Their errors are correlated, so no more of them than this count, and
+// the standard deviation never falls below this.
 constexpr int kIndependentDepths = 10;
 constexpr double kMinSigmaDepthScale = 0.005;
 
-// A match with all that scoring it needs.
+// A match, with the values that scoring needs.
 struct Pair {
   Eigen::Vector3d point_a, point_b;
   Eigen::Vector2d pixel;
@@ -59,7 +59,7 @@ class Aligner {
  private:
   using Chosen = std::function<bool(size_t shared)>;
 
-  // From the chosen shared keyframes, scored on all.
+  // Proposes from the chosen shared keyframes, and scores on all.
   Alignment estimate(const Chosen& chosen) const {
     Alignment best;
     best.landmarks = static_cast<int>(pairs_.size());
@@ -128,8 +128,8 @@ class Aligner {
     }
   }
 
-  // Of the inliers. Where the camera hardly moves in the shared keyframes it is all there is to tell the scale; their
-  // scatter says how much it is worth.
+  // The scale by the depths of the inliers. If the camera hardly moves in the shared keyframes nothing else tells the
+  // scale; the scatter of the depths says how certain it is.
   Sim3RefinementProblem::ScaleMeasurement scale_from_depths(const std::vector<size_t>& inliers) const {
     std::vector<double> logs;
     logs.reserve(inliers.size());
@@ -138,7 +138,7 @@ class Aligner {
     return {scale.value, std::max(scale.sigma, kMinSigmaDepthScale)};
   }
 
-  // Equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
+  // Solves equation 8 of the paper, in both directions, with the landmarks that agree with the best proposal.
   void refine(const Chosen& chosen, Alignment* best) const {
     Sim3RefinementProblem problem;
     std::vector<size_t> with_depths;
@@ -162,7 +162,7 @@ class Aligner {
     *best = std::move(refined);
   }
 
-  // What the even keyframes tell must hold in the odd ones.
+  // A similarity from the even keyframes must hold in the odd ones.
   bool holds_where_not_used() const {
     const Alignment even = estimate([](size_t k) { return k % 2 == 0; });
     int landmarks = 0, inliers = 0;
@@ -198,7 +198,7 @@ class Aligner {
   std::vector<Pair> pairs_;
 };
 
-// Told of all that is common: outside the run nothing agrees.
+// Converts the result for a run to all correspondences: those outside the run do not agree.
 Alignment spread(Alignment part, const SharedRun& run, const Correspondences& common) {
   const auto in_run = [&](size_t shared) { return shared >= run.first && shared < run.first + run.count; };
   std::vector<char> keyframe_inlier, inlier;
@@ -225,7 +225,7 @@ Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences&
     return whole;
   for (const SharedRun& run : runs) {
     Alignment part = Aligner(a, b, part_of(common, run), options).run();
-    // A back submap may also be wrong as a whole, and agree here and there: nothing in the run may disagree.
+    // A back submap may also be wrong as a whole, and agree here and there. So nothing in the run may disagree.
     if (!part.doubt.empty() || (run.is_back_bent && part.keyframe_inliers < part.keyframes)) continue;
     return spread(std::move(part), run, common);
   }

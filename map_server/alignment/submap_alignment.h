@@ -17,7 +17,7 @@ namespace rumi::map_server {
 constexpr int kMinSharedKeyframes = 3;
 
 struct AlignmentOptions {
-  int min_landmarks = 40;               // M_com, of one keyframe for a proposal: a quarter of it
+  int min_landmarks = 40;               // of M_com; a proposal needs a quarter of it in its keyframe
   double max_reprojection_px = 4.0;     // of an inlier, in each direction, at octave 0
   double min_inlier_ratio = 0.5;        // of M_com
   double max_sigma_rotation_deg = 0.5;  // of the result
@@ -32,12 +32,12 @@ struct Alignment {
   double sigma_rotation_deg = 0, sigma_log_scale = 0;  // standard deviations, of the worst direction
   std::vector<char> inlier;                            // per Correspondences::landmarks
   std::vector<char> keyframe_inlier;                   // per Correspondences::keyframes
-  std::string doubt;                                   // empty, or why it is not to be believed
+  std::string doubt;                                   // why the alignment is refused; empty if it is accepted
 };
 
-// Where that is in doubt, the part beside a bent end of a front submap is tried (bent_end.h), under the same
-// conditions; then the keyframes and landmarks of the end count as such that do not agree. Nothing but a doubt where
-// there is too little in common to propose anything.
+// If the alignment is in doubt, the part beside a bent end of a front submap is tried (bent_end.h) under the same
+// conditions; the keyframes and landmarks of that end then count as not agreeing. If the submaps have too little in
+// common for a proposal, the result has only a doubt.
 Alignment align_submaps(const Submap& a, const Submap& b, const Correspondences& common,
                         const AlignmentOptions& options);
 

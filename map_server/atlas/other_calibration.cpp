@@ -9,7 +9,7 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr double kMuch = 0.02;  // of a focal length; of the image's width
+constexpr double kMuch = 0.02;  // share of a focal length, or of the image's width
 
 struct Quantity {
   const char* name;
@@ -17,7 +17,7 @@ struct Quantity {
   double unit;  // in which a difference is measured, px
 };
 
-// Where the lens takes the middle of the image's left edge from, px: in its corners a distortion may fold.
+// The undistorted position, in pixels, of the middle of the image's left edge (in the corners a distortion may fold).
 Eigen::Vector2d edge(const Camera& camera) {
   const Eigen::Vector3d ray = camera.unproject({0, camera.cy});
   return {camera.fx * ray.x(), camera.fy * ray.y()};
@@ -27,7 +27,7 @@ Eigen::Vector2d edge(const Camera& camera) {
 
 std::string difference(const Camera& there, const Camera& here) {
   if (there.model != here.model) return "another model of the lens";
-  // One of them may be of images that were made smaller.
+  // One of the two may belong to images that were shrunk.
   const Camera same = there.resized(here.width, here.height);
   if (std::abs(same.width * there.height - same.height * there.width) > there.width + there.height)
     return fmt::format("{} x {} pixels there, {} x {} here", there.width, there.height, here.width, here.height);

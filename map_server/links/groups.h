@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Groups of submaps that hang together.
+// Groups of submaps: each unite() joins two of them.
 #pragma once
 
 #include <cstddef>

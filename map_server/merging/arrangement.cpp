@@ -28,7 +28,7 @@ MapPart choose_part(const BuildInput& input, const LinkGraph& graph, const std::
 // Chooses among the submaps that have a place in the map, if there are any. A front submap comes first, because nothing
 // removes its beginning.
 SubmapKey choose_anchor(const BuildInput& input, const MapPart& part, const Placements& placed) {
-  if (!part.held.empty()) return *part.held.begin();
+  if (!part.fixed.empty()) return *part.fixed.begin();
   const auto is_placed = [&](SubmapKey key) {
     return input.fixed.empty() ? placed.contains(key) : input.fixed.contains(key);
   };
@@ -59,7 +59,7 @@ PlacedSubmaps place_part(const BuildInput& input, const LinkGraph& graph, const 
   std::set<SubmapKey> first{anchor};
   for (const SubmapKey& key : part.submaps)
     if (const auto where = placed.find(key); where != placed.end()) {
-      const bool stays = input.fixed.contains(key) || part.held.contains(key);
+      const bool stays = input.fixed.contains(key) || part.fixed.contains(key);
       result[key] = {input.submaps.at(key), where->second, stays};
       first.insert(key);
     }
@@ -151,9 +151,9 @@ bool drop_worst_joints(const std::vector<BentEdge>& edges, const MapGraphReport&
 std::optional<Arrangement> arrange(std::set<SubmapKey> members, const BuildInput& input,
                                    const ArrangementOptions& options, LinkGraph* graph) {
   for (;; members = choose_members(*graph, input)) {
-    const bool joins_kept =
-        std::any_of(members.begin(), members.end(), [&](const SubmapKey& key) { return input.kept.contains(key); });
-    const Placements& placed = joins_kept ? input.kept : input.placed;
+    const bool joins_beside =
+        std::any_of(members.begin(), members.end(), [&](const SubmapKey& key) { return input.beside.contains(key); });
+    const Placements& placed = joins_beside ? input.beside : input.placed;
     Arrangement arranged{.members = members};
     arranged.part = choose_part(input, *graph, members, placed, options.weld_keyframes);
     arranged.anchor = choose_anchor(input, arranged.part, placed);

@@ -15,7 +15,7 @@ constexpr double kSettledShare = 0.05;        // of the keyframes, more or fewer
 
 }  // namespace
 
-// In a place that is known, keyframes are corrected and replaced all the time, and the map stays what it was.
+// Ignores that keyframes are corrected and replaced all the time: in a known place the map stays what it was.
 bool BuildSchedule::is_settled(const BuildSize& size) const {
   const double before = static_cast<double>(adjusted_.keyframes);
   return size.submaps == adjusted_.submaps &&
@@ -30,7 +30,7 @@ std::optional<BuildScope> BuildSchedule::due(const BuildNeeds& needs, int64_t no
     const bool settled = is_settled(needs.size);
     const double period_s =
         std::max(adjustment_interval_s_, kAdjustmentSPerView * views_) * (settled ? kSettledPeriods : 1);
-    // Association is worth its price only if its points stay: each adjustment on the way throws them away.
+    // Association is worth its price only if its points stay, and each adjustment on the way throws them away.
     if (is_due(now_us, last_adjustment_us_, to_us(period_s))) return settled ? BuildScope::kAll : BuildScope::kOnTheWay;
   }
   return needs.has_news && interval_is_over ? std::optional(BuildScope::kWeld) : std::nullopt;
@@ -39,8 +39,9 @@ std::optional<BuildScope> BuildSchedule::due(const BuildNeeds& needs, int64_t no
 void BuildSchedule::begun(BuildScope scope, int64_t now_us) {
   last_begin_us_ = now_us;
   began_in_a_hurry_ = hurry_;
-  if (scope == BuildScope::kAll) hurry_ = false;  // who hurries from now on means what is not in this build
-  // The first adjustment waits its turn from the first look on.
+  if (scope == BuildScope::kAll)
+    hurry_ = false;  // a hurry() from now on is about submaps that this build does not have
+  // The first adjustment is due one period after the first build.
   if (scope != BuildScope::kWeld || last_adjustment_us_ == kNever_us) last_adjustment_us_ = now_us;
 }
 
@@ -51,7 +52,7 @@ void BuildSchedule::built(BuildScope scope, int members, int views, const BuildS
 }
 
 void BuildSchedule::broke_off(bool something_was_new) {
-  changed_ = changed_ && something_was_new;  // else the same build would break off for ever
+  changed_ = changed_ && something_was_new;  // else the same build would throw for ever
   hurry_ = hurry_ || began_in_a_hurry_;
 }
 

@@ -13,7 +13,7 @@ namespace rumi::map_server {
 
 namespace {
 
-// One camera, in the units of two submaps. Nothing: how large they are beside each other cannot be told there.
+// The joint at one image, with its scale. Nothing if the image does not tell the scale between the two submaps.
 std::optional<KeyframeJoint> make_joint(const Submap& a, const Submap& b, const Correspondences& common, int k,
                                         const PairOptions& options) {
   const SharedKeyframe& shared = common.keyframes[k];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two submaps made of some of the same images: whether they agree, and what that says of where they lie.
+// Compares two submaps made of some of the same images: whether they agree, and how they lie to each other.
 #pragma once
 
 #include "map_server/alignment/submap_alignment.h"

@@ -96,7 +96,7 @@ BuiltMap MapBuilder::build(LinkGraph graph, const BuildInput& input) const {
   map.placements = split(map.model, map.submaps);
   if (input.scope != BuildScope::kWeld)
     built.culled = MapCulling(options_.culling, options_.links.pairs).cull(input, &built.graph, &map);
-  if (input.fixed.empty() && arranged->part.held.empty())
+  if (input.fixed.empty() && arranged->part.fixed.empty())
     keep_gauge(map.submaps.at(arranged->anchor), arranged->anchor, &map.placements);
   built.placements = std::move(map.placements);
   const std::set<SubmapKey>& part = arranged->part.submaps;

@@ -32,7 +32,7 @@ struct MapBuilderOptions {
 };
 
 struct MapBuildReport {
-  int members = 0;         // submaps that hang together
+  int members = 0;         // submaps of the map
   int views = 0;           // of the map
   int adjusted_views = 0;  // of those
   int points = 0, observations = 0, outliers = 0;
@@ -53,12 +53,12 @@ class MapBuilder {
  public:
   explicit MapBuilder(const MapBuilderOptions& options) : options_(options) {}
 
-  // The graph: what LinkFinder found in the same input.
+  // `graph`: what LinkFinder found in the same input.
   BuiltMap build(LinkGraph graph, const BuildInput& input) const;
 
  private:
   std::vector<int> weld_window(const BuiltContacts& before, const MapModel& model) const;
-  // What is adjusted; none: all.
+  // The views that are adjusted; empty: all.
   std::vector<int> window_of(const BuildInput& input, const BuiltContacts& before, const MapModel& model) const;
   MapBuildReport adjust(const BuildInput& input, const BuiltContacts& before, MapModel* model) const;
 

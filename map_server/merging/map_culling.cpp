@@ -12,7 +12,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Keyframes kept of those that a back submap has in common with another submap, spread over them.
+// So many of the keyframes that a back submap has in common with another submap stay, spread over all of them.
 constexpr int kKeptJoints = 4;
 
 void need(const KeyframeJoint& joint, KeyframeSets* needed) {
@@ -20,7 +20,8 @@ void need(const KeyframeJoint& joint, KeyframeSets* needed) {
   (*needed)[joint.b.submap].insert(joint.b.id);
 }
 
-// Where two do not agree, the back submap is believed; and what was refused is tried again when more is known.
+// Keyframes of one image that do not agree are needed: the back submap is believed there, and a refused link is
+// compared again when more is known.
 void need_what_disagrees(const Submaps& submaps, const std::set<JointName>& agree, KeyframeSets* needed) {
   std::map<ImageId, std::vector<KeyframeRef>> images;
   for (const auto& [key, submap] : submaps)
@@ -85,7 +86,8 @@ CulledSubmaps MapCulling::cull(const BuildInput& input, LinkGraph* graph, Adjust
   }
   forget_removed(map->submaps, &map->model);
   Placements left_placed = split(map->model, map->submaps);
-  for (auto& [key, placement] : left_placed)  // which the frames hang on: of all landmarks, not of those that are left
+  for (auto& [key, placement] :
+       left_placed)  // frames hang on these: they come from all landmarks, not only from those that are left
     for (auto& [utime_us, similarity] : placement.map_from_submap) similarity = map->placements.at(key).at(utime_us);
   map->placements = std::move(left_placed);
   return culled;

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// When the map is built, and where: in a thread of its own (live) or at once (replay), of copies of the submaps, so
-// that the atlas goes on changing meanwhile. A build that throws is refused: map and links stay as they are, and the
-// next build goes without what is in doubt.
+// Builds the map when it is due: in a thread of its own (live) or at once (replay), from copies of the submaps, so that
+// the atlas may change meanwhile. A build that throws is refused: map and links stay as they are, and the next build
+// goes without the submaps in doubt. BuildSchedule says when a build is due, Suspects of which submaps, and BuildRun
+// owns all that the building thread touches. The states:
+//
+//   is_building_   worker        what tick() does
+//   false          idle          begins a build if one is due
+//   true           at work       nothing
+//   true           idle again    accepts the result, or gives it up
 #pragma once
 
 #include <atomic>
@@ -18,36 +24,36 @@
 
 namespace rumi::map_server {
 
-// When the map is built.
+// Says when and where the map is built.
 struct MergeOptions {
   MapBuilderOptions builder;
   bool enabled = true;                // false: the map is the largest submap, a front one if there is any
   bool thread = true;                 // false: at once, as replay does
-  double interval_s = 2;              // from one look at what is new to the next
-  double adjustment_interval_s = 20;  // from one adjustment of the whole map to the next, at least
+  double interval_s = 2;              // between two looks at what is new
+  double adjustment_interval_s = 20;  // between two adjustments of the whole map, at least
   int nice = 10;                      // of the thread
 };
 
 class MapMerger {
  public:
   explicit MapMerger(const MergeOptions& options);
-  ~MapMerger();  // gives up what is under way
+  ~MapMerger();  // gives up the build that is under way
 
-  // See BuildInput::fixed. What is fixed and not in the map stays out of it. Before the first tick().
+  // See BuildInput::fixed. Fixed submaps that are not in the map stay out of it. Call it before the first tick().
   void fix(std::set<SubmapKey> all, const std::set<SubmapKey>& in_map);
-  // Begins what is due and returns what is done.
+  // Begins a build if one is due, and returns the result of one that is done.
   std::optional<MergeResult> tick(int64_t now_us, const Atlas& atlas);
-  // Everything that is known now and left to do is due at once, until an adjustment of the whole map has begun with it.
+  // Makes builds due at once, until an adjustment of the whole map has begun with everything that is known now.
   void hurry() { schedule_.hurry(); }
   bool hurried() const { return schedule_.is_in_a_hurry() || suspects_.unfinished(); }
-  // Nothing is left to do, and nothing under way.
+  // True if nothing is left to do and no build is under way.
   bool idle(const Atlas& atlas) const { return !is_building_ && schedule_.is_at_rest(needs_of(atlas)); }
   bool running() const { return is_building_; }
-  // Frees them where the map is built: that takes long.
+  // Frees placements in the building thread, because freeing takes long.
   void free(std::vector<Placement> placements);
-  // Builds that threw.
+  // The builds that threw.
   const Failures& refused() const { return refused_; }
-  // The last build threw, or submaps are still to be tried or left out because one did.
+  // True if the last build threw, or if submaps must still be tried or are left out because a build did.
   bool in_doubt() const { return last_broke_off_ || suspects_.unfinished() || !suspects_.left_out().empty(); }
   std::set<SubmapKey> left_out() const { return suspects_.left_out(); }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of the map that is looked at when something is added to it: however large the map, an addition is bent and
-// welded with what lies around it.
+// The part of the map that a weld arranges: however large the map, an addition is bent and welded only with what lies
+// around it.
 #pragma once
 
 #include <set>
@@ -11,11 +11,11 @@ namespace rumi::map_server {
 
 struct MapPart {
   std::set<SubmapKey> submaps;
-  std::set<SubmapKey> held;  // of those: what is outside hangs on them, so they stay where they are
+  std::set<SubmapKey> fixed;  // those of them that touch submaps outside the part, so they must stay where they are
 };
 
-// Those that are `fresh`, all that they are in contact with, and what that is in contact with in turn, until there are
-// about so many keyframes. Only members count.
+// The part has the `fresh` submaps, all members in contact with them, and then members in contact with those, until it
+// has about `keyframes` keyframes.
 MapPart part_around(const std::set<SubmapKey>& fresh, const std::set<SubmapKey>& members, const SubmapPairs& contacts,
                     const Submaps& submaps, int keyframes);
 

@@ -13,12 +13,12 @@
 namespace rumi::map_server {
 namespace {
 
-constexpr double kMinOctave = -1.5;  // from nearer by it is too large to be found
+constexpr double kMinOctave = -1.5;  // a point seen from nearer is too large to be detected
 
-// How a point looked to those who saw it.
+// How a point looked in the views that observe it.
 struct Look {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras
-  double octave0_distance = 0;                          // from where it would be a keypoint of octave 0
+  double octave0_distance = 0;                          // the distance at which it would be a keypoint of octave 0
 };
 
 class Associator {
@@ -102,7 +102,7 @@ class Associator {
                                                                                                     : kNone;
   }
 
-  // Two points that one image sees at different keypoints are different things.
+  // Two points that one image observes at different keypoints are different things.
   bool may_fuse(int a, int b, const MapModel::View& view) const {
     const double depth_a = (view.cam_from_map * model_.points[a].position).z();
     const double depth_b = (view.cam_from_map * model_.points[b].position).z();

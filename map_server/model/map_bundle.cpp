@@ -13,8 +13,8 @@
 namespace rumi::map_server {
 namespace {
 
-// Observations of a view that it takes to place it: three place it anywhere, and of a few the wrong ones do not show.
-// An image that went dark while SIFT still placed it may have no more.
+// The fewest observations that place a view. Three fit any pose, and among a few the wrong ones do not stand out. An
+// image that went dark while SIFT still placed it may have fewer.
 constexpr int kLeastToPlace = 15;
 
 class Bundle {
@@ -73,7 +73,7 @@ class Bundle {
       const MapModel::View& view = model_.views[o.view];
       const Keypoint& keypoint = view.features->keypoints[o.keypoint];
       const Eigen::Vector2d pixel = view.features->undistorted[o.keypoint].cast<double>();
-      // All in the pixels of one camera.
+      // Converts all observations to the pixels of one camera.
       const Eigen::Vector2d in_camera(camera_.fx * (pixel.x() - view.camera.cx) / view.camera.fx + camera_.cx,
                                       camera_.fy * (pixel.y() - view.camera.cy) / view.camera.fy + camera_.cy);
       const double sigma_px = view.pyramid.scale(keypoint.octave);
@@ -82,7 +82,7 @@ class Bundle {
     }
   }
 
-  // Observations below the gate, of views that they can place and of points that have two of them at least.
+  // Selects observations below the gate, of views with enough of them and of points that have at least two.
   std::vector<BundleProblem::Observation> within(double gate_chi2) {
     std::vector<char> good(problem_.observations.size());
     std::vector<int> of_view(problem_.views.size(), 0), of_point(problem_.points.size(), 0);
@@ -103,8 +103,8 @@ class Bundle {
     return chosen;
   }
 
-  // Where the view is if it goes with that which is next to it in time of those that were placed, of its own stream if
-  // it can be.
+  // Returns the pose of a view that moves with the placed view next to it in time, one of its own stream if there is
+  // one.
   SE3 carried_along(size_t view) const {
     const auto before = [this](size_t v) -> const MapModel::View& { return model_.views[views_[v]]; };
     const auto apart = [&](size_t v) {
@@ -120,7 +120,7 @@ class Bundle {
   }
 
   void apply(double gate_chi2, MapBundleReport* report) {
-    // Before the model, which has where all were, is changed.
+    // This must come before the model changes, because it uses the poses of before.
     for (size_t v = 0; v < views_.size(); ++v)
       if (!is_placed_[v]) problem_.views[v].cam_from_submap = carried_along(v);
     for (size_t v = 0; v < views_.size(); ++v)

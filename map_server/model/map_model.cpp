@@ -15,8 +15,8 @@ namespace {
 
 constexpr size_t kMinScaleLandmarks = 5;
 
-// Which keypoint of `to` is each keypoint of `from`, features of the same image? kNone where there is none. A detector
-// may find one pixel in two octaves: where both submaps have the same keypoints each is itself.
+// Finds for each keypoint of `from` the one of `to`, which has features of the same image; kNone if there is none. A
+// detector may find one pixel in two octaves, so if both have the same keypoints each is matched with itself.
 std::vector<int> same_keypoints(const Features& from, const Features& to, const Camera& camera, float same_px) {
   std::vector<int> same(from.size(), kNone);
   if (same_corners(from, to)) {
@@ -159,8 +159,8 @@ double scale_at(const MapModel& model, const MapModel::View& view, const std::ma
   return ratios.size() < kMinScaleLandmarks ? otherwise : median(&ratios);
 }
 
-// Which of the landmarks that are one point the others are fused into: one of a fixed submap, if there is one, that
-// stands for itself there; or what stands for it, which may be outside of the model.
+// Chooses the landmark of a point into which the point's other landmarks are fused: one of a fixed submap, if there is
+// one. If that one is itself fused into another landmark, it is that other one, which may be outside the model.
 LandmarkRef stands_for(const std::vector<LandmarkRef>& landmarks, const std::map<SubmapKey, PlacedSubmap>& submaps) {
   std::optional<LandmarkRef> outside;
   for (const LandmarkRef& ref : landmarks) {
@@ -223,7 +223,7 @@ std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<Subma
   std::map<SubmapKey, std::map<int, int>> point_of;
   for (const auto& [key, placed] : submaps) placements[key];
   for (size_t p = 0; p < model.points.size(); ++p) {
-    // Where nothing says where it is it follows its keyframe.
+    // A landmark without a point follows its keyframe.
     if (model.points[p].observations.size() < 2 || !model.points[p].position.allFinite()) continue;
     const std::vector<LandmarkRef>& landmarks = model.points[p].landmarks;
     if (landmarks.empty()) continue;  // all of them were culled

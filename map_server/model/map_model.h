@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The served map while it is worked on: one view per image and one point per thing in the world, whichever submaps they
-// came from. Joining needs no search: submaps made of the same image have its keypoints in common, and two landmarks
-// that the same keypoint of the same image observes are one (the paper's M_com, section IV.C).
+// The map while it is built: one view per image and one point per thing in the world, whichever submaps they came from.
+// Joining needs no search: submaps made of the same image have its keypoints in common, and two landmarks that the same
+// keypoint of the same image observes are one point (the paper's M_com, section IV.C).
 #pragma once
 
 #include <cstdint>
@@ -34,34 +34,34 @@ struct MapModel {
     Eigen::Vector3d position;
     Descriptor descriptor{};
     std::vector<Observation> observations;  // at most one per view
-    std::vector<LandmarkRef> landmarks;     // that it is; empty: fused into another point
+    std::vector<LandmarkRef> landmarks;  // the landmarks that are this point; empty if it was fused into another point
   };
   std::vector<View> views;  // by image
   std::vector<Point> points;
 
-  // False, and nothing changed, if the view observes the point already or the keypoint observes something.
+  // Returns false, and changes nothing, if the view observes the point already or the keypoint observes another one.
   bool observe(int point, int view, int keypoint);
   void forget(int point, int view);
-  // `from` becomes part of `into`; an observation of `from` in a view that observes `into` elsewhere is dropped.
+  // Makes `from` a part of `into`. An observation of `from` in a view that observes `into` elsewhere is dropped.
   void fuse(int into, int from);
 };
 
 struct PlacedSubmap {
   const Submap* submap = nullptr;
   Placement placement;
-  bool fixed = false;  // it stays where it is
+  bool fixed = false;  // no build may move it
 };
 
-// `same_px`: distance of keypoints that are taken for one where two submaps have the same image. Where submaps place
-// the same image or point differently, the back submap is believed: it was made with more time, and of all frames;
-// but before all others one that is fixed, whose images are fixed views.
+// `same_px`: keypoints of the same image within this distance are taken for one. If submaps place the same image or
+// point differently, a fixed submap is believed first, and its images become fixed views; then a back submap, because
+// it was made with more time and of all frames.
 MapModel join(const std::map<SubmapKey, PlacedSubmap>& submaps, double same_px);
 
-// Forgets which keyframes and landmarks the views and points are where the submaps no longer have them.
+// Drops from views and points the keyframes and landmarks that the submaps no longer have.
 void forget_removed(const std::map<SubmapKey, PlacedSubmap>& submaps, MapModel* model);
 
-// Where the model puts the keyframes and landmarks of the submaps that it was joined from. The scale at a keyframe is
-// the median over its landmarks, that before where there are too few. What is fixed stays to the bit.
+// Returns the placements of the submaps that the model was joined from. The scale at a keyframe is the median over its
+// landmarks; if there are too few, it is the scale of before. Fixed submaps keep their placement to the bit.
 std::map<SubmapKey, Placement> split(const MapModel& model, const std::map<SubmapKey, PlacedSubmap>& submaps);
 
 }  // namespace rumi::map_server

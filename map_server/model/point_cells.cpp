@@ -15,7 +15,7 @@ namespace {
 constexpr double kCellsPerReach = 8;
 constexpr double kSlack = 1 + 1e-9;  // rounding must not cost a point
 
-// Between the optical axis and the corner that is farthest from it.
+// The angle between the optical axis and the corner that is farthest from it.
 double half_field_rad(const Camera& camera) {
   double widest = 0;
   for (double u : {0, camera.width})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The points of the map by where they are, so that a view need not look at all of them.
+// Sorts the points of the map into cells, so that a view need not look at all of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,10 +12,11 @@ namespace rumi::map_server {
 class PointCells {
  public:
   PointCells() = default;
-  // `reach`: per point, from how far it can be seen at most. Points that are not finite, or of no reach, are left out.
+  // `reach`: the distance from which each point can be seen. Points that are not finite or have no reach are left out.
   PointCells(const std::vector<MapModel::Point>& points, const std::vector<double>& reach);
 
-  // Indices, ascending, of all points that lie in the view's field of view and within their reach, and of some others.
+  // Returns the indices, ascending, of all points in the view's field of view and within their reach, and of some
+  // others.
   std::vector<int> may_be_seen(const MapModel::View& view) const;
 
  private:

@@ -20,7 +20,7 @@ struct PostCullingOptions {
 
 using KeyframeSets = std::map<SubmapKey, std::set<int>>;  // ids
 
-// What the images that submaps have in common mean for culling.
+// What culling must know of the images that submaps have in common.
 struct CommonImages {
   KeyframeSets needed;                 // hold the map together, or might yet: they stay
   std::vector<KeyframeJoint> doubled;  // two keyframes of one image that agree: one of them is enough

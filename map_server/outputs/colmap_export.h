@@ -13,8 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "map_server/atlas/atlas.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/colours.h"
 
 namespace rumi::map_server {
 
@@ -25,16 +26,16 @@ struct ImageFile {
 };
 using ImageFiles = std::map<ImageId, ImageFile>;
 
-// The images of the model.
+// Returns the images of the model.
 std::vector<ImageId> colmap_images(const Atlas& atlas);
-// The name of one of these by its time.
+// Returns the name that one of `images` has in the model if no ImageFile names it.
 std::string colmap_name(const ImageId& image, const std::vector<ImageId>& images);
 
-// Writes cameras, images and points3D into the folder (created), as .txt or .bin. An empty string, or the file and why
-// not.
-std::string write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {},
-                              const ImageFiles& files = {});
-std::string write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {},
-                                const ImageFiles& files = {});
+// Writes cameras, images and points3D into the folder (created), as .txt or .bin. An Error names the file that cannot
+// be written, or a name of an image that the format cannot hold.
+Result<> write_colmap_text(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {},
+                           const ImageFiles& files = {});
+Result<> write_colmap_binary(const Atlas& atlas, const std::string& folder, const LandmarkColours& colours = {},
+                             const ImageFiles& files = {});
 
 }  // namespace rumi::map_server

@@ -21,7 +21,7 @@ namespace rumi::map_server {
 struct PlaceAlignmentOptions {
   PlaceMatchOptions matching;
   int neighbours = 4;  // views of either place besides the keyframe itself
-  int witnesses = 6;   // of either place, kept out of the alignment
+  int witnesses = 6;   // of either place; the alignment does not use them
 
   int min_proposed = 15;              // landmark pairs by descriptor
   int ransac_iterations = 1000;       // at most
@@ -44,7 +44,7 @@ struct PlaceAlignmentOptions {
   double witness_radius_px = 5.0;  // at octave 0
   int min_witness_found = 20;      // landmarks of the other place that a witness sees
   double min_witness_ratio = 0.2;  // of those that should be in view of it
-  int min_witnesses = 2;           // of each place, that bear it out
+  int min_witnesses = 2;           // of each place that must confirm the alignment
 };
 
 struct PlaceAlignment {
@@ -61,13 +61,14 @@ struct PlaceAlignment {
   double median_depth = 0;  // of the inliers, from keyframe b, in the unit of b
   double sigma_rotation_deg = 0, sigma_log_scale = 0;
   double sigma_translation = 0;          // over the median depth
-  int witnesses_a = 0, witnesses_b = 0;  // keyframes kept out of it that bear it out
+  int witnesses_a = 0, witnesses_b = 0;  // keyframes that the alignment does not use and that confirm it
   std::vector<Witness> heard;            // those of a, then those of b
-  std::string doubt;                     // empty, or why it is not to be believed, with the numbers
+  std::string doubt;                     // why the alignment is refused, with the numbers; empty if it is accepted
 };
 
 // `a` and `b` may be one submap: a loop. Lengths of sigma and extent are relative, so that the unit does not matter.
-// Deterministic. Some 15 ms for 1000 keypoints a keyframe, 50 at most, a third of it where nothing is in common.
+// Deterministic. It takes some 15 ms for 1000 keypoints a keyframe, at most 50, and a third of that if the places have
+// nothing in common.
 //
 // If two places look alike in all keyframes here, they cannot be told apart. So before the caller joins submaps, it
 // should have several alignments of different keyframes that agree.

@@ -11,7 +11,7 @@
 namespace rumi::map_server {
 namespace {
 
-// Each landmark of either side once: the first match that names it.
+// Keeps the first match of each landmark of either side.
 std::vector<PlaceMatch> one_to_one(const std::vector<PlaceMatch>& ranked, size_t landmarks_a, size_t landmarks_b) {
   std::vector<char> taken_a(landmarks_a, 0), taken_b(landmarks_b, 0);
   std::vector<PlaceMatch> kept;
@@ -40,7 +40,8 @@ class Projector {
         log_factor_(std::log(to.pyramid.scale_factor)),
         octaves_per_octave_(std::log(from.submap->pyramid.scale_factor) / log_factor_) {}
 
-  // Nothing if out of view, seen from a too different direction, or too coarse or fine to be detected.
+  // Returns nothing if the landmark is out of view, seen from a too different direction, or too coarse or fine to be
+  // detected.
   std::optional<Prediction> predict(const PlaceLandmark& landmark, const SE3& cam_from_to) const {
     const Eigen::Vector3d point = to_from_from_ * landmark.position;
     const Eigen::Vector3d in_cam = cam_from_to * point;
@@ -60,7 +61,7 @@ class Projector {
     return Prediction{pixel.cast<float>(), octave};
   }
 
-  // Calls visit(keypoint, Hamming distance, the sighting that it is close to) for the keypoints that may be it.
+  // Calls visit(keypoint, Hamming distance, nearest sighting) for the keypoints that may observe the landmark.
   template <class Visit>
   void search(const PlaceLandmark& landmark, const Prediction& at, const PlaceView& view, double radius_px,
               Visit visit) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Landmarks of two places that may be the same point: by descriptor alone, or near where a similarity puts them.
+// Matches landmarks of two places that may be the same point: by descriptor alone, or near where a similarity puts
+// them.
 #pragma once
 
 #include <map>
@@ -18,22 +19,23 @@ struct PlaceMatchOptions {
   double min_view_cosine = 0.5;   // between the rays of the two places to a landmark
 };
 
-// Indices into PlaceNeighbourhood::landmarks, and the two keypoints whose descriptors matched.
+// A match: indices into PlaceNeighbourhood::landmarks, and the two keypoints whose descriptors matched.
 struct PlaceMatch {
   int a = kNone, b = kNone;
   PlaceSighting in_a, in_b;
   int distance = 0;  // Hamming
 };
 
-// Landmark pairs by descriptor alone: views of a against views of b (match_features), which vote for them.
+// Finds landmark pairs by descriptor alone: it compares views of a with views of b (match_features), which vote for
+// pairs.
 class PlaceProposals {
  public:
-  // Keeps references.
+  // Keeps references to its arguments.
   PlaceProposals(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const PlaceMatchOptions& options)
       : a_(a), b_(b), options_(options) {}
 
   void compare(size_t view_a, size_t view_b);
-  // Those that most comparisons found come first, each landmark once.
+  // Returns the pairs that most comparisons found first, each landmark once.
   std::vector<PlaceMatch> ranked() const;
 
  private:
@@ -47,12 +49,12 @@ class PlaceProposals {
   std::map<std::pair<int, int>, Votes> votes_;  // by landmarks
 };
 
-// Landmarks of a projected into the views of b and back, within radius_px at octave 0; each landmark once.
+// Projects landmarks of a into the views of b and back, and matches within radius_px at octave 0; each landmark once.
 std::vector<PlaceMatch> guided_matches(const PlaceNeighbourhood& a, const PlaceNeighbourhood& b, const Sim3& b_from_a,
                                        double radius_px, const PlaceMatchOptions& options);
 
-// How a keyframe that had no part in the similarity bears it out: of the landmarks `from` that should be in view of
-// it, those with a matching keypoint within radius_px.
+// Says how well a keyframe that had no part in the similarity confirms it: how many of the landmarks `from` should be
+// in its view, and how many of these have a matching keypoint within radius_px.
 struct Witness {
   int visible = 0;
   int found = 0;

@@ -31,8 +31,8 @@ struct PlaceLandmark {
 
 struct PlaceNeighbourhood {
   const Submap* submap = nullptr;
-  std::vector<PlaceView> views;          // the keyframe itself first; what an alignment is made of
-  std::vector<PlaceView> witnesses;      // covisible keyframes kept out of it, to verify it with
+  std::vector<PlaceView> views;          // the views that an alignment uses; the keyframe itself comes first
+  std::vector<PlaceView> witnesses;      // covisible keyframes that no alignment uses, so that they can verify it
   std::vector<PlaceLandmark> landmarks;  // that the views observe, ascending id
 
   const Features& features(int view) const { return *views[view].keyframe->features; }
@@ -47,8 +47,8 @@ struct PlacePair {
   std::string doubt;  // empty, or why the two cannot be compared
 };
 
-// Up to `neighbours` views besides the keyframe itself and up to `witnesses` of either place. In one submap the two
-// have nothing in common: neither keyframe nor landmark. What is not finite is left out.
+// Collects up to `neighbours` views besides the keyframe itself and up to `witnesses` of either place. Two places of
+// one submap share neither keyframes nor landmarks. Landmarks that are not finite are left out.
 PlacePair gather_places(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, int neighbours,
                         int witnesses);
 

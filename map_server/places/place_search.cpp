@@ -12,7 +12,7 @@
 namespace rumi::map_server {
 namespace {
 
-// A second alignment comes within seconds or not at all; a few are found in the minute.
+// A second alignment comes within seconds or not at all, so older unconfirmed links are dropped.
 constexpr size_t kMostUnconfirmed = 1000;
 
 Link make_link(const Place& a, const Place& b, const PlaceAlignment& alignment) {
@@ -42,7 +42,7 @@ LinkEdge make_edge(const Place& a, const Place& b, const Submaps& submaps, const
   return {make_link(a, b, alignment), a.image.utime_us, b.image.utime_us, {joint}, alignment.landmarks};
 }
 
-// Landmarks of the two images, by themselves, that look alike. Some five do by chance.
+// Counts landmarks of the two images alone that look alike. Some five do by chance.
 int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, const PlaceMatchOptions& o) {
   const Keyframe &x = *a.keyframe(keyframe_a), &y = *b.keyframe(keyframe_b);
   const std::vector<int> in_x = landmark_keypoints(x), in_y = landmark_keypoints(y);
@@ -51,7 +51,7 @@ int alike(const Submap& a, int keyframe_a, const Submap& b, int keyframe_b, cons
       match_features(*x.features, in_x, *y.features, in_y, {o.max_distance, o.max_ratio, true}).size());
 }
 
-// The same link told from the other side, without its joint and landmarks.
+// Returns the same link from the other side, without its joint and landmarks.
 LinkEdge turned(const LinkEdge& x) {
   LinkEdge y{.link = x.link, .utime_a_us = x.utime_b_us, .utime_b_us = x.utime_a_us};
   std::swap(y.link.a, y.link.b);
@@ -75,7 +75,7 @@ void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLink
       if (make_known(*submap, keyframe, links)) fresh.push_back({key, id, submap->image(keyframe)});
   for (const Place& place : fresh) {
     std::vector<KeyframeRef>& same_image = links->searched_for[place.image];
-    // What the image shows has been looked for by its other keyframe, where that tells of this one too.
+    // A joined keyframe of the same image was searched for already, and its result holds for this one too.
     const bool known = std::any_of(same_image.begin(), same_image.end(), [&](const KeyframeRef& other) {
       return joined(place, {other.submap, other.id, place.image});
     });
@@ -85,7 +85,8 @@ void PlaceSearch::search(const Submaps& submaps, const Joined& joined, PlaceLink
   }
 }
 
-// In a place that is seen for hours front_tracker makes and removes keyframes without end.
+// Forgets keyframes that were removed: in a place that is seen for hours front_tracker makes and removes them all the
+// time.
 void PlaceSearch::forget_removed(const Submaps& submaps, PlaceLinks* links) {
   const auto is_gone = [&](SubmapKey key, int keyframe) {
     const auto owner = submaps.find(key);
@@ -114,7 +115,7 @@ bool PlaceSearch::search_again(const std::set<SubmapKey>& alone, const Submaps& 
   }
   if (places.empty()) return false;
   forget_removed(submaps, links);
-  // All anew: to take one keyframe out takes as long as there are others that look like it.
+  // Builds the index anew, because removing one keyframe takes time for each keyframe that looks like it.
   index_ = {};
   for (const auto& [key, submap] : submaps)
     for (const auto& [id, keyframe] : submap->keyframes) index_.add(*submap, keyframe);
@@ -133,7 +134,7 @@ bool PlaceSearch::is_known(const std::vector<LinkEdge>& found, const Place& a, c
   });
 }
 
-// With what it is confirmed by, if it is.
+// Adds the link, and the unconfirmed ones that it confirms, if any agrees with it.
 void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submaps, PlaceLinks* links) const {
   std::vector<LinkEdge>& unconfirmed = links->unconfirmed;
   const auto confirms = [&](const LinkEdge& other) { return agree(edge, median_depth, other, submaps); };
@@ -148,11 +149,11 @@ void PlaceSearch::take(LinkEdge edge, double median_depth, const Submaps& submap
   unconfirmed.erase(other);
 }
 
-// `median_depth`: of the landmarks of x, in the unit of its b.
+// `median_depth`: that of the landmarks of x, in the unit of x.b.
 bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& other, const Submaps& submaps) const {
   const bool same_order = x.link.a == other.link.a && x.link.b == other.link.b;
   if (!same_order && !(x.link.a == other.link.b && x.link.b == other.link.a)) return false;
-  // Of a loop, the ends that are nearer to each other.
+  // It compares the ends of a loop that are nearer to each other.
   const bool turn = !same_order || (x.link.a == x.link.b && std::abs(x.utime_a_us - other.utime_a_us) >
                                                                 std::abs(x.utime_a_us - other.utime_b_us));
   const LinkEdge y = turn ? turned(other) : other;
@@ -164,7 +165,7 @@ bool PlaceSearch::agree(const LinkEdge& x, double median_depth, const LinkEdge& 
   if (std::abs(std::log(x.link.b_from_a.scale / y.link.b_from_a.scale)) > o_.confirm_log_scale) return false;
   const double angle = x.link.b_from_a.rotation.angularDistance(y.link.b_from_a.rotation);
   if (angle > o_.confirm_rotation_deg * M_PI / 180) return false;
-  // Compared where the camera was, which may be far from the origin of either submap.
+  // Compares at the camera's place, which may be far from the origin of either submap.
   const Submap& a = *submaps.at(x.link.a);
   const auto frame = a.frame(x.utime_a_us);
   if (!frame) return false;
@@ -183,7 +184,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps, const Joine
                    static_cast<int64_t>(o_.separation_s * 1e6), exclude);
   for (const PlaceCandidate& candidate : candidates) {
     const Place& other = candidate.place;
-    // Of pairs of places that have nothing in common most end here, at a tenth of the work.
+    // Most pairs of places that have nothing in common end here, at a tenth of the work.
     if (alike(submap, place.keyframe, *submaps.at(other.submap), other.keyframe, o_.alignment.matching) < o_.min_alike)
       continue;
     const PlaceAlignment alignment =
@@ -192,7 +193,7 @@ void PlaceSearch::search(const Place& place, const Submaps& submaps, const Joine
       take(make_edge(place, other, submaps, o_, alignment), alignment.median_depth, submaps, links);
       return;
     }
-    // Where nothing agreed there is nothing to tell of.
+    // A link of which nothing agreed is not worth reporting.
     if (place.submap != other.submap && alignment.inliers > 0)
       links->refused[std::minmax(place.submap, other.submap)] = make_link(place, other, alignment);
   }

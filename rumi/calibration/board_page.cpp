@@ -142,8 +142,7 @@ Result<> write_board_page(const Board& board, const Paper& paper, double png_dpi
   if (bytes.empty()) return Error{"the picture could not be made", file};
   WholeFile out(file);
   out.write(bytes);
-  if (const std::string error = out.commit(); !error.empty()) return Error{error};
-  return {};
+  return out.commit();
 }
 
 }  // namespace rumi::tool

@@ -79,9 +79,8 @@ bool remove_outliers(const LensSolution& solution, const CalibratorOptions& opti
   std::vector<double> errors = solution.view_rms_px;
   const double middle = median(&errors);
   for (double& error : errors) error = std::abs(error - middle);
-  constexpr double kStddevFromMad = 1.4826;
   const double limit =
-      std::max(middle + options.outlier_deviations * kStddevFromMad * median(&errors), options.outlier_factor * middle);
+      std::max(middle + options.outlier_deviations * kSigmaFromMad * median(&errors), options.outlier_factor * middle);
   std::vector<BoardView> kept;
   for (size_t i = 0; i < views->size(); ++i) {
     if (solution.view_rms_px[i] <= limit)

@@ -20,13 +20,12 @@ Result<> collect_from_recording(const std::string& input, const std::string& log
   options.log_channel = log_channel;
   options.rate_hz = 1;  // for images without times; the times are not used
   const OpenedReader opened = camera_driver::open_frames(input, options);
-  if (!opened.error.empty()) return Error{opened.error};
-  FrameReader& reader = *opened.reader;
+  if (!opened) return opened.error();
+  FrameReader& reader = **opened;
   for (size_t frame = 0; frame < reader.utimes().size(); frame += static_cast<size_t>(every)) {
-    std::string error;
-    std::optional<image_t> image = reader.load(frame, /*colour=*/false, &error);
+    Result<image_t> image = reader.load(frame, /*colour=*/false);
     if (!image) {
-      collector->add_unreadable(error);
+      collector->add_unreadable(image.error_text());
     } else {
       image->utime = reader.utimes()[frame];
       if (!collector->add(*image, reader.where(frame))) return Error{collector->problem()};

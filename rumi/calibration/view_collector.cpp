@@ -32,12 +32,12 @@ void ViewCollector::add_unreadable(const std::string& problem) {
 }
 
 bool ViewCollector::add(const image_t& image, const std::string& where) {
-  std::string error;
-  const cv::Mat grey = decode_grey(image, &error);
-  if (grey.empty()) {
-    add_unreadable(where + ": " + error);
+  const Result<cv::Mat> decoded = decode_grey(image);
+  if (!decoded) {
+    add_unreadable(where + ": " + decoded.error_text());
     return true;
   }
+  const cv::Mat& grey = *decoded;
   if (image_size_.empty()) image_size_ = grey.size();
   if (grey.size() != image_size_) {
     problem_ = fmt::format(

@@ -107,8 +107,7 @@ Result<> collect(const Arguments& arguments, ViewCollector* collector) {
 Result<> write_text(const std::string& file, const std::string& text) {
   WholeFile out(file);
   out.write(text);
-  if (const std::string error = out.commit(); !error.empty()) return Error{error};
-  return {};
+  return out.commit();
 }
 
 std::string with_missing(std::string text, const ViewCollector& collector) {

@@ -71,10 +71,7 @@ void add_bus_flags(CommandLine* command, BusFlags* flags) {
 }
 
 std::unique_ptr<LcmBus> open_bus(const BusFlags& flags) {
-  std::string error;
-  std::unique_ptr<LcmBus> bus = LcmBus::open(flags.lcm_url, flags.names, &error);
-  fail_if(error);
-  return bus;
+  return value_or_fail(LcmBus::open(flags.lcm_url, flags.names));
 }
 
 }  // namespace rumi::tool

@@ -37,9 +37,8 @@ void cut_window(const Arguments& arguments) {
   const WindowCut cut = parse(arguments);
   refuse_if(check(arguments.camera));
   start_logging("rumi", false, arguments.quiet);
-  camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  const ruminator::WindowJob job = value_or_fail(cut_window(*opened.source, cut));
+  const auto source = value_or_fail(camera_driver::open_recording(arguments.input, arguments.camera));
+  const ruminator::WindowJob job = value_or_fail(cut_window(*source, cut));
   fail_if(ruminator::write_window_job(arguments.file, job));
   const ruminator::RuminationWindow& w = job.window;
   if (!arguments.quiet)

@@ -27,7 +27,7 @@ std::string tell(const WindowRow& row, int64_t begin_us) {
   std::string text = fmt::format("Tracking was lost at {:.1f} s for {:.1f} s", seconds(window.lost_utime_us - begin_us),
                                  seconds(window.resumed_utime_us - window.lost_utime_us));
   const ruminator::BuildResult& result = row.result;
-  if (!row.ok) return text + fmt::format("; what was lost could not be rebuilt: {}.\n", result.failure);
+  if (!row.ok) return text + fmt::format("; what was lost could not be rebuilt: {}.\n", result.submap.error_text());
   return text + fmt::format("; of {} that were kept of it COLMAP rebuilt {} in {:.1f} s.\n",
                             count_of(static_cast<int64_t>(window.gap.size()), "image"), result.gap, result.wall_s);
 }

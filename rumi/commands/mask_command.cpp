@@ -51,8 +51,7 @@ Looked look_at(camera_driver::ImageSource& source) {
   Looked looked;
   ProgressLine line(true);
   while (const auto image = source.next()) {
-    std::string ignored;
-    const cv::Mat grey = decode_working_image(*image, camera, working, &ignored);
+    const cv::Mat grey = decode_working_image(*image, camera, working).value_or(cv::Mat());
     if (grey.empty()) continue;
     still.add(image->utime, grey);
     ++looked.images;
@@ -70,15 +69,13 @@ Result<> write_mask(const ImageMask& mask, const Camera& camera, const std::stri
   const cv::Size size(camera.width, camera.height);
   WholeFile file(name);
   file.write(encode_mask(mask.is_everything() ? cv::Mat(size, CV_8U, cv::Scalar(255)) : mask.resized(size).pixels()));
-  if (const std::string error = file.commit(); !error.empty()) return Error{error};
-  return {};
+  return file.commit();
 }
 
 int run_mask(const Arguments& arguments) {
   fail_if(check_output(arguments.output));
-  camera_driver::OpenedSource opened = camera_driver::open_recording(arguments.input, arguments.camera);
-  fail_if(opened.error);
-  camera_driver::ImageSource& source = *opened.source;
+  const auto opened = value_or_fail(camera_driver::open_recording(arguments.input, arguments.camera));
+  camera_driver::ImageSource& source = *opened;
   const Looked looked = look_at(source);
   fail_if(looked.images == 0 ? arguments.input + ": no image can be read" : "");
   fail_if(write_mask(looked.mask, source.camera(), arguments.output));

@@ -29,7 +29,7 @@ struct Arguments : OptionFlags {
 Result<> check(const AllOptions& options, const std::string& out) {
   const map_server::MapServerOptions& map = options.map_server;
   if (out.empty()) return Error{"--output is empty: give a folder"};
-  if (const std::string problem = check(options.camera_driver); !problem.empty()) return Error{problem};
+  if (const Result<> camera = check(options.camera_driver); !camera) return camera;
   return map.localize_only ? check_map_stays(map.database, out) : Result<>();
 }
 

@@ -58,8 +58,8 @@ class WindowOutput {
     return {[this](const ruminator::WindowJob& job) {
               ++complete_;
               const std::string name = to_string(name_of(job.window)) + ".window";
-              const std::string error = ruminator::write_window_job((out_ / "windows" / name).string(), job);
-              if (error_.empty()) error_ = error;
+              const Result<> written = ruminator::write_window_job((out_ / "windows" / name).string(), job);
+              if (error_.empty()) error_ = written.error_text();
             },
             [this](const ruminator::RuminationWindow& window, const ruminator::BuildResult& result) {
               rows_.push_back(make_window_row(to_string(name_of(window)), window, result));
@@ -70,16 +70,17 @@ class WindowOutput {
     WholeFile csv((out_ / "windows.csv").string());
     csv.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) csv.write(window_csv_line(row) + "\n");
-    if (const std::string error = csv.commit(); error_.empty()) error_ = error;
+    const Result<> written = csv.commit();
     if (!error_.empty()) return Error{error_};
-    return {};
+    return written;
   }
   // A line for each window that gave no back submap.
   std::vector<std::string> failures() const {
     std::vector<std::string> lines;
     for (const WindowRow& row : rows_)
       if (!row.ok)
-        lines.push_back(fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.failure));
+        lines.push_back(
+            fmt::format("window {}, {}: {}", row.window.id, describe(row.window), row.result.submap.error_text()));
     return lines;
   }
   const std::vector<WindowRow>& rows() const { return rows_; }
@@ -139,7 +140,7 @@ std::vector<std::string> write_everything(Replay& replay, WindowOutput& windows,
   const std::string& out = run.out;
   std::vector<std::string> missing = {replay.close_log().error_text(), windows.finish().error_text()};
   // map.db comes first, because all other outputs can be made from it.
-  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string());
+  const std::string no_map = replay.store().write_copy((fs::path(out) / "map.db").string()).error_text();
   missing.push_back(no_map);
   map_server::LandmarkColours colours;
   if (run.colours_of_videos || replay.recording().plays_few_quickly()) {

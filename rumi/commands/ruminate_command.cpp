@@ -21,7 +21,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/submap_update.h"
 #include "formats/truth/truth.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/commands/command_frame.h"
 #include "rumi/commands/commands.h"
 #include "rumi/run/all_options.h"
@@ -75,10 +75,8 @@ Result<> write_results(const Arguments& arguments, const std::string& name, cons
   const std::vector<uint8_t> bytes = encode_message(make_submap_update(submap, 0));
   WholeFile file(base.string() + ".submap");
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (const std::string error = file.commit(); !error.empty()) return Error{error};
-  if (const std::string error = map_server::write_submap_tum(submap, base.string() + ".txt"); !error.empty())
-    return Error{error};
-  return {};
+  if (const Result<> written = file.commit(); !written) return written;
+  return map_server::write_submap_tum(submap, base.string() + ".txt");
 }
 
 class Ruminate {
@@ -101,20 +99,21 @@ class Ruminate {
     WholeFile file((fs::path(arguments_.out) / "windows.csv").string());
     file.write(window_csv_header() + "\n");
     for (const WindowRow& row : rows_) file.write(window_csv_line(row) + "\n");
-    if (const std::string error = file.commit(); !error.empty()) return Error{error};
-    return {};
+    return file.commit();
   }
 
  private:
   bool rebuild(const std::string& file) {
     const std::string name = fs::path(file).stem().string();
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file);
-    if (read.broken_images > 0)
-      complain("ruminate", fmt::format("{}: {} broken images left out", file, read.broken_images));
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file);
+    if (read && read->broken_images > 0)
+      complain("ruminate", fmt::format("{}: {} broken images left out", file, read->broken_images));
     ruminator::BuildResult result;
-    result.failure = read.error;
-    if (read.ok()) result = build(name, read.job);
-    rows_.push_back(make_window_row(name, read.job.window, result, truth_));
+    if (read)
+      result = build(name, read->job);
+    else
+      result.submap = read.error();
+    rows_.push_back(make_window_row(name, read ? read->job.window : ruminator::RuminationWindow(), result, truth_));
     const WindowRow& row = rows_.back();
     fmt::print("{}\n", arguments_.json ? json_text(to_json(row)) : window_table_line(row, !truth_.empty()));
     flush_stdout();
@@ -134,12 +133,12 @@ class Ruminate {
       result = colmap_.builder(
           job, work, [&](const ruminator::BuildProgress& progress) { show(name, progress); }, g_cancel);
     } catch (const std::exception& e) {
-      result.failure = reason_of(e);
+      result.submap = Error{reason_of(e)};
     }
     clear_line();
     std::error_code ignored;
     if (!arguments_.keep_work) fs::remove_all(work, ignored);
-    if (result.cancelled && !result.submap) result.failure = "called off";
+    if (result.cancelled && !result.submap) result.submap = Error{"called off"};
     return result;
   }
 

@@ -131,10 +131,10 @@ OfRecording look_at_recording(const Arguments& arguments, const map_server::Atla
   if (arguments.images.empty()) return result;
   const std::string thrown = thrown_by([&] {
     spdlog::set_level(spdlog::level::err);  // its warnings were logged when the system began
-    const auto recording = camera_driver::open_recording(arguments.images, arguments.options.camera_driver);
-    fail_if(recording.error);
-    result.image_size = {recording.source->camera().width, recording.source->camera().height};
-    if (recording.source->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording.source).colours;
+    const auto recording =
+        value_or_fail(camera_driver::open_recording(arguments.images, arguments.options.camera_driver));
+    result.image_size = {recording->camera().width, recording->camera().height};
+    if (recording->plays_few_quickly()) result.colours = landmark_colours(atlas, *recording).colours;
   });
   if (!thrown.empty()) missing->push_back("colours of map.ply: " + thrown);
   return result;

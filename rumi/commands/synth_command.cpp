@@ -37,10 +37,10 @@ Result<> resolve(Flags& f) {
     f.synth.camera = synth::default_synth_camera(width, height);
   }
   if (!f.camera_file.empty()) {
-    const CameraFileResult read = read_camera_file(f.camera_file);
-    if (!read.ok()) return Error{read.error};
-    log_notes(read);
-    f.synth.camera = read.camera;
+    const Result<CameraFile> read = read_camera_file(f.camera_file);
+    if (!read) return read.error();
+    log_notes(*read);
+    f.synth.camera = read->camera;
   }
   const Result<synth::WalkKind> walk = synth::parse_walk_kind(f.walk);
   if (!walk) return walk.error();

@@ -32,11 +32,11 @@ Result<> sort_out_camera(const AllOptions& options, UpArguments* arguments) {
     if (!setting.starts_with("--camera "))
       return Error{"there is no INPUT that this could be meant for", setting.substr(0, setting.find(' '))};
     arguments->calibration = options.camera_driver.camera_file;
-    const CameraFileResult read = read_camera_file(arguments->calibration);
-    if (!read.ok()) return Error{read.error};
-    if (!read.mask.empty())
+    const Result<CameraFile> read = read_camera_file(arguments->calibration);
+    if (!read) return read.error();
+    if (!read->mask.empty())
       complain("up", fmt::format("{} is put on the images of an INPUT only: those from elsewhere carry their own",
-                                 read.mask));
+                                 read->mask));
   }
   return {};
 }
@@ -74,8 +74,7 @@ Result<> read_options(UpArguments* arguments, AllOptions* options, OptionTable* 
   // A map that goes on must stay, too: map_server has it open.
   if (!arguments->snapshot.empty() && is_file(options->map_server.database))
     if (const Result<> stays = check_map_stays(options->map_server.database, arguments->snapshot); !stays) return stays;
-  if (const std::string problem = check(options->camera_driver); !problem.empty()) return Error{problem};
-  return {};
+  return check(options->camera_driver);
 }
 
 }  // namespace rumi::tool

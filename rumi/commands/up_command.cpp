@@ -85,20 +85,20 @@ void tell_of_map(const AllOptions& options, bool fresh) {
   }
 }
 
-// A system that would soon end again must not start, because it would disturb others meanwhile. An Error, or
-// std::runtime_error, if the map is in use, the bus cannot be opened, or another system is on it.
+// A system that would soon end again must not start, because it would disturb others meanwhile. An Error if
+// the map is in use, the bus cannot be opened, or another system is on it.
 Result<> check_place(const AllOptions& options) {
   const UpOptions& up = options.up;
   const std::string& database = options.map_server.database;
-  if (is_file(database) && !options.map_server.localize_only) const map_server::DatabaseLock is_free(database);
+  if (is_file(database) && !options.map_server.localize_only)
+    if (const auto free = map_server::DatabaseLock::take(database); !free) return free.error();
   ChannelNames names;
   names.prefix = up.channel_prefix;
   names.camera = up.channel;
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names, &error);
-  if (!bus) return Error{error};
+  const Result<std::unique_ptr<LcmBus>> bus = LcmBus::open(up.lcm_url.empty() ? default_url() : up.lcm_url, names);
+  if (!bus) return bus.error();
   const std::string camera_channel = up.input.empty() ? "" : names.on_wire(channels::kCamera);
-  return find_other_system(*bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
+  return find_other_system(**bus, {{"map_server", "ruminator", "front_tracker"}, camera_channel}, kListen);
 }
 
 // The length of a live run is unknown.

@@ -35,16 +35,15 @@ std::set<int64_t> sessions_of(const map_server::Atlas& atlas) {
 }
 
 void write_jpeg(const image_t& image, const fs::path& file) {
-  std::string error;
-  const cv::Mat bgr = decode_bgr(image, &error);
+  const Result<cv::Mat> bgr = decode_bgr(image);
   std::vector<uint8_t> jpeg;
-  if (bgr.empty() || !cv::imencode(".jpg", bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
-    throw std::runtime_error(file.string() + ": cannot be made: " + error);
+  if (!bgr || !cv::imencode(".jpg", *bgr, jpeg, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
+    throw std::runtime_error(file.string() + ": cannot be made: " + bgr.error_text());
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
   WholeFile out(file.string());
   out.write({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
-  if (const std::string problem = out.commit(); !problem.empty()) throw std::runtime_error(problem);
+  if (const Result<> written = out.commit(); !written) throw std::runtime_error(written.error_text());
 }
 
 }  // namespace

@@ -95,8 +95,7 @@ SeenColours landmark_colours(const map_server::Atlas& atlas, camera_driver::Imag
   std::map<LandmarkRef, std::vector<Colour>> seen;
   recording.play_again(utimes_us);
   while (const std::optional<image_t> image = recording.next()) {
-    std::string ignored;
-    const cv::Mat bgr = decode_bgr(*image, &ignored);
+    const cv::Mat bgr = decode_bgr(*image).value_or(cv::Mat());
     if (bgr.empty()) continue;
     for (const auto& [key, look] : looks.at(image->utime)) {
       if (!may_show(*image, *look.submap)) continue;

@@ -6,7 +6,8 @@
 #include <cstdint>
 
 #include "camera_driver/source/image_source.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/atlas/atlas.h"
+#include "map_server/outputs/colours.h"
 
 namespace rumi::tool {
 

@@ -37,7 +37,9 @@ std::string map_database_at(const std::string& name) {
 }
 
 map_server::Atlas load_map(const std::string& file, std::chrono::milliseconds wait) {
-  return map_server::MapStore::copy_in_memory(file, wait).load();
+  Result<map_server::Atlas> atlas = map_server::load_atlas(file, wait);
+  if (!atlas) throw std::runtime_error(atlas.error().text());
+  return std::move(*atlas);
 }
 
 map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::string& copy_to,
@@ -46,10 +48,13 @@ map_server::Atlas load_map_bytes(std::span<const uint8_t> bytes, const std::stri
   const std::string received = folder.path() + "/map.db";
   WholeFile file(received);
   file.write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (const std::string error = file.commit(); !error.empty()) throw std::runtime_error(error);
-  map_server::MapStore store(received);
-  *copy_problem = store.write_copy(copy_to);
-  return store.load();
+  if (const Result<> written = file.commit(); !written) throw std::runtime_error(written.error_text());
+  Result<map_server::MapStore> store = map_server::MapStore::open(received);
+  if (!store) throw std::runtime_error(store.error().text());
+  *copy_problem = store->write_copy(copy_to).error_text();
+  Result<map_server::Atlas> atlas = store->load();
+  if (!atlas) throw std::runtime_error(atlas.error().text());
+  return std::move(*atlas);
 }
 
 AtlasPicture make_picture(const map_server::Atlas& atlas, const std::string& title) {

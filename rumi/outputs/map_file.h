@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "map_server/atlas/atlas.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/output_files.h"
 #include "map_server/store/map_store.h"
 #include "viewer_offscreen/scene/scene.h"
 

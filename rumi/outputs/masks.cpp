@@ -32,12 +32,11 @@ bool may_be_of(const cv::Size& size, const map_server::StillMask& mask) {
   return !size.empty() && std::abs(scale * mask.height - size.height) <= std::max(1.0, scale);
 }
 
-std::string write_mask(const map_server::StillMask& mask, const cv::Size& image_size, const std::string& name) {
-  std::string error;
-  const cv::Mat pixels = decode_mask(mask.png, &error);
-  if (pixels.empty()) return fmt::format("{}: {}", name, error);
+Result<> write_mask(const map_server::StillMask& mask, const cv::Size& image_size, const std::string& name) {
+  const Result<cv::Mat> pixels = decode_mask(mask.png);
+  if (!pixels) return Error{pixels.error().text(), name};
   WholeFile file(name);
-  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(pixels).resized(image_size).pixels()) : mask.png);
+  file.write(may_be_of(image_size, mask) ? encode_mask(ImageMask(*pixels).resized(image_size).pixels()) : mask.png);
   return file.commit();
 }
 
@@ -84,9 +83,9 @@ std::vector<std::string> write_masks(const RunMasks& masks, const std::string& f
   remove_masks(folder);
   std::vector<std::string> problems;
   for (const auto& [stream, mask] : masks)
-    if (std::string problem = write_mask(mask, image_size, (fs::path(folder) / file_of(masks, stream)).string());
-        !problem.empty())
-      problems.push_back(std::move(problem));
+    if (const Result<> written = write_mask(mask, image_size, (fs::path(folder) / file_of(masks, stream)).string());
+        !written)
+      problems.push_back(written.error().text());
   return problems;
 }
 

@@ -12,7 +12,7 @@
 
 #include "base/result.h"
 #include "map_server/atlas/atlas.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 
 namespace rumi::tool {
 

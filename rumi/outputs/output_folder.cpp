@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "base/files/whole_file.h"
-#include "base/running/failures.h"
 #include "base/text/json_text.h"
 #include "base/this_process/process_name.h"
 #include "bus/process/process.h"
@@ -115,8 +114,7 @@ Result<> check_output_folder(const std::string& folder) {
   // A map_server may have its map in this folder.
   const std::string database = (fs::path(folder) / "map.db").string();
   if (fs::exists(map_server::DatabaseLock::file_of(database), error)) {
-    const std::string held = thrown_by([&database] { const map_server::DatabaseLock is_free(database); });
-    if (!held.empty()) return Error{held, folder};
+    if (const auto free = map_server::DatabaseLock::take(database); !free) return Error{free.error().text(), folder};
   }
   if (!read_run_json(folder).is_null()) return {};
   const std::vector<std::string> foreign = what_a_run_replaces(folder, &error);
@@ -151,8 +149,7 @@ Result<> write_run_json(const std::string& folder, const ordered_json& run) {
   json.update(run);
   WholeFile file((fs::path(folder) / "run.json").string());
   file.write(json_text(json, 2) + "\n");
-  if (const std::string error = file.commit(); !error.empty()) return Error{error};
-  return {};
+  return file.commit();
 }
 
 ordered_json options_to_json(const std::string& yaml) { return to_json(YAML::Load(yaml)); }

@@ -80,13 +80,13 @@ int run_export(const ExportOptions& options) {
   std::vector<TimedPose> poses;
   if (const std::string problem = read_poses(options.poses, &poses); !problem.empty()) return fail(problem);
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.input, options.camera);
-  if (!opened.ok()) return fail(opened.error);
+  if (!opened) return fail(opened.error_text());
   const std::unique_ptr<ImageSink> sink = open_sink(options, std::move(poses));
-  const int64_t count = write_all(*opened.source, *sink, options.stop);
+  const int64_t count = write_all(**opened, *sink, options.stop);
   if (options.stop && *options.stop) return fail(options.file + ": was called off; nothing was written");
   if (const std::string problem = sink->close(); !problem.empty()) return fail(problem + "; nothing was written");
   fmt::print("{}: {} {}\n", options.file, count, sink->content());
-  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  const std::vector<std::string> complaints = (*opened)->skipped().complaints(count);
   for (const std::string& complaint : complaints) fmt::print(stderr, "rumi export: {}\n", complaint);
   return complaints.empty() ? 0 : kNotAll;
 }

@@ -56,8 +56,9 @@ std::string to_file(const image_t& image, std::vector<uint8_t>* bytes, std::stri
     return ".jpg";
   }
   const bool grey = image.pixelformat == image_t::PIXEL_FORMAT_GRAY;
-  const cv::Mat pixels = grey ? decode_grey(image, error) : decode_bgr(image, error);
-  if (pixels.empty() || !cv::imencode(".png", pixels, *bytes)) return {};
+  const Result<cv::Mat> pixels = grey ? decode_grey(image) : decode_bgr(image);
+  *error = pixels.error_text();
+  if (!pixels || !cv::imencode(".png", *pixels, *bytes)) return {};
   return ".png";
 }
 
@@ -82,7 +83,7 @@ std::string write_truth(const ImportOptions& options) {
 
 // Writes the mask where camera_driver finds it again. Empty, or the error.
 std::string write_mask(const image_t& image, const fs::path& folder, const std::string& name) {
-  const std::string mask = metadata(image, kMaskKey);
+  const std::string mask(metadata(image, kMaskKey));
   if (mask.empty()) return {};
   const fs::path file = folder / "masks" / (name + ".png");
   std::error_code code;
@@ -127,14 +128,14 @@ int run_import(const ImportOptions& options) {
     return fail(fmt::format("{}: {}", options.log, advice.empty() ? usual : advice));
   }
   camera_driver::OpenedSource opened = camera_driver::open_recording(options.log, options.camera);
-  if (!opened.ok()) return fail(opened.error);
+  if (!opened) return fail(opened.error_text());
 
   int64_t count = 0;
-  std::string problem = write_folder(*opened.source, options.folder, &count);
+  std::string problem = write_folder(**opened, options.folder, &count);
   if (problem.empty()) problem = write_truth(options);
   if (!problem.empty()) return fail(fmt::format("{}; {} is incomplete ({} images)", problem, options.folder, count));
   fmt::print("{}: {} images\n", options.folder, count);
-  const std::vector<std::string> complaints = opened.source->skipped().complaints(count);
+  const std::vector<std::string> complaints = (*opened)->skipped().complaints(count);
   for (const std::string& complaint : complaints) fmt::print(stderr, "rumi import: {}\n", complaint);
   return complaints.empty() ? 0 : kNotAll;
 }

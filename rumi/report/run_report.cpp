@@ -117,7 +117,7 @@ void add_errors(const std::string& folder, const std::string& groundtruth, const
 }
 
 std::vector<uint8_t> thumbnail(const image_t& image) {
-  const cv::Mat bgr = decode_bgr(image, nullptr);
+  const cv::Mat bgr = decode_bgr(image).value_or(cv::Mat());
   if (bgr.empty()) return {};
   cv::Mat small;
   cv::resize(bgr, small, {kThumbnailWidth, std::max(1, kThumbnailWidth * bgr.rows / bgr.cols)}, 0, 0, cv::INTER_AREA);
@@ -163,12 +163,12 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
   const std::vector<fs::path> files = window_files(folder);
   if (files.empty()) return page->paragraph("The folder holds no windows.");
   for (const fs::path& file : files) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) {
-      page->paragraph(read.error);
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) {
+      page->paragraph(read.error_text());
       continue;
     }
-    const ruminator::RuminationWindow& w = read.job.window;
+    const ruminator::RuminationWindow& w = read->job.window;
     const map_server::AtlasSubmap* rebuilt = atlas.find({w.session, -w.id});
     const std::string outcome = !rebuilt ? "no back submap of it has come"
                                          : fmt::format("back submap: {} frames, {}", rebuilt->submap.frames.size(),
@@ -180,17 +180,17 @@ void add_windows(const std::string& folder, const map_server::Atlas& atlas, int6
         "Window {}: lost at {} after {}, then {}; {} approach, {} of {} gap, {} departure frames; {}", w.id,
         viewer_offscreen::format_time(seconds_since(first_us, w.lost_utime_us)), submap(w.submap_before),
         submap(w.submap_after), w.approach.size(), w.gap.size(), w.gap_frames, w.departure.size(), outcome));
-    page->thumbnails(window_images(read.job, first_us));
+    page->thumbnails(window_images(read->job, first_us));
   }
 }
 
 // Draws the mask over an image of the same camera, if a window has one.
 image_t image_of_stream(const std::string& folder, int64_t stream) {
   for (const fs::path& file : window_files(folder)) {
-    const ruminator::WindowJobFile read = ruminator::read_window_job(file.string());
-    if (!read.ok()) continue;
-    for (const image_t& image : read.job.images)
-      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read.job.window.session == stream))
+    const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(file.string());
+    if (!read) continue;
+    for (const image_t& image : read->job.images)
+      if (stream_of(image) == stream || (stream_of(image) == kNoStream && read->job.window.session == stream))
         return image;
   }
   return {};
@@ -202,8 +202,8 @@ void add_masks(const std::string& folder, const map_server::Atlas& atlas, HtmlPa
   page->section("Masks", "What never moves in the images is not the world: no landmark is made of it.");
   for (const std::string& line : describe_masks(masks)) page->paragraph(line);
   for (const auto& [stream, mask] : masks) {
-    std::string none;  // no image, then
-    const cv::Mat picture = draw_mask(mask.png, decode_bgr(image_of_stream(folder, stream), &none));
+    const Result<cv::Mat> image = decode_bgr(image_of_stream(folder, stream));
+    const cv::Mat picture = draw_mask(mask.png, image.value_or(cv::Mat()));
     if (!picture.empty())
       page->picture(viewer_offscreen::encode_png(picture), "png", fmt::format("Left out of stream {}", stream));
   }

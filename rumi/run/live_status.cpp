@@ -9,6 +9,7 @@
 
 #include "base/text/json_text.h"
 #include "bus/process/only_one.h"
+#include "bus/wire/tracking_state.h"
 #include "slam/map/tracking_state.h"
 
 namespace rumi::tool {
@@ -171,7 +172,7 @@ Json LiveStatus::tracking_json() const {
       lost_by_bus += track.sequence - tracks_[i - 1].track.sequence - 1;
   }
   const auto frames = static_cast<double>(tracks_.size());
-  return {{"state", to_string(static_cast<TrackingState>(latest.state))},
+  return {{"state", to_string(state_from_wire(latest.state).value_or(TrackingState::kUnknown))},
           {"submap", latest.submap_id},
           {"inliers", latest.inliers},
           {"keypoints", latest.keypoints},

@@ -46,8 +46,7 @@ Result<std::string> describe_map_before(const std::string& database) {
     return fmt::format("{} frames of {}", frames,
                        sessions == 1 ? "an earlier session" : fmt::format("{} earlier sessions", sessions));
   } catch (const SqliteError&) {
-    const std::string unreadable = thrown_by([&] { map_server::MapStore::copy_in_memory(database); });
-    if (!unreadable.empty()) return Error{unreadable};
+    if (const auto readable = map_server::MapStore::copy_in_memory(database); !readable) return readable.error();
     return "";
   }
 }

@@ -47,7 +47,7 @@ Replay::Replay(const AllOptions& options, const std::string& input, const Replay
   if (!map_server.localize_only) map_server.database = ":memory:";
   map_server.merge.thread = false;
   if (camera_driver::is_camera(input))
-    throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error);
+    throw std::runtime_error(camera_driver::open_recording(input, options.camera_driver).error_text());
   camera_ = add<camera_driver::CameraNode>("camera_driver", input, options.camera_driver);
   auto* tracker = add<front_tracker::FrontTrackerNode>("front_tracker", front_tracker,
                                                        read_given_camera(front_tracker.camera_file));

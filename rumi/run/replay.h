@@ -17,7 +17,7 @@
 #include "bus/transport/log_file.h"
 #include "bus/transport/memory_bus.h"
 #include "map_server/map_server_node.h"
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/trajectory_file.h"
 #include "rumi/run/all_options.h"
 #include "ruminator/rebuild/back_submap_builder.h"
 

@@ -23,7 +23,6 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook{50};          // how often deaths are looked for
 constexpr milliseconds kAskToFinish{500};  // how often, and how long after its start: it must install a handler first
 constexpr size_t kLongestLine = 16384;     // bytes; a longer line is cut
-constexpr int kNotAgain = 2;               // exit code of all Rumi processes: starting again would not help
 
 bool is_not_all(const ChildEnd& end) { return end.exited() && end.exit_code() == kNotAll; }
 bool ended_well(const ChildEnd& end) { return end.exited() && (end.exit_code() == 0 || is_not_all(end)); }
@@ -98,10 +97,11 @@ Result<> Supervisor::start(Process& process) {
   launch.arguments = process.what.command;
   launch.death_signal = SIGTERM;  // if the supervisor is killed, the process may still end its work
   launch.held_signals = {SIGUSR1, SIGUSR2};
-  std::string error;
-  process.child = Child::start(launch, &error);
+  Result<Child> child = Child::start(launch);
   process.started = Clock::now();
-  if (!process.child) return Error{fmt::format("{} cannot be started: {}", process.what.name, error)};
+  process.child.reset();
+  if (!child) return Error{fmt::format("{} cannot be started: {}", process.what.name, child.error_text())};
+  process.child = std::move(*child);
   return {};
 }
 

@@ -18,13 +18,11 @@ constexpr int kQuality = 75;
 // Reduces the image to about the size in which it is shown. Empty if it cannot be decoded; front_tracker counts such
 // images.
 cv::Mat decode_small(const image_t& image) {
-  std::string ignored = check_image(image);
-  if (!ignored.empty()) return {};
+  if (!check_image(image)) return {};
   int reduction = 1;
   while (reduction < 8 && image.width / (2 * reduction) >= kWidth) reduction *= 2;
-  cv::Mat pixels = image.pixelformat == image_t::PIXEL_FORMAT_MJPEG
-                       ? decode_jpeg(image.data, false, &ignored, reduction)
-                       : decode_bgr(image, &ignored);
+  const bool is_jpeg = image.pixelformat == image_t::PIXEL_FORMAT_MJPEG;
+  cv::Mat pixels = (is_jpeg ? decode_jpeg(image.data, false, reduction) : decode_bgr(image)).value_or(cv::Mat());
   if (pixels.cols <= kWidth) return pixels;
   cv::Mat small;
   const int height = static_cast<int>(std::lround(double(kWidth) * pixels.rows / pixels.cols));

@@ -10,7 +10,9 @@
 #include "base/running/due.h"
 #include "base/text/json_text.h"
 #include "base/this_process/process_name.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
+#include "bus/wire/tracking_state.h"
 #include "rumi/web/submap_blob.h"
 #include "slam/map/tracking_state.h"
 #include "viewer_offscreen/canvas/palette.h"
@@ -159,7 +161,8 @@ void LiveMap::refresh() {
 
 Json LiveMap::pose() const {
   if (!latest_) return Json::object();
-  Json json{{"state", to_string(static_cast<TrackingState>(latest_->state))}, {"submap", latest_->submap_id}};
+  Json json{{"state", to_string(state_from_wire(latest_->state).value_or(TrackingState::kUnknown))},
+            {"submap", latest_->submap_id}};
   std::optional<SE3> map_from_cam = copies_.map_from_cam(*latest_);
   const bool any_in_map = std::any_of(copies_.by_key().begin(), copies_.by_key().end(),
                                       [](const auto& entry) { return entry.second.can_be_shown_in_map(); });

@@ -15,7 +15,7 @@ namespace rumi::tool {
 struct WindowRow {
   std::string name;  // its file's name without .window
   ruminator::RuminationWindow window;
-  ruminator::BuildResult result;  // without the submap
+  ruminator::BuildResult result;  // its submap is empty
   bool ok = false;
   // How many registered frames are keyframes of the submap before the window, and of the one after it.
   int shared_before = 0, shared_after = 0;

@@ -99,7 +99,7 @@ std::vector<SceneFrame> frames_of(const window_t& window, const Messages& messag
 }
 
 cv::Mat thumbnail(const image_t& image) {
-  const cv::Mat bgr = decode_bgr(image, nullptr);
+  const cv::Mat bgr = decode_bgr(image).value_or(cv::Mat());
   if (bgr.empty()) return {};
   cv::Mat small;
   cv::resize(bgr, small, {kImageWidth, std::max(1, kImageWidth * bgr.rows / bgr.cols)}, 0, 0, cv::INTER_AREA);

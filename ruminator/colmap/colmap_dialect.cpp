@@ -15,14 +15,14 @@ namespace {
 
 enum class Need {
   kAlways,   // without it COLMAP is not used
-  kUseful,   // without it COLMAP goes its own way
-  kIfThere,  // without it COLMAP does by itself what is wanted
+  kUseful,   // without it COLMAP is slower, or finds other models
+  kIfThere,  // without it COLMAP does what is wanted by default
 };
 
 struct Option {
-  std::vector<std::string> names;  // from the oldest on; a program knows one of them, or none
+  std::vector<std::string> names;  // oldest first; a program knows one of them, or none
   Need need;
-  std::optional<std::string> value;  // none: this command has nothing to say of it
+  std::optional<std::string> value;  // nothing: this command does not set it
 };
 
 std::vector<Option> table(const MapperCommand& command, const MapperSettings& s) {
@@ -35,13 +35,13 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
       {{"database_path"}, kAlways, command.database},
       {{"image_path"}, kAlways, command.output_folder},  // has to exist; images are only read for colours
       {{"output_path"}, kAlways, command.output_folder},
-      // By themselves they would write files into /tmp, the newer ones with codes of a terminal in them.
+      // Without these options COLMAP would write logs into /tmp, newer versions with codes of a terminal in them.
       {{"log_to_stderr"}, kIfThere, flag(true)},
       {{"log_target"}, kIfThere, "stderr"},
       {{"log_color"}, kIfThere, flag(false)},
       {{"random_seed", "default_random_seed"}, kUseful, text(s.random_seed)},
-      {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // to older ones that above is enough
-      // Of 4.x: it places images that see no point. 4.2.1 crashes in it.
+      {{"Mapper.random_seed"}, kIfThere, text(s.random_seed)},  // older versions use the option above
+      // 4.x has it: it places images that see no point. 4.2.1 crashes in it.
       {{"Mapper.structure_less_registration_fallback"}, kIfThere, flag(false)},
       {{"Mapper.num_threads"}, kUseful, text(s.threads)},
       {{"Mapper.extract_colors"}, kUseful, flag(false)},
@@ -72,7 +72,7 @@ std::vector<Option> table(const MapperCommand& command, const MapperSettings& s)
   };
 }
 
-// The name that this COLMAP has for it, or null.
+// Returns the name that this COLMAP knows, or null.
 const std::string* known_name(const Option& option, const OptionNames& known) {
   const auto name =
       std::find_if(option.names.begin(), option.names.end(), [&](const std::string& n) { return known.contains(n); });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said to COLMAP's mapper, and what it says, in the words of the COLMAP that is installed: from 3.8 to 4.x
-// names of options change, come and go. A version is told by the options that its help names, not by its number.
+// Talks to the COLMAP that is installed: from 3.8 to 4.x, options of its mapper are added, renamed and removed. The
+// help says which options there are; the version's number is not used.
 #pragma once
 
 #include <optional>
@@ -15,19 +15,19 @@ namespace rumi::ruminator {
 
 using OptionNames = std::set<std::string>;  // without dashes
 
-// What the mapper is started with, from its name on. An option of which it knows no name is left out: it would refuse
-// to start.
+// Returns the arguments of the mapper, its name first. Leaves out options that it does not know, because it would
+// refuse to start.
 std::vector<std::string> mapper_arguments(const MapperCommand& command, const MapperSettings& settings,
                                           const OptionNames& known);
 
-// Which options are missing without which its models would be of no use: "--this", "--that or --its later name".
+// Returns the missing options without which the models would be useless: "--this", "--that or --its later name".
 std::vector<std::string> missing_options(const OptionNames& known);
-// And which others, without which it goes its own way: slower, or to other models.
+// Returns the other missing options: without them the mapper is slower, or finds other models.
 std::vector<std::string> options_left_out(const OptionNames& known);
 
-// How many images the growing model has, if the line tells it.
+// Returns how many images the growing model has, if this line of the output says so.
 std::optional<int> registered_images(std::string_view line);
-// The mapper found no model in the images: the images' fault, not the program's.
+// True if the mapper says that it found no model: the images are to blame, not the program.
 bool tells_of_no_model(std::string_view output);
 
 }  // namespace rumi::ruminator

@@ -12,7 +12,6 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
-#include <stdexcept>
 #include <system_error>
 
 namespace rumi::ruminator {
@@ -22,10 +21,10 @@ namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "COLMAP's files are read as the numbers lie in them");
 
-constexpr double kUnitLengthTolerance = 1e-6;  // of a rotation's quaternion
+constexpr double kUnitLengthTolerance = 1e-6;  // for a rotation's quaternion
 constexpr size_t kLongestName = 4096;
-constexpr uintmax_t kLargestFile = 1 << 30;  // a window's have a few megabytes
-// Fewest bytes that an element takes in its file: a count that needs more than there are is refused at once.
+constexpr uintmax_t kLargestFile = 1 << 30;  // the files of a window have a few megabytes
+// The fewest bytes that an element takes in its file. A count that needs more bytes than are left is refused at once.
 constexpr size_t kCameraBytes = 24;
 constexpr size_t kImageBytes = 4 + 7 * 8 + 4 + 1 + 8;
 constexpr size_t kKeypointBytes = 24;
@@ -36,8 +35,9 @@ constexpr size_t kTrackElementBytes = 8;
 constexpr std::array<int, 11> kParameterCounts = {3, 4, 4, 5, 8, 8, 12, 5, 4, 5, 12};
 constexpr std::array<int, 5> kModelsWithOneFocalLength = {0, 2, 3, 8, 9};
 
-struct Corrupt : std::runtime_error {
-  using std::runtime_error::runtime_error;
+// Leaves the nested readers; read_colmap_model() turns it into its Result.
+struct Corrupt {
+  Error error;
 };
 
 class Reader {
@@ -45,12 +45,11 @@ class Reader {
   explicit Reader(const std::string& file) : name_(file) {
     std::error_code error;
     const uintmax_t size = fs::file_size(file, error);
-    if (error) throw Corrupt(fmt::format("{}: {}", file, error.message()));
-    if (size > kLargestFile) throw Corrupt(fmt::format("{}: {} bytes are too many", file, size));
+    if (error) throw Corrupt{{error.message(), file}};
+    if (size > kLargestFile) throw Corrupt{{fmt::format("{} bytes are too many", size), file}};
     bytes_.resize(size);
     std::ifstream in(file, std::ios::binary);
-    if (!in.read(bytes_.data(), static_cast<std::streamsize>(size)))
-      throw Corrupt(fmt::format("{}: {}", file, std::strerror(errno)));
+    if (!in.read(bytes_.data(), static_cast<std::streamsize>(size))) throw Corrupt{{std::strerror(errno), file}};
   }
   template <class T>
   T take() {
@@ -83,7 +82,7 @@ class Reader {
     if (left() > 0) fail(fmt::format("{} bytes too many", left()));
   }
   [[noreturn]] void fail(const std::string& what) const {
-    throw Corrupt(fmt::format("{}: {} (byte {})", name_, what, position_));
+    throw Corrupt{{fmt::format("{} (byte {})", what, position_), name_}};
   }
 
  private:
@@ -112,7 +111,7 @@ void read_cameras(Reader in, SparseModel* model) {
   in.expect_end();
 }
 
-// The index of an image of which the file tells COLMAP's id.
+// Reads COLMAP's id of an image and returns the index of that image.
 int take_image(Reader& in, const std::vector<int>& keypoint_counts) {
   const auto id = in.take<uint32_t>();
   if (id == 0 || id > keypoint_counts.size()) in.fail(fmt::format("image {} of {}", id, keypoint_counts.size()));
@@ -189,16 +188,16 @@ void read_points(Reader in, const std::vector<int>& keypoint_counts, SparseModel
 
 }  // namespace
 
-SparseModelFile read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts) {
-  SparseModelFile result;
+Result<SparseModel> read_colmap_model(const std::string& folder, const std::vector<int>& keypoint_counts) {
+  SparseModel model;
   try {
-    read_cameras(Reader(folder + "/cameras.bin"), &result.model);
-    read_images(Reader(folder + "/images.bin"), keypoint_counts, &result.model);
-    read_points(Reader(folder + "/points3D.bin"), keypoint_counts, &result.model);
-  } catch (const Corrupt& problem) {
-    result = {.model = {}, .error = problem.what()};
+    read_cameras(Reader(folder + "/cameras.bin"), &model);
+    read_images(Reader(folder + "/images.bin"), keypoint_counts, &model);
+    read_points(Reader(folder + "/points3D.bin"), keypoint_counts, &model);
+  } catch (const Corrupt& corrupt) {
+    return corrupt.error;
   }
-  return result;
+  return model;
 }
 
 std::vector<std::string> colmap_model_folders(const std::string& folder) {

@@ -10,8 +10,8 @@
 namespace rumi::ruminator {
 
 // Writes a model as `colmap mapper --input_path` wants it (cameras.bin, images.bin, points3D.bin) into an existing
-// folder: images and camera as in write_colmap_database. Returns what went wrong (file, reason), or an empty string.
-std::string write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
-                               const SparseModel& model);
+// folder, with images and camera as in write_colmap_database. An Error has the file and the reason.
+Result<> write_colmap_model(const std::string& folder, const Camera& camera, const std::vector<WindowImage>& images,
+                            const SparseModel& model);
 
 }  // namespace rumi::ruminator

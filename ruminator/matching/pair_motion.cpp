@@ -20,12 +20,12 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr int kMinMatches = 20;       // twice what a model of eight parameters needs, and some outliers
-constexpr size_t kMostMatches = 400;  // more say the same
-constexpr double kMinSigmaPx = 1;     // of a keypoint: finer than that no lens is known
-constexpr double kMaxSigmaPx = 2;     // more: what fits is chance
-constexpr double kRoughErrorPx = 3;   // of an inlier, while sigma is not known
-constexpr double kNearSigmas = 2;     // of an inlier, once it is
-constexpr int kSamples = 500;         // of RANSAC, at most
+constexpr size_t kMostMatches = 400;  // more would not change the answer
+constexpr double kMinSigmaPx = 1;     // for a keypoint: no lens is calibrated better
+constexpr double kMaxSigmaPx = 2;     // with more, the fit is chance
+constexpr double kRoughErrorPx = 3;   // limit for an inlier while sigma is not known
+constexpr double kNearSigmas = 2;     // limit for an inlier once sigma is known
+constexpr int kSamples = 500;         // the most for RANSAC
 constexpr int kTurnSteps = 20;
 // How far a calibration may be off: the logarithm of the focal length, and the radial distortion.
 constexpr double kFocalSlack = 0.15, kDistortionSlack = 0.05;
@@ -35,19 +35,19 @@ using Vector5d = Eigen::Matrix<double, 5, 1>;
 // Torr's constants, for r = 4 coordinates of a match.
 constexpr double kCoordinates = 4;
 struct ModelSize {
-  double dimension = 0;  // of the manifold that its matches lie on
+  double dimension = 0;  // dimension of the manifold on which its matches lie
   double parameters = 0;
 };
 constexpr ModelSize kTurnSize{2, 5}, kDepthSize{3, 5};
 constexpr double kOutlierFactor = 2;
-// Of a match that has nothing to do with any other: it lies where it likes. What costs more explains nothing.
+// The cost of a match without any model: it lies anywhere. A model that costs more explains nothing.
 const double kUnrelatedCost = std::log(4.0) * kCoordinates;
-// Blur makes keypoints uncertain along one direction, which an essential matrix takes for depth, and then costs a
-// little less by right. So there is depth only where of the matches that it explains so many are so far, in sigmas,
-// from where the rotation has them. Of matches that fit one of the two without error, that share makes the costs equal.
+// Blur makes keypoints uncertain along one direction. An essential matrix takes that for depth and costs a little less.
+// So there is depth only if this share of its matches is so far, in sigmas, from where the rotation puts them. If all
+// matches fit one of the two models without error, the costs are equal at that share.
 constexpr double kMovedShare = 0.2, kMovedSigmas = 4;
 
-// Squared distances of the matches from what the model allows, in pixels: cost per match.
+// Computes the cost per match from the squared distances of the matches from the model, in pixels.
 double gric(const std::vector<double>& squares, double sigma_px, ModelSize size) {
   const auto n = static_cast<double>(squares.size());
   const double most = kOutlierFactor * (kCoordinates - size.dimension);
@@ -58,7 +58,7 @@ double gric(const std::vector<double>& squares, double sigma_px, ModelSize size)
 
 struct Matches {
   std::vector<Eigen::Vector2d> first, second;    // rays (x/z, y/z, 1)
-  std::vector<cv::Point2d> first_px, second_px;  // the same times the focal length
+  std::vector<cv::Point2d> first_px, second_px;  // the rays times the focal length
   double focal_px = 1;
 };
 
@@ -77,7 +77,7 @@ Matches select(const Camera& camera, const std::vector<Eigen::Vector2f>& first,
   return m;
 }
 
-// Sampson's distance from an epipolar constraint.
+// Returns Sampson's distance from an epipolar constraint.
 std::vector<double> epipolar_errors(const Matches& m, const Eigen::Matrix3d& essential) {
   std::vector<double> squares;
   for (size_t i = 0; i < m.first.size(); ++i) {
@@ -108,7 +108,7 @@ void offer(const Matches& m, SE3 pose, std::vector<double>* best) {
   if (best->empty() || robust_sum(errors) < robust_sum(*best)) *best = std::move(errors);
 }
 
-// The essential matrix that most matches of small samples agree with; empty if there is none.
+// Finds the essential matrix with the most inliers by small samples. Empty if there is none.
 cv::Mat sampled_essential(const Matches& m, std::vector<uint8_t>* is_inlier) {
   try {
     const cv::UsacParams usac =
@@ -123,8 +123,8 @@ cv::Mat sampled_essential(const Matches& m, std::vector<uint8_t>* is_inlier) {
   return {};
 }
 
-// Of the essential matrix that explains most: the sampled one, or that of a step to any side after the rotation, where
-// samples of a small step find many that are as good.
+// Finds the essential matrix that explains most: the sampled one, or one with a step to any side after the rotation.
+// For a small step, sampling finds many matrices that are equally good.
 std::vector<double> depth_errors(const Matches& m, const Eigen::Matrix3d& turn, const cv::Mat& sampled) {
   std::vector<double> best;
   for (int x = -1; x <= 1; ++x)
@@ -148,8 +148,8 @@ std::vector<double> depth_errors(const Matches& m, const Eigen::Matrix3d& turn, 
 // A rotation through a lens that is not quite the calibrated one.
 struct Turn {
   Eigen::Matrix3d second_from_first = Eigen::Matrix3d::Identity();
-  double log_focal = 0;   // of the true focal length over the calibrated one
-  double distortion = 0;  // radial, that was not taken out
+  double log_focal = 0;   // logarithm of the true focal length over the calibrated one
+  double distortion = 0;  // radial distortion that undistorting left
 
   Eigen::Vector2d corrected(const Eigen::Vector2d& ray) const {
     return ray * std::exp(-log_focal) * (1 + distortion * ray.squaredNorm());
@@ -164,7 +164,7 @@ Turn moved(const Turn& turn, const Vector5d& step) {
   return result;
 }
 
-// What is left of each match in the second image, pixels. Both keypoints have an error, so its square is of two.
+// Residual of each match in the second image, pixels. Both keypoints have an error, so its square has that of two.
 std::vector<Eigen::Vector2d> residuals(const Matches& m, const Turn& turn) {
   std::vector<Eigen::Vector2d> all;
   const double px = m.focal_px * std::exp(turn.log_focal);
@@ -183,7 +183,7 @@ std::vector<double> turn_errors(const std::vector<Eigen::Vector2d>& residuals) {
   return squares;
 }
 
-// Geman and McClure's: what is far out has no say.
+// Geman and McClure's weight: outliers have no influence.
 double cost_of(const std::vector<Eigen::Vector2d>& residuals) {
   double sum = 0;
   for (const Eigen::Vector2d& r : residuals) sum += 1 - 1 / (1 + r.squaredNorm() / (kRoughErrorPx * kRoughErrorPx));
@@ -199,7 +199,7 @@ struct NormalEquations {
     std::array<std::vector<Eigen::Vector2d>, 5> beside;
     Vector5d step;
     for (int k = 0; k < 5; ++k) {
-      // A slack that is used up has its derivative on the other side.
+      // A slack that is used up has the derivative of the other side.
       step(k) = (k == 3 && turn.log_focal > 0) || (k == 4 && turn.distortion > 0) ? -kStep : kStep;
       beside[k] = residuals(m, moved(turn, step(k) * Vector5d::Unit(k)));
     }
@@ -236,7 +236,7 @@ Turn refine(const Matches& m, Turn turn) {
   return turn;
 }
 
-// From all matches, and from those that are on their epipolar lines: of many wrong ones these leave few.
+// Starts from all matches, and from those on their epipolar lines, among which few are wrong.
 std::optional<Turn> fit_turn(const Matches& m, const std::vector<uint8_t>& is_inlier) {
   std::optional<Turn> best;
   for (const bool all : {true, false}) {
@@ -254,13 +254,13 @@ std::optional<Turn> fit_turn(const Matches& m, const std::vector<uint8_t>& is_in
   return best;
 }
 
-// Of keypoints, from those matches that the widest model explains.
+// Estimates the sigma of keypoints from the matches that the widest model explains.
 double sigma_of(const std::vector<double>& squares) {
   std::vector<double> errors;
   for (const double square : squares)
     if (square < kRoughErrorPx * kRoughErrorPx) errors.push_back(std::sqrt(square));
   if (errors.empty()) return kMaxSigmaPx;
-  return std::clamp(1.4826 * median(&errors), kMinSigmaPx, kMaxSigmaPx);
+  return std::clamp(kSigmaFromMad * median(&errors), kMinSigmaPx, kMaxSigmaPx);
 }
 
 int count_inliers(const std::vector<double>& squares, double sigma_px) {

@@ -9,19 +9,21 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr double kContrast = 0.01;  // of a keypoint: a quarter of OpenCV's, the images of a gap are blurred or dark
-// Of an image with fewer keypoints than kFewKeypoints, in a second try: it is very dark, or blind.
+constexpr double kContrast =
+    0.01;  // for a keypoint: a quarter of OpenCV's, because the images of a gap are blurred or dark
+// For the second try with an image that has fewer keypoints than kFewKeypoints: it is very dark, or blind.
 constexpr double kLowContrast = 0.004;
 constexpr size_t kFewKeypoints = 60;
 
-constexpr float kMaxMargin = 8;  // pixels that a keypoint keeps from what the mask leaves out: its radius, at most
+constexpr float kMaxMargin =
+    8;  // pixels; a keypoint keeps its radius from what the mask leaves out, and no more than this
 
 struct Found {
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat histograms;
 };
 
-// OpenCV's own mask would be asked last: the strongest keypoints may all be of a caption.
+// OpenCV would apply a mask last, when the strongest keypoints may all be those of a caption.
 Found find_keypoints(const cv::Mat& grey, const ImageMask& mask, double contrast, int most) {
   Found found;
   if (mask.is_everything()) {

@@ -15,7 +15,7 @@ namespace rumi::ruminator {
 
 using SiftDescriptor = std::array<uint8_t, 128>;  // RootSIFT (Arandjelovic and Zisserman, CVPR 2012), times 512
 
-// All three have the same length; the keypoints of the largest scale come first.
+// The vectors have the same length. The keypoints of the largest scale come first.
 struct SiftFeatures {
   std::vector<Eigen::Vector2f> undistorted;  // pixels without lens distortion
   std::vector<float> scale_px;               // radius of the region described
@@ -25,8 +25,8 @@ struct SiftFeatures {
 
 constexpr int kSiftKeypoints = 1000;
 
-// The strongest keypoints of an 8-bit grey image. Those whose pixel the lens model cannot undistort are left out.
-// There are none where the mask, of the image's size, leaves something out.
+// Finds the strongest keypoints of an 8-bit grey image. Leaves out those that the lens model cannot undistort, and
+// those where the mask (of the image's size) leaves something out.
 SiftFeatures extract_sift(const cv::Mat& grey, const Camera& camera, int max_keypoints = kSiftKeypoints,
                           const ImageMask& mask = {});
 

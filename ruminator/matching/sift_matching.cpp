@@ -13,47 +13,47 @@ namespace rumi::ruminator {
 namespace {
 
 constexpr double kUnit = 512.0 * 512.0;  // squared length of a descriptor
-constexpr double kMaxDistance = 0.7;     // of a match's descriptors, of unit length
-constexpr double kMaxRatio = 0.8;        // of that distance to the second best
-constexpr int kMinMatches = 20;          // of a pair, for it to be verified
+constexpr double kMaxDistance = 0.7;     // between the descriptors of a match, of unit length
+constexpr double kMaxRatio = 0.8;        // of that distance to the distance of the second best
+constexpr int kMinMatches = 20;          // a pair needs so many to be verified
 constexpr int kIterations = 1000;        // RANSAC, at most
 constexpr double kConfidence = 0.9999;
 constexpr double kMaxErrorPx = 1.5;  // from both epipolar lines, sqrt(d1² + d2²)
 
-// What chooses a clone runs before ThreadSanitizer is there.
+// ThreadSanitizer is not ready yet when the choice between clones runs.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define RUMI_VECTOR_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
 #else
 #define RUMI_VECTOR_CLONES
 #endif
-// 8-bit values: nothing can overflow, and checked for it the loop takes a hundred times as long.
+// 8-bit values cannot overflow here, and with the check the loop takes a hundred times as long.
 #define RUMI_NO_SANITIZE __attribute__((no_sanitize("address", "undefined")))
 
 using WideDescriptor = std::array<int16_t, 128>;
-// In blocks of so many, which the compiler makes vector code of, for each kind of processor.
+// Descriptors are processed in blocks of so many, for which the compiler makes vector code for each kind of processor.
 constexpr int kBlock = 16;
 constexpr int kLeast = std::numeric_limits<int>::min();  // less than any product
 constexpr size_t kBlockBytes = kBlock * sizeof(int);
 using Block = int __attribute__((vector_size(kBlockBytes)));
 
-// Memory for blocks is aligned to their size: the clones for newer processors count on more than the 16 bytes that are
-// the alignment of a Block in the rest of this file.
+// Memory for blocks is aligned to their size, because the clones for newer processors rely on more than the 16 bytes
+// that a Block is aligned to in the rest of this file.
 struct alignas(kBlockBytes) Products {
   Block product;
 };
 
-// For a block of descriptors the nearest one of the other image so far: product and index.
+// The nearest descriptors of the other image so far, for a block of descriptors: product and index.
 struct alignas(kBlockBytes) Nearest {
   Block product = Block{} + kLeast, index = Block{} - 1;
 };
 
-// Of one descriptor, by the place in a block of the other image.
+// The nearest ones for one descriptor, by the place in a block of the other image.
 struct alignas(kBlockBytes) TwoBest {
   Block best = Block{} + kLeast, second = Block{} + kLeast;
 };
 
-// Nearly all the time of matching goes here. Products of `a`, number `index` of its image, with all of `b`, in whole
-// blocks.
+// Matching spends nearly all its time here. Computes the products of `a`, number `index` of its image, with all of `b`,
+// in whole blocks.
 RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int index,
                                                   const std::vector<WideDescriptor>& b, Products* products,
                                                   TwoBest* of_a, Nearest* of_b) {
@@ -78,7 +78,7 @@ RUMI_VECTOR_CLONES RUMI_NO_SANITIZE void multiply(const WideDescriptor& a, int i
   of_a->second = second;
 }
 
-// Filled up to whole blocks by descriptors that nothing is like.
+// Fills up to whole blocks with descriptors that resemble no other.
 std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
   std::vector<WideDescriptor> wide((count + kBlock - 1) / kBlock * kBlock, WideDescriptor{});
   for (size_t i = 0; i < count; ++i) std::copy_n(features.descriptors[i].begin(), 128, wide[i].begin());
@@ -87,7 +87,7 @@ std::vector<WideDescriptor> widen(const SiftFeatures& features, size_t count) {
 
 double squared_distance(int product) { return std::max(0.0, 2 - 2.0 * product / kUnit); }
 
-// The product of the nearest one, if the second is far enough behind.
+// Returns the product of the nearest one, if the second nearest is far enough behind.
 std::optional<int> distinct_best(const TwoBest& two) {
   int best = kLeast, second = kLeast;
   for (int k = 0; k < kBlock; ++k) {
@@ -100,7 +100,7 @@ std::optional<int> distinct_best(const TwoBest& two) {
   return best;
 }
 
-// Samples of five that find kMinInliers right matches among so many; if fewer are right the pair does not count.
+// So many samples of five find kMinInliers right matches. If fewer are right, the pair does not count anyway.
 int iterations_for(size_t matches) {
   const double right = std::min(1.0, kMinInliers / static_cast<double>(matches));
   const double needed = std::log(1 - kConfidence) / std::log(1 - std::pow(right, 5) + 1e-12);

@@ -16,12 +16,12 @@ namespace {
 
 using PairSet = std::set<std::pair<int, int>>;
 
-// A pair that is not near in time is looked at more closely only if its keypoints of the largest scale have so many
-// matches (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
+// A pair that is not near in time is matched in full only if its keypoints of the largest scale have so many matches
+// (Wu, "Towards linear-time incremental structure from motion", 3DV 2013).
 constexpr int kPreviewKeypoints = 150;
 constexpr int kPreviewMatches = 6;
 
-// Pairs far apart in time that show the same things, as a preview of each tells: for each image the best.
+// Selects pairs far apart in time in which a preview finds matches: the best ones of each image.
 PairSet select_far_pairs(const std::vector<SiftFeatures>& images, const PairSelection& selection,
                          const std::atomic<bool>& cancel) {
   const int count = static_cast<int>(images.size());
@@ -72,8 +72,8 @@ double parallax_px(const Camera& camera, const std::vector<SiftFeatures>& images
     first.push_back(camera.ray(images[pair.first].undistorted[i]).normalized());
     second.push_back(camera.ray(images[pair.second].undistorted[j]).normalized());
   }
-  // The rotation that brings the directions together best (Kabsch), twice: the second time those that moved most, being
-  // near, have less to say.
+  // Finds the rotation that best aligns the directions (Kabsch), twice: the second time, matches that moved most have
+  // less weight, because they are near.
   std::vector<double> weight(first.size(), 1), angle(first.size());
   for (int round = 0; round < 2; ++round) {
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();

@@ -14,7 +14,7 @@ struct PosePair {
   SE3 cam_from_front, cam_from_model;
 };
 
-// Every pair of frames gives a rotation from model to front; the one that the others differ least from is taken.
+// Every pair of frames gives a rotation from model to front. Takes the one from which the others differ least.
 double rotation_difference_deg(const std::vector<PosePair>& pairs) {
   std::vector<Eigen::Quaterniond> front_from_model;
   front_from_model.reserve(pairs.size());

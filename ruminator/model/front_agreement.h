@@ -11,18 +11,18 @@
 
 namespace rumi::ruminator {
 
-constexpr size_t kMinFrontFrames = 5;  // that a comparison needs
+constexpr size_t kMinFrontFrames = 5;  // a comparison needs so many frames
 
 struct FrontAgreement {
   int32_t submap_id = kNoSubmap;
-  int frames = 0;           // that both have a pose of
+  int frames = 0;           // frames with a pose in both
   double rotation_deg = 0;  // median difference after alignment
-  double position_ratio =
-      0;  // RMS distance after Sim(3) alignment over the spread (RMS from the mean) of the positions
+  // RMS distance after Sim(3) alignment over the spread (RMS from the mean) of the positions.
+  double position_ratio = 0;
 };
 
-// One entry for each front submap that at least kMinFrontFrames of the samples have a pose in, in order of id.
-// cam_from_model: by utime.
+// Returns one entry for each front submap in which at least kMinFrontFrames of the samples have a pose, in order of id.
+// `cam_from_model`: poses by utime.
 std::vector<FrontAgreement> compare_with_front(const std::vector<Sample>& samples,
                                                const std::map<int64_t, SE3>& cam_from_model);
 

@@ -19,10 +19,10 @@ namespace {
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr size_t kMinPairMatches = 20;      // of a pair of images, for a relative rotation
-constexpr double kMaxRotationErrorDeg = 5;  // between a pair and the averaged rotations; beyond it it is not used
-constexpr int kTracksPerImage = 200;        // at least, where there are so many
-constexpr int kIterations = 100;            // of placing cameras and points, at most
+constexpr size_t kMinPairMatches = 20;      // a pair of images needs for a relative rotation
+constexpr double kMaxRotationErrorDeg = 5;  // a pair that differs more from the averaged rotations is not used
+constexpr int kTracksPerImage = 200;        // the least that an image gets, if it has so many
+constexpr int kIterations = 100;            // the most for placing cameras and points
 
 std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::vector<WindowImage>& images,
                                              const ImagePair& pair) {
@@ -35,7 +35,7 @@ std::optional<Quaterniond> relative_rotation(const Camera& camera, const std::ve
   cv::Mat rotation, translation;
   try {
     const cv::Mat k = cv::Mat::eye(3, 3, CV_64F);
-    // The matches are verified: few samples will do, and the best is refined over all.
+    // The matches are verified, so few samples will do. The best is refined over all matches.
     const double pixel = 1 / (0.5 * (camera.fx + camera.fy));
     const cv::UsacParams usac = usac_params({.max_distance = 1.5 * pixel, .confidence = 0.999, .iterations = 200});
     const cv::Mat essential = cv::findEssentialMat(a, b, k, k, cv::noArray(), cv::noArray(), cv::noArray(), usac);
@@ -70,7 +70,7 @@ std::vector<RelativeRotation> in_largest_part(size_t images, std::vector<Relativ
   return rotations;
 }
 
-// Rotations cam_from_world along the tree of the strongest pairs, then all pairs together, robustly.
+// Chains the rotations cam_from_world along the tree of the strongest pairs, then adjusts all pairs together, robustly.
 std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::vector<RelativeRotation> pairs) {
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const auto& a, const auto& b) { return a.pair->matches.size() > b.pair->matches.size(); });
@@ -109,7 +109,7 @@ std::vector<std::optional<Quaterniond>> average_rotations(size_t images, std::ve
   return rotations;
 }
 
-// The longest tracks, as many as give every image enough of them: the rest would cost time and add little.
+// Selects the longest tracks, until every image has enough of them. The rest would cost time and add little.
 std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, int min_track_images) {
   std::stable_sort(tracks.begin(), tracks.end(), [](const Track& a, const Track& b) { return a.size() > b.size(); });
   std::vector<int> count(images, 0);
@@ -125,8 +125,8 @@ std::vector<Track> select_tracks(std::vector<Track> tracks, size_t images, int m
   return selected;
 }
 
-// The ray's direction, seen from the camera's centre to the point: bilinear, and so without the local minima that a
-// reprojection error has far from the solution.
+// Residual of the direction from the camera's centre to the point. It is bilinear, and so without the local minima that
+// a reprojection error has far from the solution.
 struct DirectionError {
   Vector3d direction;
   template <class T>

@@ -14,7 +14,7 @@
 
 namespace rumi::ruminator {
 
-constexpr int kMinTrackImages = 3;  // that see a point of the global model
+constexpr int kMinTrackImages = 3;  // so many images must see a point of the global model
 
 struct RelativeRotation {
   int first = 0, second = 0;  // images
@@ -22,19 +22,19 @@ struct RelativeRotation {
   const ImagePair* pair = nullptr;
 };
 
-// Of every pair with enough matches and a rotation that its essential matrix tells.
+// Returns the rotation of every pair that has enough matches and an essential matrix that determines it.
 std::vector<RelativeRotation> relative_rotations(const Camera& camera, const std::vector<WindowImage>& images,
                                                  const std::vector<ImagePair>& pairs);
 
-// Rough poses and points (to be adjusted by adjust_model) of the largest connected part; nothing if fewer than three
-// images hang together. Deterministic.
+// Computes rough poses and points of the largest connected part, for adjust_model() to refine. Nothing if fewer than
+// three images hang together. Deterministic.
 std::optional<SparseModel> build_global_model(const Camera& camera, const std::vector<WindowImage>& images,
                                               const std::vector<RelativeRotation>& rotations,
                                               int min_track_images = kMinTrackImages);
 
-// The median difference, in degrees, between the rotations of those pairs whose images both have a pose and the same
-// rotations in the model; 180 if there is no such pair. The median over matches, not pairs: the rotation between two
-// images with few matches is uncertain.
+// Returns the median difference, in degrees, between the rotations of pairs and those of the model; 180 if no pair has
+// poses for both images. The median is taken over matches, not pairs, because the rotation of a pair with few matches
+// is uncertain.
 double median_rotation_error_deg(const std::vector<RelativeRotation>& rotations, const SparseModel& model);
 
 }  // namespace rumi::ruminator

@@ -14,15 +14,16 @@
 
 namespace rumi::ruminator {
 
-// a_from_b, from the tracks that both models have points of; nothing where too few agree. Deterministic.
+// Computes a_from_b from the tracks of which both models have points. Nothing if too few agree. Deterministic.
 std::optional<Sim3> align_models(const Camera& camera, const std::vector<WindowImage>& images,
                                  const std::vector<Track>& tracks, const SparseModel& a, const SparseModel& b);
 
-// The images of both models; an image of both keeps its pose in `a`. Without points: triangulate them anew.
+// Returns the images of both models. An image that is in both keeps its pose in `a`. The result has no points:
+// triangulate them anew.
 SparseModel join_models(const Sim3& a_from_b, const SparseModel& a, const SparseModel& b);
 
-// before_from_after, from the frames of one front submap that both models have. Nothing if a model has fewer than
-// kMinFrontFrames of them, or disagrees with the submap. utimes: of the images.
+// Computes before_from_after from the frames of one front submap that are in both models. Nothing if a model has fewer
+// than kMinFrontFrames of them, or disagrees with the submap. `utimes_us`: times of the images.
 std::optional<Sim3> front_tie(const std::vector<Sample>& front, const std::vector<int64_t>& utimes_us,
                               const SparseModel& before, const SparseModel& after);
 

@@ -13,7 +13,7 @@
 namespace rumi::ruminator {
 namespace {
 
-constexpr int kIterations = 20;  // of a bundle adjustment
+constexpr int kIterations = 20;  // the most in a bundle adjustment
 
 using PointIndex = std::vector<std::vector<int>>;  // [image][keypoint]: point, or kNone
 
@@ -32,7 +32,7 @@ double error_px(const Camera& camera, const SE3& cam_from_world, const Eigen::Ve
   return (camera.project_undistorted(in_camera) - pixel.cast<double>()).norm();
 }
 
-// Unit vectors from the point to the cameras that see it.
+// Returns unit vectors from the point to the cameras that see it.
 std::vector<Eigen::Vector3d> directions_to_cameras(const SparseModel& model, const SparseModel::Point& point) {
   std::vector<Eigen::Vector3d> directions;
   for (const auto& [image, keypoint] : point.track)
@@ -41,11 +41,11 @@ std::vector<Eigen::Vector3d> directions_to_cameras(const SparseModel& model, con
 }
 
 struct WidestRays {
-  double cosine = 1;  // of the angle between them: the parallax
+  double cosine = 1;  // cosine of the angle between them, the parallax
   size_t first = 0, second = 0;
 };
 
-// The two rays with the largest angle between them, without the ray `left_out`.
+// Finds the two rays with the largest angle between them, without the ray `left_out`.
 WidestRays widest_rays(const std::vector<Eigen::Vector3d>& directions, size_t left_out = SIZE_MAX) {
   WidestRays widest;
   for (size_t i = 0; i < directions.size(); ++i) {
@@ -257,7 +257,7 @@ int points_shared(const std::set<int>& images, const ModelRefinementOptions& opt
   return shared;
 }
 
-// The loose end at the beginning or the end of the model, or an empty set.
+// Returns the loose end at the beginning or the end of the model, or an empty set.
 std::set<int> loose_end(bool last, const std::set<int>& known, const ModelRefinementOptions& options,
                         const SparseModel& model) {
   std::vector<int> images;  // from the end on

@@ -16,7 +16,7 @@
 namespace rumi::ruminator {
 
 struct ModelRefinementOptions {
-  double max_error_px = 3.0;      // of an observation
+  double max_error_px = 3.0;      // largest reprojection error of an observation
   double min_parallax_deg = 1.5;  // between the outer rays of a point
   int resection_min_inliers = 15;
 };

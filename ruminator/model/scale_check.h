@@ -15,34 +15,35 @@
 
 namespace rumi::ruminator {
 
-constexpr double kMaxScaleChange = 0.25;  // of the scale along a model, relative, that is no slip
+constexpr double kMaxScaleChange = 0.25;  // largest relative change of the scale along a model that is no slip
 
 struct ScaleCut {
   int image = 0;   // the last one before the cut
-  int tracks = 0;  // that cross the cut
+  int tracks = 0;  // tracks that cross the cut
   int points = 0;  // tracks among them that either side can triangulate by itself
   // Both sides see depth, but too few points connect the scale of one side with that of the other.
   bool is_break = false;
-  // Median logarithm of the distance to such a point as the images after the cut see it over that before it, measured
-  // from `image`, and its standard error.
+  // Both sides triangulate such a point. The ratio of its distances from `image`, after the cut over before it: median
+  // logarithm and standard error.
   double log_ratio = 0, log_error = 0;
-  double log_spread = 0;  // how far the farthest is from the median
+  double log_spread = 0;  // how far the farthest logarithm is from the median
 };
 
-// A cut after every registered image but the last. `tracks`: all of them, those that the model has no points of too.
+// Returns a cut after every registered image but the last. `tracks`: all tracks, also those without a point in the
+// model.
 std::vector<ScaleCut> check_scale(const Camera& camera, const std::vector<WindowImage>& images,
                                   const std::vector<Track>& tracks, const SparseModel& model);
 
-// Do the points across the cut determine the scale well enough without front_tracker's poses?
+// True if the points across the cut determine the scale well enough without front_tracker's poses.
 bool is_certain(const ScaleCut& cut);
 
-// The cut where the scale certainly changes the most, if it does.
+// Returns the cut where the scale certainly changes, and changes most; nothing if it does not change.
 std::optional<ScaleCut> find_slip(const std::vector<ScaleCut>& cuts, double max_change = kMaxScaleChange);
 
-// The break with the fewest points, if there is one; of several the one that the fewest tracks cross.
+// Returns the break with the fewest points, and among equal ones that with the fewest tracks; nothing without a break.
 std::optional<ScaleCut> find_break(const std::vector<ScaleCut>& cuts);
 
-// Removes the images on that side of the cut that has fewer. Returns how many.
+// Removes the images on the smaller side of the cut. Returns their number.
 int keep_larger_side(const ScaleCut& cut, SparseModel* model);
 
 // Scales everything after the cut to the scale before it, about the image of the cut. Triangulate the points anew after

@@ -15,8 +15,8 @@ struct SparseModel {
     Eigen::Vector3d position;
     std::vector<std::pair<int, int>> track;  // (image index, keypoint index) as given to write_colmap_database
   };
-  double fx = 0, fy = 0;              // as refined or as given, pixels
-  std::map<int, SE3> cam_from_world;  // of the registered images, by index (COLMAP's id - 1)
+  double fx = 0, fy = 0;              // pixels; as refined, or as given
+  std::map<int, SE3> cam_from_world;  // registered images, by index (COLMAP's id - 1)
   std::vector<Point> points;          // in order of COLMAP's ids
 };
 

@@ -24,7 +24,7 @@ struct PairAgreement {
   int severed = 0;            // matches with a point at one keypoint only, or another point at each
 };
 
-// Of all pairs of the model's images, in their order.
+// Returns the agreement of all pairs of the model's images, in the order of the pairs.
 std::vector<PairAgreement> pair_agreements(const std::vector<ImagePair>& pairs, const SparseModel& model);
 
 // Images that are torn off from the largest part of the model; empty for a sound model. Parts grow by joining images

@@ -5,9 +5,10 @@
 
 #include <atomic>
 #include <functional>
-#include <optional>
 #include <string>
+#include <vector>
 
+#include "base/result.h"
 #include "ruminator/model/front_agreement.h"
 #include "ruminator/rebuild/build_options.h"
 #include "ruminator/window/window_job.h"
@@ -24,23 +25,23 @@ struct BuildProgress {
 };
 
 struct BuildResult {
-  std::optional<Submap> submap;  // kind BACK, key (window.session, -window.id), closed, revision 1
-  std::string failure;           // why there is none; a sentence for a person
-  bool cancelled = false;        // asked to stop: the job is worth another try
-  bool retryable = false;        // the machine failed, not the window: no COLMAP, disk full, killed from outside
+  // Kind BACK, key (window.session, -window.id), closed, revision 1. An Error says why there is none, in a sentence for
+  // a person.
+  Result<Submap> submap = Error{"rebuilding gave nothing, and no reason"};
+  bool cancelled = false;  // asked to stop: the job is worth another try
+  bool retryable = false;  // the machine failed, not the window: no COLMAP, disk full, killed from outside
 
-  // Frames registered of those sampled.
-  int approach = 0, gap = 0, departure = 0;
-  std::string warning;  // of what went wrong on the way and was not needed, e.g. no COLMAP
-  std::string origin;   // how the model was found
+  int approach = 0, gap = 0, departure = 0;  // frames registered, of those sampled
+  std::string warning;                       // a problem that did not prevent a submap, such as missing COLMAP
+  std::string origin;                        // how the model was found
   std::vector<FrontAgreement> agreement;
   double error_px = 0;           // RMS reprojection error
   int models_tried = 0;          // mapper runs
-  double wall_s = 0, cpu_s = 0;  // ours and COLMAP's
+  double wall_s = 0, cpu_s = 0;  // our time and COLMAP's
 };
 
-// `work_folder` is made, used for COLMAP's files and log, and removed unless the build fails. Deterministic for a job
-// and options (one thread). `cancel` ends it within a second, children included.
+// Creates `work_folder`, keeps COLMAP's files and log there, and removes it unless the build fails. Deterministic for a
+// job and options (one thread). `cancel` ends the build within a second, child processes included.
 BuildResult build_back_submap(const WindowJob& job, const BuildOptions& options, const std::string& work_folder,
                               const std::function<void(const BuildProgress&)>& progress,
                               const std::atomic<bool>& cancel);

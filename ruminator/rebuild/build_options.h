@@ -21,22 +21,22 @@ class ColmapProgram;
 // How a window is rebuilt.
 struct BuildOptions {
   std::string colmap = "colmap";              // the program: a name found in PATH or a path
-  int nice = 19;                              // of COLMAP's processes and of our own building thread
-  double mapper_cpu_limit_s = 120;            // of one mapper run
+  int nice = 19;                              // niceness of COLMAP's processes and of our building thread
+  double mapper_cpu_limit_s = 120;            // CPU time of one mapper run
   int max_image_side = kDefaultMaxImageSide;  // pixels; larger images are worked on smaller, as by front_tracker
-  Pyramid pyramid;                            // of the back submap's keypoints, as of front_tracker's
-  int sift_keypoints = kSiftKeypoints;        // of an image, the strongest
+  Pyramid pyramid;                            // for the back submap's keypoints, as in front_tracker
+  int sift_keypoints = kSiftKeypoints;        // the strongest so many of an image
   PairSelection pairs;
   ModelRefinementOptions refinement;
   int global_track_images = kMinTrackImages;  // for tests: no option
-  // What is known of `colmap`, for all windows; null: it is asked for each. No option.
+  // The answers of `colmap`, shared by all windows. Null: each window asks again. No option.
   std::shared_ptr<ColmapProgram> colmap_program = nullptr;
   double scale_max_change = kMaxScaleChange;
   double tear_max_severed = kMaxSevered;
-  double min_parallax_px = 2;             // of some pair of images, or the camera has only turned
-  double max_rmse_px = 1.5;               // of the reprojection
+  double min_parallax_px = 2;             // some pair of images needs it, or the camera has only turned
+  double max_rmse_px = 1.5;               // reprojection error of a model
   double max_pair_rotation_deg = 3;       // median difference to the relative rotations of the pairs
-  double max_rival_position_ratio = 0.1;  // difference of a model that COLMAP began to the global one: FrontAgreement
+  double max_rival_position_ratio = 0.1;  // between a model that COLMAP began and the global one: see FrontAgreement
 };
 
 inline void describe(OptionTable& table, BuildOptions& o) {

@@ -15,12 +15,12 @@ namespace rumi::ruminator {
 
 class ModelCompletion {
  public:
-  // Keeps references to both.
+  // Both arguments must outlive this.
   ModelCompletion(const WindowModelInput& input, const BuildOptions& options);
 
-  // With model, origin, quality and broken_off set, not yet judged.
+  // Returns a candidate with model, origin, quality and broken_off set, not yet judged.
   WindowModel complete(SparseModel model, std::string origin) const;
-  // Of each two of the models that what they see in common joins to a larger one: that.
+  // Joins every two models that have enough points in common to make a larger one.
   std::vector<SparseModel> joined(const std::vector<SparseModel>& models) const;
 
  private:

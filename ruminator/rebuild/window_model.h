@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "base/result.h"
 #include "ruminator/colmap/colmap_mapper.h"
 #include "ruminator/model/front_agreement.h"
 #include "ruminator/rebuild/build_options.h"
@@ -27,12 +28,11 @@ struct WindowModel {
   // Median difference between the model's relative rotations and those of the pairs' essential matrices.
   double pair_rotation_deg = 0;
   std::vector<FrontAgreement> agreement;
-  std::string doubt;  // empty, or why it is not credible
+  Result<> credible;  // an Error says why it is not
 };
 
 struct WindowModelResult {
-  WindowModel best;     // with `failure` empty
-  std::string failure;  // why there is none
+  Result<WindowModel> best = Error{"no model found"};
   bool retryable = false, cancelled = false;
   std::string warning;  // a problem that did not prevent a model, such as missing COLMAP
   int attempts = 0;
@@ -47,16 +47,16 @@ struct WindowModelInput {
   const std::vector<Sample>& front;  // samples that front_tracker has poses of
 };
 
-// Sets agreement, pair_rotation_deg and doubt of a candidate whose model and quality are known. `rotations`: see
+// Sets agreement, pair_rotation_deg and credible of a candidate whose model and quality are known. `rotations`: see
 // relative_rotations.
 void judge_model(const WindowModelInput& input, const std::vector<RelativeRotation>& rotations,
                  const BuildOptions& options, WindowModel* candidate);
 
-// Compares the shape of the global model with that of a rival, which COLMAP's mapper began with a pair of images.
-// Returns how they differ, or an empty string. The rival may be larger, but two models that contradict each other
-// cannot both be right, and the first pair may be a wrong one.
-std::string contradiction(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
-                          const BuildOptions& options);
+// Compares the shape of the global model with that of a rival, which COLMAP's mapper began with a pair of images. An
+// Error says how they differ. The rival may be larger, but two models that contradict each other cannot both be right,
+// and the first pair may be a wrong one.
+Result<> compare_shapes(const SparseModel& global, const SparseModel& rival, const std::vector<int64_t>& utimes_us,
+                        const BuildOptions& options);
 
 // `work_folder` exists; the database, the models and the log stay in it.
 WindowModelResult build_window_model(const WindowModelInput& input, const BuildOptions& options,

@@ -16,13 +16,13 @@ namespace {
 constexpr int kMinWidth = 120;  // pixels, of a reduced image
 constexpr int kMinSide = 32;    // pixels, of a reduced image in which motion is looked for
 constexpr int kCorners = 100;
-constexpr double kCornerQuality = 0.01;  // of the best corner's
-constexpr double kCornerDistance = 6;    // pixels between two
-constexpr int kMinCorners = 12;          // that returned; fewer say nothing
-constexpr double kMinReturned = 0.3;     // of the corners: an unrelated image lets a few return by chance
+constexpr double kCornerQuality = 0.01;  // relative to the best corner
+constexpr double kCornerDistance = 6;    // pixels between two corners
+constexpr int kMinCorners = 12;          // fewer that return say nothing
+constexpr double kMinReturned = 0.3;     // share of the corners: in an unrelated image a few return by chance
 constexpr float kMaxReturnError = 0.7F;  // pixels
-constexpr double kMinEigenvalue = 1e-3;  // of Lucas-Kanade's matrix, which sees noise as texture below it
-constexpr double kMinResponse = 0.2;     // of the correlation's peak: few unrelated images reach it
+constexpr double kMinEigenvalue = 1e-3;  // Lucas-Kanade's matrix takes noise for texture below it
+constexpr double kMinResponse = 0.2;     // peak of the correlation: few unrelated images reach it
 constexpr double kContrastFloor = 100;   // grey levels squared: below it the structure is noise
 
 int reduction_for(int width) {
@@ -83,9 +83,8 @@ double sharpness_of(const cv::Mat& grey) {
 
 ImageMeasure ImageMotion::measure(const image_t& image) {
   ImageMeasure measure;
-  std::string error;
   const int reduction = reduction_for(image.width);
-  cv::Mat grey = decode_reduced_grey(image, reduction, &error);
+  cv::Mat grey = decode_reduced_grey(image, reduction).value_or(cv::Mat());
   if (grey.empty()) return measure;  // the next one is compared with the last good one
   measure.sharpness = sharpness_of(grey);
   if (previous_.size() == grey.size() && std::min(grey.cols, grey.rows) >= kMinSide) {

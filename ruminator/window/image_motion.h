@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far the picture moved from one image to the next, and how sharp it is: what the thinning of a gap goes by. Cheap,
-// from images reduced to some 160 pixels of width.
+// Measures how far the picture moved from one image to the next, and how sharp it is, for the thinning of a gap. It is
+// cheap: it works on images reduced to some 160 pixels of width.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -11,29 +11,29 @@
 namespace rumi::ruminator {
 
 struct ImageMeasure {
-  // Median displacement since the image before, pixels of the full resolution. Nothing: the first image, or one in
-  // which nothing could be followed (black, blurred beyond use, another scene).
+  // Median displacement since the image before, pixels of the full resolution. Nothing for the first image, and for one
+  // in which nothing could be followed (black, blurred beyond use, another scene).
   std::optional<double> motion_px;
-  // Energy of fine structure over that of the whole picture. Comparable between neighbours only: it depends on what is
-  // in view. 0: black, or no image.
+  // Energy of the fine structure over that of the whole picture. It depends on the scene, so only neighbours can be
+  // compared. 0: black, or no image.
   double sharpness = 0;
 };
 
 class ImageMotion {
  public:
-  // The next image, in order of time.
+  // Measures the next image, in order of time.
   ImageMeasure measure(const image_t& image);
-  // The next image is the first.
+  // Makes the next image the first.
   void reset() { previous_.release(); }
 
  private:
   cv::Mat previous_;  // reduced, grey; empty: none
 };
 
-// The two ways of measuring, on reduced images of one size; pixels of these.
-// Corners followed there and back (Lucas-Kanade): the median length of those that returned to where they came from.
+// The two ways of measuring, on reduced images of the same size, in their pixels.
+// Follows corners there and back (Lucas-Kanade). Returns the median length of those that return to where they began.
 std::optional<double> motion_of_corners(const cv::Mat& from, const cv::Mat& to);
-// One displacement for the whole picture. Blind to turns about the optical axis, but needs no corners.
+// Finds one displacement for the whole picture. It is blind to turns about the optical axis, but needs no corners.
 std::optional<double> motion_of_picture(const cv::Mat& from, const cv::Mat& to);
 double sharpness_of(const cv::Mat& grey);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Samples of tracked frames: every keyframe, because the front submap has landmarks for it and the merge needs frames
-// that both submaps share; between keyframes as many as keep neighbours alike enough to be matched, which is a frame
-// per stride, or sooner when the camera has turned.
+// Samples tracked frames. Every keyframe is a sample, because the front submap has landmarks for it and the merge needs
+// frames that both submaps share. Between keyframes, a frame per stride is enough for neighbours to match, or sooner if
+// the camera has turned.
 #pragma once
 
 #include <cstdlib>
@@ -16,9 +16,9 @@ class StrideSampler {
  public:
   explicit StrideSampler(int stride) : stride_(stride) {}
 
-  // The next frame, tracked in the same submap as those before. A keyframe takes the place of the sample up to half a
-  // stride before it, if that is no keyframe, not needed as a bridge, and not the first: after a loss that is the
-  // nearest to the gap. A frame without image is counted only.
+  // Adds the next frame, tracked in the same submap as those before. A keyframe replaces a sample up to half a stride
+  // before it that is no keyframe and no needed bridge. The first sample is not replaced: after a loss it is the
+  // nearest to the gap. A frame without image is only counted.
   void add(const Sample& frame, bool has_image) {
     ++since_last_;
     if (!has_image) return;
@@ -30,8 +30,8 @@ class StrideSampler {
     samples_.push_back(frame);
     since_last_ = 0;
   }
-  // Leaves the newest `count` samples and, of those before, the keyframes that are among the newest `keyframes`. The
-  // front found enough in common between one keyframe and the next: they need no samples between them.
+  // Keeps the newest `count` samples, and of the older ones the keyframes among the newest `keyframes`. Keyframes need
+  // no samples between them: front_tracker found enough in common between one and the next.
   void keep_newest(int count, int keyframes) {
     std::deque<Sample> kept;
     int samples_seen = 0, keyframes_seen = 0;
@@ -41,7 +41,7 @@ class StrideSampler {
     }
     samples_.swap(kept);
   }
-  // The newest frame, whether it is due or not.
+  // Adds the newest frame, whether it is due or not.
   void add_last(const Sample& frame) {
     if (samples_.empty() || samples_.back().utime_us < frame.utime_us) samples_.push_back(frame);
   }

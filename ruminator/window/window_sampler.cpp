@@ -12,12 +12,12 @@
 namespace rumi::ruminator {
 namespace {
 
-// Frames that may yet get a pose, and some more: what is said of others is counted as late.
+// So many of the newest frames may yet get a pose. Messages about older ones are ignored and counted.
 constexpr size_t kMaxUntracked = 1000;
 static_assert(kMaxUntracked >= kMostRetoldFrames);
-// Samples before a loss that front_tracker may yet withdraw: one in a stride, and some keyframes between.
+// So many samples before a loss may yet be withdrawn by front_tracker: one per stride, and some keyframes.
 constexpr int kMayBeWithdrawn = kMostRetoldFrames / 3;
-// Samples after resuming that complete the window anyway, for a camera that stands still.
+// So many samples after resuming complete the window anyway, for a camera that stands still.
 constexpr int kMaxDeparture = 40;
 
 std::vector<Sample> list(const StrideSampler& sampler) { return {sampler.samples().begin(), sampler.samples().end()}; }
@@ -102,7 +102,7 @@ void WindowSampler::resume(const FrameEvent& frame) {
                     .all = GapThinner(options_.gap_max_frames),
                     .in_known_submap = known_submaps_.contains(frame.submap_id)};
   for (const LatePose& late : late_poses) {
-    // Its submap has not been heard of again, or frames after it have no pose yet: it lies in the gap.
+    // It lies in the gap: its submap has not been tracked again, or frames after it have no pose yet.
     const bool in_gap = !open_->untracked.empty() && late.frame.sample.utime_us < *open_->untracked.rbegin();
     if (in_gap || late.frame.sample.submap_id != frame.submap_id) {
       if (late.has_image) open_->gap.merge({late.frame});
@@ -131,7 +131,7 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
   late.sample = sample_of(frame);
   if (Gap* const gap = lost()) {
     gap->late_poses.push_back({late, sampled.has_value()});
-  } else {  // after the frame that it was to precede: too late to be a sample of the departure
+  } else {  // too late: a later frame is a sample of the departure already
     --window.gap_frames;
     window.resumed_utime_us = std::min(window.resumed_utime_us, frame.utime_us);
   }
@@ -140,7 +140,7 @@ bool WindowSampler::on_late_pose(const FrameEvent& frame) {
 }
 
 bool WindowSampler::on_withdrawn(int64_t utime_us) {
-  if (submap_ != kNoSubmap && utime_us >= tracked_since_us_) {  // found again in the very image that was lost
+  if (submap_ != kNoSubmap && utime_us >= tracked_since_us_) {  // relocalized in the very image that was lost
     if (open_) {
       extend_window();
     } else {
@@ -161,7 +161,7 @@ bool WindowSampler::on_withdrawn(int64_t utime_us) {
   return true;
 }
 
-// Nothing if the frame is no sample; it is part of the gap all the same.
+// Returns nothing if the frame is no sample. It is part of the gap all the same.
 std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
   ++open_->window.gap_frames;
   open_->window.lost_utime_us = std::min(open_->window.lost_utime_us, utime_us);
@@ -170,7 +170,7 @@ std::optional<GapFrame> WindowSampler::take_from_approach(int64_t utime_us) {
       std::count_if(samples.begin(), samples.end(), [&](const Sample& s) { return s.utime_us >= utime_us; });
   if (!open_->before.take(utime_us)) return std::nullopt;
   list_approach();
-  // Nobody has looked how its picture moved, nor how sharp it is: nothing speaks against it.
+  // Its motion and sharpness were not measured: it is taken for sharp.
   return GapFrame{.sample = {},
                   .path_px = -kGapMotionPx * static_cast<double>(newer),
                   .sharpness = std::numeric_limits<double>::infinity()};
@@ -262,7 +262,7 @@ bool WindowSampler::thin_gap() {
 
 std::optional<RuminationWindow> WindowSampler::close(const std::string& reason) {
   if (const Gap* const gap = lost())
-    for (const LatePose& late : gap->late_poses)  // of a submap that was never heard of again
+    for (const LatePose& late : gap->late_poses)  // poses in a submap that was not tracked again
       if (late.has_image) open_->gap.merge({late.frame});
   list_samples();
   RuminationWindow window = std::move(open_->window);

@@ -9,8 +9,8 @@ namespace rumi {
 namespace {
 
 constexpr int kRadius = 4;
-constexpr double kCornerRatio = 0.2;  // of the tensor's eigenvalues: from here on it is a corner
-constexpr double kMaxRatio = 6;       // of the standard deviations along and across
+constexpr double kCornerRatio = 0.2;  // ratio of the tensor's eigenvalues above which it is a corner
+constexpr double kMaxRatio = 6;       // ratio of the standard deviations along and across an edge
 
 }  // namespace
 
@@ -31,7 +31,7 @@ Eigen::Matrix2f keypoint_whitening(const cv::Mat& image, const cv::Point2f& at) 
   const double mean = (xx + yy) / 2, difference = std::hypot((xx - yy) / 2, xy);  // eigenvalues: mean +- difference
   if (!(mean - difference < kCornerRatio * (mean + difference))) return Eigen::Matrix2f::Identity();
   const double along = std::max(std::sqrt((mean - difference) / (mean + difference) / kCornerRatio), 1 / kMaxRatio);
-  Eigen::Matrix2d across;  // the projection on the direction across the edge, times two, less the identity
+  Eigen::Matrix2d across;  // 2 * projection on the direction across the edge - identity
   across << (xx - yy) / 2, xy, xy, (yy - xx) / 2;
   const Eigen::Matrix2d identity = Eigen::Matrix2d::Identity();
   return (along * identity + (1 - along) / 2 * (identity + across / difference)).cast<float>();

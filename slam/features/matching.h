@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Matching of binary descriptors, by brute force within a search region.
+// Brute-force matching of binary descriptors within a search region.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,7 +28,7 @@ struct BestMatch {
 struct MatchOptions {
   int max_distance = 60;       // Hamming, of 256 bits
   double max_ratio = 0.8;      // best over second best distance
-  bool check_rotation = true;  // keep only the matches whose keypoints turned as most did
+  bool check_rotation = true;  // keep only the matches whose keypoints turned as most others did
 };
 
 struct Match {

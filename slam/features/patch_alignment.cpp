@@ -22,14 +22,14 @@ constexpr float kMiddleGrey = 128;   // taken off, so that sums of squares keep 
 constexpr int kLanes = cv::v_float32x4::nlanes;
 constexpr int kVectors = kColumns / kLanes;
 
-// The image's patch at a place, its contrast free: what it says of the template and of the place.
+// The comparison of the image's patch at one place with the template, with free contrast.
 struct Comparison {
-  float contrast = 0;              // over the template's
+  float contrast = 0;              // relative to the template's
   float correlation = 0;           // normalised
   Eigen::Vector2f slope_products;  // sums of the products of its pixels and the slopes
 };
 
-// Sums over the pixels of an image's patch, and of their products with the template's.
+// Sums of the pixels of an image's patch, and of their products with those of the template.
 struct Sums {
   cv::v_float32x4 pixel = cv::v_setzero_f32(), square = pixel, grey = pixel, x = pixel, y = pixel;
   void add(const PatchTemplate& t, int index, const cv::v_float32x4& pixels) {
@@ -41,7 +41,7 @@ struct Sums {
   }
 };
 
-// All bits where a column is within the radius.
+// A lane has all bits set if its column is within the radius.
 std::array<cv::v_float32x4, kVectors> columns_within(int radius) {
   std::array<cv::v_float32x4, kVectors> within;
   for (int k = 0; k < kVectors; ++k) {
@@ -51,7 +51,7 @@ std::array<cv::v_float32x4, kVectors> columns_within(int radius) {
   return within;
 }
 
-// Nothing where the patch leaves the image.
+// Returns nullopt if the patch leaves the image.
 std::optional<Sums> sum_up(const PatchTemplate& t, int radius, const cv::Mat& image, const Eigen::Vector2f& at) {
   const float left = at.x() - kRadius, top = at.y() - kRadius;
   if (!(left >= 0 && top >= 0 && left + kColumns + 1 < static_cast<float>(image.cols) &&
@@ -96,7 +96,7 @@ std::optional<Comparison> compare(const PatchTemplate& t, const PatchTemplate::F
                      cv::v_reduce_sum(sums->y) - fit.mean_y * pixel - fit.explained_y * product}};
 }
 
-// The place in the image's level, beginning at `start`.
+// Returns the place in the image's level; the search begins at `start`.
 std::optional<Eigen::Vector2f> align(const PatchTemplate& t, const PatchTemplate::Fit& fit, const cv::Mat& image,
                                      const Eigen::Vector2f& start) {
   Eigen::Vector2f at = start;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sizes of an image in which keypoints are looked for. Octaves tell sizes only together with it.
+// The sizes of an image in which keypoints are looked for. An octave means a size only together with its pyramid.
 #pragma once
 
 #include <vector>
@@ -11,12 +11,12 @@ struct Pyramid {
   static constexpr double kLeastFactor = 1.05, kMostFactor = 2.5;
 
   int levels = 8;             // octaves 0 ... levels - 1; 0 is the full image
-  double scale_factor = 1.2;  // of a level's pixels to those of the level below
+  double scale_factor = 1.2;  // ratio of a level's pixel size to that of the level before
 
   bool is_possible() const {
     return levels >= 1 && levels <= kMostLevels && scale_factor >= kLeastFactor && scale_factor <= kMostFactor;
   }
-  // Size of a level's pixels in pixels of the full image: the standard deviation of a keypoint there, too.
+  // The size of a level's pixels in pixels of the full image. It is also the standard deviation of its keypoints.
   double scale(int octave) const {
     double scale = 1;
     for (int i = 0; i < octave; ++i) scale *= scale_factor;

@@ -24,11 +24,11 @@ class Camera {
   double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0, k4 = 0;  // k4: fisheye only; p1 p2: pinhole only
   double fps = 0;                                         // nominal, 0 = unknown
 
-  // Pixel of a point in the camera's frame; nothing for a point behind the camera (z <= 0).
+  // Returns the pixel of a point in the camera's frame, or nullopt if it is behind the camera (z <= 0).
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_cam) const;
   // Ray (x/z, y/z, 1) of a pixel, distortion removed (fixed-point iterations, < 1e-9 for sane lenses).
   Eigen::Vector3d unproject(const Eigen::Vector2d& pixel) const;
-  // Where the pixel would be without distortion: (fx x/z + cx, fy y/z + cy).
+  // The pixel without distortion: (fx x/z + cx, fy y/z + cy).
   Eigen::Vector2d undistort(const Eigen::Vector2d& pixel) const;
   // Ideal pinhole projection (no distortion), for undistorted pixels. Precondition: z > 0.
   Eigen::Vector2d project_undistorted(const Eigen::Vector3d& point_cam) const {
@@ -44,10 +44,10 @@ class Camera {
     return pixel.x() >= border_px && pixel.y() >= border_px && pixel.x() <= width - 1 - border_px &&
            pixel.y() <= height - 1 - border_px;
   }
-  // The same camera for its images resized (pixel centres kept right).
+  // The same camera for resized images. Pixel centres stay where they are.
   Camera resized(int new_width, int new_height) const;
-  // What is wrong with it, naming the field and its value; empty if nothing.
-  std::string check() const;
+  // Says what is wrong with the calibration, with the field and its value; empty if nothing is.
+  [[nodiscard]] std::string check() const;
 };
 
 }  // namespace rumi

@@ -3,8 +3,8 @@
 
 namespace rumi {
 
-// How far from the axis a lens images what is `r` from it: an odd polynomial, of the distance x/z with a pinhole camera
-// (k4 is 0), of the angle with a fisheye.
+// Radial distortion: an odd polynomial that gives the distorted distance from the axis. The distance is that of (x/z,
+// y/z) for a pinhole camera (k4 is 0), and the angle to the axis for a fisheye.
 struct RadialDistortion {
   double k1, k2, k3, k4;
 

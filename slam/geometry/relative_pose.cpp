@@ -11,7 +11,7 @@ using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 constexpr double kHuber2 = 3.84;  // sigma^2, 95 % of a normal distribution
 
-// Rotation vector on the left, then the translation's move in the plane that touches the unit sphere.
+// A step: a rotation vector on the left, then a move of the translation in the tangent plane of the unit sphere.
 struct Tangent {
   Eigen::Matrix<double, 3, 2> basis;
   explicit Tangent(const Eigen::Vector3d& t) {

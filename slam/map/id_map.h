@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A map from ids, which are given one after another, to values: as std::map<int, T> is used, in order of id and with
-// values that stay where they are, but found at once. Ids that were erased cost a pointer each as long as one of their
-// 64 neighbours is left.
+// A map from ids, which are given one after another, to values. It is used as std::map<int, T>, in order of id and with
+// stable addresses, but finds a value in constant time. An erased id costs a pointer as long as one of its 64
+// neighbours is left.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class IdMap {
   using mapped_type = T;
   using value_type = std::pair<const int, T>;
 
-  static constexpr int kMaxId = (1 << 28) - 1;  // the index of the ids has 32 MB then
+  static constexpr int kMaxId = (1 << 28) - 1;  // the index takes 32 MB then
 
   template <bool kConst>
   class Iterator {
@@ -100,16 +100,16 @@ class IdMap {
   iterator lower_bound(int id) { return {this, next(id < 0 ? 0 : id)}; }
   const_iterator lower_bound(int id) const { return {this, next(id < 0 ? 0 : id)}; }
   bool contains(int id) const {
-    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative one is beyond all
+    const size_t at = static_cast<unsigned>(id) / kLeaf;  // a negative id lies beyond the last leaf
     return at < leaves_.size() && leaves_[at] && (leaves_[at]->used & bit(id)) != 0;
   }
-  // Nothing where there is no such id.
+  // Returns nullptr if there is no such id.
   T* get(int id) { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
   const T* get(int id) const { return contains(id) ? &leaves_[id / kLeaf]->values[id % kLeaf]->second : nullptr; }
   T& at(int id) { return *found(id, get(id)); }
   const T& at(int id) const { return *found(id, get(id)); }
 
-  // Of an id that is not there. std::out_of_range: it is negative or above kMaxId.
+  // Does nothing if the id exists. Throws std::out_of_range if it is negative or above kMaxId.
   template <typename... Values>
   std::pair<iterator, bool> emplace(int id, Values&&... values) {
     if (id < 0 || id > kMaxId)
@@ -155,7 +155,7 @@ class IdMap {
     return value;
   }
   size_t end_id() const { return kLeaf * leaves_.size(); }
-  // The first id that is used, from this one on; the end's if there is none.
+  // The first used id from this one on, or end_id().
   size_t next(size_t id) const {
     if (id >= end_id()) return end_id();
     const auto& leaf = leaves_[id / kLeaf];
@@ -165,7 +165,7 @@ class IdMap {
       if (leaves_[l]) return l * kLeaf + std::countr_zero(leaves_[l]->used);
     return end_id();
   }
-  // The last id that is used before this one, which is not the first.
+  // The last used id before this one. There must be one.
   size_t previous(size_t id) const {
     if (id % kLeaf != 0)
       if (const uint64_t rest = leaves_[id / kLeaf] ? leaves_[id / kLeaf]->used & (bit(id) - 1) : 0; rest != 0)

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A submap: keyframes, landmarks and the frames whose poses hang on the keyframes. Plain data with the few operations
-// that keep it consistent; shared by front_tracker (which builds it), map_server (which stores and joins it) and
-// others.
+// A submap: keyframes, landmarks and the frames whose poses refer to the keyframes. front_tracker and ruminator make
+// submaps; map_server stores and joins them.
 //
-// Revisions: a change stamps the changed element with the submap's revision, which the first change after an update was
-// made raises, so that what changed since any earlier revision can be sent (see bus/wire/submap_update.h).
+// Revisions: who makes a submap changes it by its methods. A method stamps every element that it changes with the
+// submap's revision. The first change after hand_out() raises the revision, so that everything that changed since an
+// earlier revision can be sent (see bus/wire/submap_update.h). The maps are public for those who read a submap, or
+// write a copy with the revisions that its maker gave (apply_submap_update, MapStore).
 #pragma once
 
 #include <Eigen/Core>
@@ -36,8 +37,8 @@ struct Keyframe {
   int64_t utime_us = 0;
   SE3 cam_from_submap;
   std::shared_ptr<const Features> features;
-  std::vector<int> landmark_ids;  // per keypoint, kNone where it observes nothing
-  int64_t revision = 0;           // of the submap when this keyframe last changed
+  std::vector<int> landmark_ids;  // for each keypoint; kNone if it observes no landmark
+  int64_t revision = 0;           // the submap's revision when this keyframe last changed
   int64_t created_revision = 0;
 };
 
@@ -54,14 +55,16 @@ struct Landmark {
   int64_t revision = 0;
 
   // Derived from the observations by update_landmark_view (slam/map/landmark_view.h); never on the wire.
-  bool is_described = false;                                 // the descriptor is that of these observations
+  bool is_described = false;                                 // the descriptor was chosen from these observations
   Eigen::Vector3d view_direction = Eigen::Vector3d::Zero();  // mean of the unit vectors from the cameras to it
-  int visible = 0, found = 0;  // frames in which it should have been seen, and was; kept by whoever tracks with it
-  // Inverse covariance of the position, the cameras being where they are and a keypoint's noise a pixel at octave 0.
+  // Numbers of frames that should have seen it, and that did. Only the tracker that uses the landmark keeps them.
+  int visible = 0, found = 0;
+  // Inverse covariance of the position, given the cameras' poses and a keypoint noise of one pixel at octave 0.
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-  double log_scale_variance = 0;  // of the submap's unit there, against its beginning; kept by whoever tracks with it
-  double octave0_distance =
-      0;  // from where it would be a keypoint of octave 0: octave = log_scale(octave0_distance / d)
+  // The variance of the log of the submap's unit at the landmark, relative to the beginning. Only the tracker keeps it.
+  double log_scale_variance = 0;
+  // The distance at which it would be a keypoint of octave 0. At distance d, octave = log_scale(octave0_distance / d).
+  double octave0_distance = 0;
 };
 
 // cam_from_submap = cam_from_keyframe * keyframe(reference_keyframe).cam_from_submap
@@ -70,11 +73,11 @@ struct FramePose {
   int reference_keyframe = kNone;
   SE3 cam_from_keyframe;
   int64_t revision = 0;
-  PoseSigmas sigmas = {};  // when the frame got its pose
+  PoseSigmas sigmas = {};  // as they were when the frame got its pose
 };
 
 struct SubmapKey {
-  int64_t session = 0;     // names the run of front_tracker that made it
+  int64_t session = 0;     // identifies the session of front_tracker that the submap belongs to
   int32_t id = kNoSubmap;  // front: 1, 2, 3, ...; back: -1, -2, ...
   auto operator<=>(const SubmapKey&) const = default;
 };
@@ -86,14 +89,14 @@ class Submap {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   Camera camera;
-  Pyramid pyramid;     // of the keyframes' keypoints
-  int64_t stream = 0;  // of its images
+  Pyramid pyramid;     // that the keyframes' keypoints come from
+  int64_t stream = 0;  // that its images come from
   bool closed = false;
   int64_t revision = 0;
 
   std::map<int, Keyframe> keyframes;    // by id
   IdMap<Landmark> landmarks;            // by id
-  std::map<int64_t, FramePose> frames;  // by utime_us, of the stream; keyframes have an entry too
+  std::map<int64_t, FramePose> frames;  // by utime_us; keyframes have an entry too
   Removals removed_keyframes, removed_landmarks;
 
   Keyframe* keyframe(int id);
@@ -102,33 +105,54 @@ class Submap {
   Landmark* landmark(int id) { return landmarks.get(id); }
   const Landmark* landmark(int id) const { return landmarks.get(id); }
 
-  // Both directions of an observation; replaces whatever the keypoint observed before. False, and nothing changed, if
-  // an id or index does not exist or the landmark is already observed in that keyframe.
+  // Makes a copy of another submap the beginning of the front submap `key`: open, and everything in it is new.
+  void begin_front_submap(SubmapKey key);
+  // The submap is complete. Does nothing if it is closed already.
+  void close();
+
+  // Adds a keyframe with a new id, its features and pose given. It observes nothing yet.
+  Keyframe& add_keyframe(Keyframe keyframe);
+  // Adds a landmark with a new id. Nothing observes it yet.
+  Landmark& add_landmark(int id, const Eigen::Vector3d& position);
+  // Adds the pose of a frame, or replaces it. The frame's revision need not be given.
+  void set_frame(FramePose frame);
+
+  // These two do nothing if there is no element with this id.
+  void move_keyframe(int id, const SE3& cam_from_submap);
+  void move_landmark(int id, const Eigen::Vector3d& position);
+  // The keyframe's features have changed: the next update sends them again.
+  void renew_features(int keyframe_id);
+
+  // Adds both directions of an observation, and replaces what the keypoint observed before. Returns false, and changes
+  // nothing, if an id or index does not exist or the keyframe observes the landmark already.
   bool add_observation(int landmark_id, int keyframe_id, int keypoint_index);
   void remove_observation(int landmark_id, int keyframe_id);
   void remove_landmark(int id);
-  // Frames that hang on the keyframe move to `heir` (which must exist), their poses unchanged.
+  // The keyframe's frames refer to `heir` from now on, their poses unchanged. Does nothing if `heir` does not exist.
   void remove_keyframe(int id, int heir);
+  // Removes the frames from `utime_us` on. An update cannot say which frames go, so copies get the whole submap then.
+  void remove_frames_from(int64_t utime_us);
 
   // Every observation of `from` passes to `into` unless the keyframe already observes `into`; `from` is removed.
   void fuse_landmarks(int into, int from);
 
-  // cam_from_submap of a frame or nothing when it has no pose here.
+  // nullptr if the frame has no pose in this submap.
   const FramePose* frame(int64_t utime_us) const;
-  // Throws std::logic_error if the frame hangs on a keyframe that does not exist.
+  // Throws std::logic_error if the frame's reference keyframe does not exist.
   SE3 cam_from_submap(const FramePose& frame) const;
 
   // Keyframes that share landmarks with this one: id -> number shared, strongest first (ties by id).
   std::vector<std::pair<int, int>> covisible_keyframes(int keyframe_id) const;
 
-  // The revision that a change belongs to.
-  int64_t stamp() { return revision = std::max(revision, handed_out_ + 1); }
-  void touch(Keyframe& keyframe) { keyframe.revision = stamp(); }
-  void touch(Landmark& landmark) { landmark.revision = stamp(); }
-  // Others know this revision now: what changes from here on is of a newer one.
+  // Call it when an update has been made: later changes are of a newer revision.
   void hand_out() { handed_out_ = revision; }
 
  private:
+  // The revision of a change that is made now.
+  int64_t stamp() { return revision = std::max(revision, handed_out_ + 1); }
+  void touch(Keyframe& keyframe) { keyframe.revision = stamp(); }
+  void touch(Landmark& landmark) { landmark.revision = stamp(); }
+
   int64_t handed_out_ = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// From each value to the next.
+// The differences from each value to the next.
 template <class T>
 std::vector<T> steps(const std::vector<T>& values) {
   std::vector<T> differences;

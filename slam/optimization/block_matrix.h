@@ -8,7 +8,7 @@
 
 namespace rumi {
 
-// A symmetric matrix of 6x6 blocks, of which only those of a pattern differ from zero. The lower half is kept.
+// A sparse symmetric matrix of 6x6 blocks with a fixed pattern. It stores the lower half.
 class BlockMatrix {
  public:
   struct Entry {
@@ -16,11 +16,11 @@ class BlockMatrix {
     Matrix6d block;
   };
 
-  // columns: of each row, those with a block, in ascending order; the last one is the row itself.
+  // `columns`: for each row the columns that have a block, ascending; the last one is the row itself.
   explicit BlockMatrix(const std::vector<std::vector<int>>& columns);
 
   int size() const { return static_cast<int>(rows_.size()); }  // blocks
-  // Of all blocks, the share that may differ from zero.
+  // The share of all blocks that may differ from zero.
   double filled() const;
   void set_zero();
   std::vector<Entry>& row(int r) { return rows_[r]; }

@@ -39,7 +39,7 @@ class Graduated {
     return worst;
   }
 
-  // From nearly convex to truncated least squares.
+  // The loss goes from nearly convex to truncated least squares.
   void anneal(double mu, GraduatedReport* report) {
     for (int step = 0; step < kMostSteps; ++step, mu *= kStep) {
       for (size_t g = 0; g < groups_.size(); ++g)

@@ -9,7 +9,7 @@
 namespace rumi {
 namespace {
 
-// An observation, ready for many poses.
+// An observation, prepared for many poses.
 struct Sighting {
   Eigen::Vector3d point;
   WhitenedProjection projection;
@@ -26,7 +26,7 @@ double chi2(const Sighting& s, const Eigen::Matrix3d& r, const Eigen::Vector3d& 
 double huber_cost(double e2, double delta2) { return e2 <= delta2 ? e2 : 2 * std::sqrt(delta2 * e2) - delta2; }
 
 struct NormalEquations {
-  Matrix6d h = Matrix6d::Zero();  // the lower half counts
+  Matrix6d h = Matrix6d::Zero();  // only the lower half is used
   Vector6d g = Vector6d::Zero();
   double cost = 0;
 };
@@ -81,10 +81,10 @@ void add_epipolar(const Camera& camera, const SE3& pose, const EpipolarView& vie
   }
 }
 
-// What a pose is to explain.
+// The observations and matches that a pose has to explain.
 struct Seen {
   const std::vector<Sighting>& sightings;
-  const std::vector<bool>& use;  // per sighting
+  const std::vector<bool>& use;  // for each sighting
   const std::vector<EpipolarView>& views;
 };
 
@@ -95,7 +95,7 @@ NormalEquations linearize(const Camera& camera, const SE3& pose, const Seen& see
   return n;
 }
 
-constexpr double kStalled = 1e-6;  // of the cost: what a step gains
+constexpr double kStalled = 1e-6;  // part of the cost that a step must gain
 
 // Levenberg-Marquardt steps until the cost stalls. False on a singular system.
 bool minimize(const Camera& camera, const Seen& seen, bool robust, const PoseOptimizerOptions& options, SE3* pose) {
@@ -160,7 +160,7 @@ PoseResult optimize_pose(const Camera& camera, const SE3& initial, const std::ve
       sum += e2;
     }
     result.rmse_px = result.inliers ? std::sqrt(sum / result.inliers) : 0;
-    // Another robust round would end where it begins.
+    // The inliers are the same: another robust round would change nothing.
     if (robust && result.inlier == before) round = options.rounds - 2;
   }
   result.converged = result.inliers >= 6;

@@ -14,8 +14,8 @@ struct ResectionOptions {
   int iterations = 200;  // RANSAC, at most
 };
 
-// Camera pose from point observations of which many may be wrong: P3P in RANSAC, then optimize_pose. Nothing if fewer
-// than min_inliers agree. Deterministic.
+// Camera pose from point observations of which many may be wrong: P3P in RANSAC, then optimize_pose. Returns
+// nullopt if fewer than min_inliers agree. Deterministic.
 std::optional<PoseResult> resect(const Camera& camera, const std::vector<PointObservation>& observations,
                                  const ResectionOptions& options = {});
 

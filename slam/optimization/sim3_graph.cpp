@@ -22,8 +22,8 @@ class Sim3Manifold final : public ceres::Manifold {
   int TangentSize() const override { return 7; }
   bool Plus(const double* x, const double* delta, double* x_plus_delta) const override {
     Vector7d step = Eigen::Map<const Vector7d>(delta);
-    // Ceres asks where all of the gradient would lead, too. Of what is no number there it says that it converged, or
-    // not, as the processor compares it.
+    // Ceres also evaluates a step along the whole gradient. If the result is NaN, it reports convergence or not
+    // depending on how the processor compares NaN.
     step[6] = std::clamp(step[6], -kLargestStep, kLargestStep);
     write(read(x).plus(step), x_plus_delta);
     return true;
@@ -44,7 +44,7 @@ class Sim3Manifold final : public ceres::Manifold {
     j.leftCols<7>().setIdentity();
     return true;
   }
-  static constexpr double kLargestStep = 100;  // of the log scale
+  static constexpr double kLargestStep = 100;  // in log scale
 
   static Sim3 read(const double* x) {
     return {std::exp(x[7]), Eigen::Quaterniond(x[3], x[0], x[1], x[2]), Eigen::Vector3d(x[4], x[5], x[6])};
@@ -63,7 +63,7 @@ Vector7d weights(const Edge& e) {
   return w;
 }
 
-// In units of sigma.
+// The residual of an edge in units of sigma.
 Vector7d edge_error(const Edge& e, const Sim3& map_from_first, const Sim3& map_from_second) {
   const Sim3 predicted = map_from_second.inverse() * map_from_first;
   return weights(e).cwiseProduct(predicted.minus(e.second_from_first, e.pivot_first));
@@ -85,7 +85,7 @@ class EdgeError final : public ceres::SizedCostFunction<7, 8, 8> {
     const Eigen::Vector3d turn = so3_log(second.rotation.conjugate() * first.rotation * measured.rotation.conjugate());
     const Eigen::Matrix3d by_turn = so3_left_jacobian(turn).inverse() * second_from_map;
     const Eigen::Matrix3d by_move = second_from_map / second.scale;
-    const Eigen::Vector3d arm = first.scale * (first.rotation * edge_.pivot_first);  // of the pivot, in the map
+    const Eigen::Vector3d arm = first.scale * (first.rotation * edge_.pivot_first);  // to the pivot, in the map
     const Eigen::Vector3d pivot = arm + first.translation - second.translation;
     if (jacobians[0]) write(by_turn, by_move, arm, 1, jacobians[0]);
     if (jacobians[1]) write(by_turn, by_move, pivot, -1, jacobians[1]);
@@ -131,7 +131,7 @@ std::string check(const Sim3Graph& graph) {
   return {};
 }
 
-// Per node, whether edges join it to a fixed one.
+// Returns for each node whether edges join it to a fixed one.
 std::vector<bool> connected_nodes(const Sim3Graph& graph) {
   std::vector<std::vector<int>> neighbours(graph.nodes.size());
   for (const Edge& e : graph.edges) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pose graph over similarities, with Ceres: places of submaps (or keyframes) in a map that agree best with measured
-// similarities between them.
+// Pose graph over similarities, solved with Ceres: finds the places of submaps (or keyframes) in a map that agree best
+// with measured similarities between them.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,12 +18,12 @@ struct Sim3Graph {
     bool fixed = false;
   };
   // A measured similarity. Its error is (map_from_second^-1 * map_from_first).minus(second_from_first, pivot_first):
-  // the translation is in the unit of the second node, as it was measured, so that neither a smaller map nor other
-  // units of it make a graph agree better.
+  // the translation is in the unit of the second node, as it was measured. So a graph does not agree better because the
+  // map is smaller or has another unit.
   struct Edge {
     int first = 0, second = 0;
     Sim3 second_from_first;
-    // Standard deviations; infinite: not measured.
+    // Standard deviations. An infinite one means: not measured.
     double sigma_rotation_rad = 0.01;  // of each component of the rotation vector
     double sigma_translation = 0.1;    // of each coordinate of the pivot, in the unit of the second node
     double sigma_log_scale = 0.01;
@@ -37,9 +37,9 @@ struct Sim3Graph {
 
 struct Sim3GraphOptions {
   int iterations = 50;
-  // Squared error of an edge where the loss turns from squared to linear, in sigma^2: 95 % of a 7-D normal
-  // distribution. Infinite: squared loss. A false edge still pulls with a constant force: where chains of single edges
-  // must bear it, take out edges of large chi2 and solve again.
+  // Squared error of an edge, in sigma^2, at which the loss becomes linear: 95 % of a 7-D normal distribution. Infinite
+  // means squared loss. A wrong edge still pulls with a constant force. If chains of single edges have to bear it, take
+  // out the edges of large chi2 and solve again.
   double huber_chi2 = 14.067;
 };
 
@@ -48,13 +48,13 @@ struct Sim3GraphReport {
   bool converged = false;
   std::string reason;
   int iterations = 0;
-  // Nodes that no chain of edges joins to a fixed node. They stay where they are.
+  // Number of nodes that no chain of edges joins to a fixed node. They keep their places.
   int unconnected_nodes = 0;
   double initial_cost = 0, final_cost = 0;  // half the sum of the edges' losses
-  std::vector<double> edge_chi2;            // per edge, squared error over sigma^2 after the solution, without the loss
+  std::vector<double> edge_chi2;  // for each edge: squared error over sigma^2 in the solution, without the loss
 };
 
-// Squared error over sigma^2 of each edge as the nodes are.
+// Returns the squared error over sigma^2 of each edge at the nodes' present places.
 std::vector<double> edge_chi2(const Sim3Graph& graph);
 
 // At least one node must be fixed.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The similarity that joins two submaps, from landmarks of one seen in frames of the other: minimizes the reprojection
-// error in both directions (Chen et al., "Rumination Meets VSLAM", 2023, eq. 8, which has one). Robust; says how
-// well the similarity is known. Written out rather than given to Ceres: seven unknowns, and the covariance needs the
+// Finds the similarity that joins two submaps, from landmarks of one that are seen in frames of the other. It minimizes
+// the reprojection error in both directions (Chen et al., "Rumination Meets VSLAM", 2023, eq. 8, has one direction), is
+// robust, and gives the covariance. It does not use Ceres: there are seven unknowns, and the covariance needs the
 // normal equations anyway.
 #pragma once
 
@@ -17,22 +17,22 @@ namespace rumi {
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
 struct Sim3RefinementProblem {
-  // A landmark of one submap seen in a frame whose pose is known in the other. The landmark is taken as exact: what its
-  // own error does to all its observations alike is not averaged out, and not in the covariance.
+  // A landmark of one submap that is seen in a frame of the other. The landmark is taken as exact: its own error, which
+  // all its observations share, does not average out and is not in the covariance.
   struct Observation {
     Eigen::Vector3d point;  // in its own submap
     SE3 cam_from_other;     // the frame, in the other submap
     Eigen::Vector2d pixel;  // undistorted
     double sigma_px = 1.0;
   };
-  // One image that both submaps have a pose of.
+  // An image that has a pose in both submaps.
   struct FramePair {
     SE3 cam_from_a, cam_from_b;
     double sigma_rotation_rad = 0.01;  // of each component of the rotation vector between the two
     double sigma_center = 0.1;         // of each coordinate of the distance of the two centres, in the unit of B
   };
-  // The scale of b_from_a as something else tells it, such as the depths of common landmarks: where the cameras of the
-  // observations hardly move, reprojection does not.
+  // A measurement of b_from_a's scale by other means, such as the depths of common landmarks. Reprojection does not
+  // determine the scale if the cameras of the observations hardly move.
   struct ScaleMeasurement {
     double log_scale = 0;
     double sigma = 0.01;
@@ -44,14 +44,14 @@ struct Sim3RefinementProblem {
 };
 
 struct Sim3RefinementOptions {
-  int rounds = 3;              // outliers are sorted out after each; all but the last use the Huber loss
-  int iterations = 30;         // at most, per round
-  double first_gate_px = 200;  // observations that the initial similarity puts farther off stay out of the first round
-  double inlier_chi2 = 5.991;  // squared error over sigma^2, 95 % of a 2-D normal distribution
-  double pair_inlier_chi2 = 12.592;  // the same of a frame pair, 6-D
-  int min_equations = 14;            // of the inliers: an observation gives 2, a frame pair 6; there are 7 unknowns
-  // Standard deviation of rotation (rad) or log scale above which it counts as undetermined. Where there is no parallax
-  // at all the best scale is the one that explains the noise, and its sigma is about 1, seldom below 0.3.
+  int rounds = 3;                    // outliers are removed after each; all but the last use the Huber loss
+  int iterations = 30;               // at most, per round
+  double first_gate_px = 200;        // observations farther off at the initial similarity stay out of the first round
+  double inlier_chi2 = 5.991;        // squared error over sigma^2, 95 % of a 2-D normal distribution
+  double pair_inlier_chi2 = 12.592;  // the same for a frame pair, 6-D
+  int min_equations = 14;            // that the inliers give: an observation 2, a frame pair 6; there are 7 unknowns
+  // Rotation (rad) or log scale with a larger standard deviation counts as undetermined. Without any parallax the best
+  // scale only explains the noise, and its sigma is about 1, seldom below 0.3.
   double max_sigma = 0.2;
 };
 
@@ -64,14 +64,14 @@ struct Sim3RefinementReport {
   double inlier_ratio = 0;  // of all observations; 0 if there are none
   double rmse_px = 0;       // of the inliers, per observation (both coordinates)
 
-  // Of the step b_from_a.plus(step, pivot_a) to the truth: rotation vector (rad), displacement of the pivot (unit of
-  // B), log scale. From the information of the inliers, widened by their residual variance where that is above what
-  // the sigmas promise. The pivot, a point of A, is where the displacement is known best, which decouples it from
-  // rotation and scale as far as possible; the origin of A may be far from the overlap. Directions that the problem
-  // says nothing about have huge, finite entries.
+  // Covariance of the step b_from_a.plus(step, pivot_a) to the truth: rotation vector (rad), displacement of the pivot
+  // (unit of B), log scale. It is the inverse information of the inliers, widened by their residual variance if that
+  // exceeds what the sigmas promise. The pivot is the point of A whose displacement is known best, which decouples it
+  // from rotation and scale as far as possible; the origin of A may be far from the overlap. Undetermined directions
+  // have huge, finite entries.
   Eigen::Vector3d pivot_a = Eigen::Vector3d::Zero();
   Matrix7d covariance = Matrix7d::Zero();
-  // Roots of the largest eigenvalues of the blocks: the standard deviation in the worst direction. Infinite where
+  // The standard deviations in the worst direction: square roots of the blocks' largest eigenvalues. Infinite if
   // rotation or scale is undetermined.
   double sigma_rotation_rad = 0, sigma_translation = 0, sigma_log_scale = 0;
 };

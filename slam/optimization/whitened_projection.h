@@ -16,7 +16,7 @@ class WhitenedProjection {
       : scale_(whitening * Eigen::Vector2d(camera.fx, camera.fy).asDiagonal() / sigma_px),
         keypoint_(whitening * (pixel - Eigen::Vector2d(camera.cx, camera.cy)) / sigma_px) {}
 
-  // Of a point in front of the camera, in its frame.
+  // `point`: in the camera's frame and in front of it.
   Eigen::Vector2d error(const Eigen::Vector3d& point) const {
     return scale_ * (point.head<2>() / point.z()) - keypoint_;
   }
@@ -27,8 +27,8 @@ class WhitenedProjection {
     return d;
   }
 
-  // The normal equations by the point, the second derivative of the projection left out: weight times error^T
-  // * derivative and derivative^T * derivative.
+  // The normal equations by the point, without the second derivative of the projection: weight * error^T * derivative
+  // and weight * derivative^T * derivative.
   void normal_equations(const Eigen::Vector3d& point, const Eigen::Vector2d& error, double weight,
                         Eigen::Matrix3d* hessian, Eigen::Vector3d* gradient) const {
     const double iz = 1 / point.z();

@@ -115,10 +115,10 @@ TEST_F(CameraNodeTest, AnInputThatCannotBeUsedThrowsItsReason) {
 
 std::vector<image_t> all_images(const fs::path& input) {
   const OpenedSource opened = open_image_source(input.string(), {});
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   std::vector<image_t> images;
-  while (opened.ok()) {
-    std::optional<image_t> image = opened.source->next();
+  while (opened.has_value()) {
+    std::optional<image_t> image = (*opened)->next();
     if (!image) break;
     images.push_back(std::move(*image));
   }
@@ -162,7 +162,7 @@ TEST(LogConversion, BadInputAndOutput) {
   EXPECT_FALSE(fs::exists(folder / "out"));
   CameraOptions other;
   other.log_channel = "OTHER";
-  EXPECT_THAT(open_image_source(log, other).error, HasSubstr("log_channel"));
+  EXPECT_THAT(open_image_source(log, other).error_text(), HasSubstr("log_channel"));
   write_file(log, bytes.substr(0, bytes.size() - 100));  // cut off: what is whole is there
   EXPECT_EQ(all_images(log).size(), 1u);
 }

@@ -31,13 +31,12 @@ void write_mask(const fs::path& file, const cv::Mat& pixels) {
 // How many columns of each image are left out.
 std::vector<int> black_columns(const fs::path& input, const CameraOptions& options = {}) {
   const OpenedSource opened = open_image_source(input.string(), options);
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   std::vector<int> columns;
-  while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
-    const std::string png = metadata(*image, kMaskKey);
-    std::string error;
-    const cv::Mat pixels = png.empty() ? mask(0) : decode_mask(png, &error);
-    EXPECT_EQ(pixels.size(), cv::Size(image->width, image->height)) << error;
+  while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
+    const std::string png(metadata(*image, kMaskKey));
+    const cv::Mat pixels = png.empty() ? mask(0) : decode_mask(png).value();
+    EXPECT_EQ(pixels.size(), cv::Size(image->width, image->height));
     columns.push_back(cv::countNonZero(pixels.row(0) == 0));
   }
   return columns;
@@ -61,9 +60,9 @@ TEST_F(Masks, OneFileIsOfAllImagesAlsoWhenTheyArePlayedAgain) {
   write_mask(folder_ / "m/any.png", mask(7));
   EXPECT_THAT(black_columns(folder_.path(), with_mask(folder_ / "m/any.png")), ElementsAre(7, 7, 7));
   const OpenedSource opened = open_image_source(folder_.path().string(), with_mask(folder_ / "m/any.png"));
-  EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
-  opened.source->play_again({1000200000});
-  EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
+  EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
+  (*opened)->play_again({1000200000});
+  EXPECT_NE(metadata(*(*opened)->next(), kMaskKey), "");
 }
 
 TEST_F(Masks, AFolderHasOneAnImageByTheNamesOfColmap) {

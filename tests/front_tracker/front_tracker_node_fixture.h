@@ -42,7 +42,7 @@ class FrontTrackerNodeTest : public ::testing::Test {
     submap_update_t update;
     EXPECT_TRUE(Bus::decode(std::span<const uint8_t>(payload.bytes), &update));
     Submap& copy = copies_[{update.session, update.submap_id}];
-    const std::string error = apply_submap_update(update, &copy);
+    const std::string error = apply_submap_update(update, &copy).error_text();
     EXPECT_EQ(error, "");
     return {error.empty(), error, copy.revision};
   }

@@ -119,9 +119,8 @@ TEST_F(FrontTrackerNodeTest, WhatNeverMovesIsPublishedAndIsNoLandmark) {
   EXPECT_EQ(told.session, tracks_.back().session);
   EXPECT_EQ(told.width, 320);
   EXPECT_EQ(told.height, 240);
-  std::string error;
-  const cv::Mat pixels = decode_mask({told.png.begin(), told.png.end()}, &error);
-  ASSERT_EQ(pixels.size(), cv::Size(320, 240)) << error;
+  const cv::Mat pixels = decode_mask({told.png.begin(), told.png.end()}).value();
+  ASSERT_EQ(pixels.size(), cv::Size(320, 240));
   EXPECT_NEAR(told.left_out, ImageMask(pixels).left_out(), 1e-9);
   EXPECT_LT(cv::countNonZero(pixels.rowRange(208, 240)), 0.05 * 32 * 320);
   EXPECT_GT(cv::countNonZero(pixels.rowRange(0, 180)), 0.9 * 180 * 320);

@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_pose_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "lcmtypes/rumi/rigid_transform_t.hpp"

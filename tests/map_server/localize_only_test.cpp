@@ -109,7 +109,7 @@ class LocalizeOnlyTest : public ::testing::Test {
 };
 
 TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   ASSERT_TRUE(before.find(kFirst)->in_map && before.find(kSecond)->in_map);
   ASSERT_FALSE(before.find(kApart)->in_map);
   start();
@@ -144,7 +144,7 @@ TEST_F(LocalizeOnlyTest, WhatIsNewIsPlacedInAMapThatStaysAsItIs) {
 }
 
 TEST_F(LocalizeOnlyTest, WhatFitsNowhereDoesNotTakeTheMapsPlace) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   start();
   std::vector<SE3> long_path;
   for (int i = 0; i < 5; ++i)
@@ -164,7 +164,7 @@ TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
   options_.localize_only = false;
   make_single_map();
   bytes_ = read_file(database_);
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   ASSERT_EQ(before.find(kFirst)->placement.revision, 0);
   options_.localize_only = true;
   options_.merge.enabled = true;
@@ -179,7 +179,7 @@ TEST_F(LocalizeOnlyTest, AMapOfASingleSubmapIsAMap) {
 }
 
 TEST_F(LocalizeOnlyTest, AnUpdateOfTheMapIsRefused) {
-  const Atlas before = MapStore::copy_in_memory(database_).load();
+  const Atlas before = load_atlas(database_).value();
   start();
   Submap more = before.find(kSecond)->submap;
   ++more.revision;
@@ -191,7 +191,7 @@ TEST_F(LocalizeOnlyTest, AnUpdateOfTheMapIsRefused) {
 
 TEST_F(LocalizeOnlyTest, ThereMustBeAMap) {
   for (const std::string& name : {std::string(":memory:"), folder_ / "absent.db", folder_ / "empty.db"}) {
-    if (name == folder_ / "empty.db") MapStore empty(name);
+    if (name == folder_ / "empty.db") MapStore empty = MapStore::open(name).value();
     options_.database = name;
     try {
       start();
@@ -207,7 +207,7 @@ class NextSessionTest : public LocalizeOnlyTest {
  protected:
   NextSessionTest() {
     options_.localize_only = false;
-    before_ = MapStore::copy_in_memory(database_).load();
+    before_ = load_atlas(database_).value();
   }
   bool in_map(SubmapKey key) const { return node_->atlas().find(key)->in_map; }
   // Where the map of before is, still or again; adjusted, it may have moved a little.

@@ -54,7 +54,7 @@ TEST_F(MapServerNodeOnDisk, FullDiskIsSaidAndNothingIsLost) {
   EXPECT_EQ(retried.revision, 21);
   pass(2);
   EXPECT_FALSE(node_->status().degraded);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MapServerNodeOnDisk, ABusyDatabaseIsARefusalThatIsMadeGoodLater) {
@@ -97,7 +97,7 @@ TEST_F(MapServerNodeOnDisk, ASnapshotIsMadeWhileItGoesOn) {
   for (const ChunkReceiver::Payload& answer : answers_) {
     EXPECT_EQ(answer.kind, chunk_t::DATABASE);
     testing::write_file(folder() / "answer.db", std::string(answer.bytes.begin(), answer.bytes.end()));
-    expect_same(node_->atlas(), MapStore::copy_in_memory(folder() / "answer.db").load());
+    expect_same(node_->atlas(), load_atlas(folder() / "answer.db").value());
   }
 }
 
@@ -120,7 +120,7 @@ TEST_F(MapServerNodeOnDisk, FinishWritesWhatIsUnwritten) {
   bus_.publish(channels::kTrack, make_track(900'000, 7, track_t::NOT_INITIALIZED, kNoSubmap));
   bus_.dispatch();
   node_->finish();
-  EXPECT_EQ(node_->store().load().frames().size(), 1);
+  EXPECT_EQ(node_->store().load().value().frames().size(), 1);
 }
 
 struct SnapshotFolder {
@@ -147,7 +147,7 @@ TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
   EXPECT_FALSE(exists());
   pass(6);
   ASSERT_TRUE(exists());
-  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  expect_same(node_->atlas(), MapStore::open(options_.snapshot_file).value().load().value());
   std::filesystem::remove(options_.snapshot_file);
   pass(30);
   EXPECT_FALSE(exists());  // there is nothing new
@@ -156,7 +156,7 @@ TEST_F(MapServerNodeSnapshots, AreWrittenOnTimeAndAtTheEnd) {
   EXPECT_TRUE(exists());
   ASSERT_TRUE(send_and_wait(make_submap_update(make_submap(kKey, 1, 5), 0)).ok);
   node_->finish();
-  expect_same(node_->atlas(), MapStore(options_.snapshot_file).load());
+  expect_same(node_->atlas(), MapStore::open(options_.snapshot_file).value().load().value());
   EXPECT_FALSE(node_->status().degraded);
 }
 

@@ -13,6 +13,7 @@
 #include "bus/transport/memory_bus.h"
 #include "bus/wire/submap_update.h"
 #include "map_server/map_server_node.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/test_atlas.h"
 
 namespace rumi::testing {
@@ -77,7 +78,7 @@ class MapServerNodeTest : public ::testing::Test {
       placements[key] = make_placement(submap, 3);
       placements[key].fused[submap.landmarks.rbegin()->first] = {key, submap.landmarks.begin()->first};
     }
-    node_->atlas().place_map(placements);
+    testing::place_map(&node_->atlas(), placements);
   }
   void lose(double share) {
     bus_.set_tap([this, share](const std::string&, std::span<const uint8_t>) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "bus/wire/map_overview.h"
+#include "bus/wire/pose.h"
 #include "lcmtypes/rumi/map_region_t.hpp"
 #include "lcmtypes/rumi/trajectory_t.hpp"
 #include "tests/map_server/map_server_node_fixture.h"
@@ -25,14 +26,14 @@ using testing::TemporaryFolder;
 
 TEST_F(MapServerNodeTest, AMapOfAnySizeIsToldInDatagramsAndWholeWhenAskedFor) {
   for (int id = 1; id <= 1000; ++id)
-    node_->atlas().change_submap({7, id}, [id](Submap* submap) {
+    EXPECT_TRUE(node_->atlas().change_submap({7, id}, [id](Submap* submap) {
       submap->key = {7, id};
       submap->revision = 1;
-      return std::string();
-    });
+      return Result<>();
+    }));
   std::vector<Link> links;
   for (int i = 0; i < 5000; ++i) links.push_back({.a = {7, 1}, .b = {7, 2}, .doubt = std::string(100, 'x')});
-  node_->atlas().set_links(std::move(links));
+  EXPECT_TRUE(node_->atlas().set_links(std::move(links)));
   size_t largest = 0;
   bus_.set_tap([&](const std::string& channel, std::span<const uint8_t> data) {
     if (channel == channels::kMapStatus) largest = std::max(largest, data.size());
@@ -67,7 +68,7 @@ TEST_F(MapServerNodeTest, AnswersWithASubmapOrWhatChangedInIt) {
   Submap copy;
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
-  ASSERT_EQ(apply_submap_update(update, &copy), "");
+  ASSERT_EQ(apply_submap_update(update, &copy).error_text(), "");
   EXPECT_EQ(copy.landmarks.size(), maker.submap().landmarks.size());
   EXPECT_EQ(copy.revision, 4);
   ASSERT_TRUE(Bus::decode(answers_[1].bytes, &update));
@@ -83,8 +84,8 @@ TEST_F(MapServerNodeTest, ASnapshotIsADatabaseWithEverythingHeardSoFar) {
   EXPECT_EQ(answers_[0].kind, chunk_t::DATABASE);
   const TemporaryFolder folder;
   testing::write_file(folder / "map.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
-  MapStore store(folder / "map.db");
-  const Atlas loaded = store.load();
+  MapStore store = MapStore::open(folder / "map.db").value();
+  const Atlas loaded = store.load().value();
   expect_same(node_->atlas(), loaded);
   EXPECT_EQ(loaded.frames().at({900'000}).state, TrackingState::kLost);
 }
@@ -134,7 +135,7 @@ TEST_F(MapServerNodeTest, AnswersWithTheMapAsItWasPlaced) {
   submap_update_t update;
   ASSERT_TRUE(Bus::decode(answers_[0].bytes, &update));
   Submap placed;
-  ASSERT_EQ(apply_submap_update(update, &placed), "");
+  ASSERT_EQ(apply_submap_update(update, &placed).error_text(), "");
   for (const auto& [id, keyframe] : owner.submap.keyframes)
     EXPECT_LT((placed.keyframe(id)->cam_from_submap.center() - owner.placement.cam_from_map(keyframe).center()).norm(),
               1e-12);

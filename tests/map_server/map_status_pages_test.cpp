@@ -18,15 +18,15 @@ class MapStatusPagesTest : public ::testing::Test {
     std::vector<Link> list;
     for (int i = 0; i < links; ++i)
       list.push_back({.a = {7, 1}, .b = {7, 2}, .keyframes = i, .doubt = std::string(i % 2 == 0 ? 0 : 300, 'x')});
-    atlas_.set_links(std::move(list));
+    EXPECT_TRUE(atlas_.set_links(std::move(list)));
   }
   void change(SubmapKey key, int64_t revision) {
-    atlas_.change_submap(key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(key, [&](Submap* submap) {
       submap->key = key;
       submap->kind = key.id < 0 ? SubmapKind::kBack : SubmapKind::kFront;
       submap->revision = revision;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
   // A page that went over the wire.
   map_status_t next() {

@@ -43,7 +43,7 @@ TEST_F(MasksTest, TheNewestOfEachStreamIsKept) {
 TEST_F(MasksTest, WhatIsSaidAgainIsStoredOnce) {
   learn(kStream, make_mask(7, 1'000'000, 8));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
   const int64_t changes = node_->store().changes();
   for (int second = 2; second < 9; ++second) {
     learn(kStream, make_mask(7, second * 1'000'000, 8));
@@ -66,7 +66,7 @@ TEST_F(MasksTest, OfManyStreamsTheNewestAreKept) {
   EXPECT_TRUE(node_->atlas().masks().contains(100));
   EXPECT_FALSE(node_->atlas().masks().contains(1));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST_F(MasksTest, NonsenseIsRejectedAndHurtsNothing) {
@@ -102,7 +102,7 @@ TEST_F(MasksTest, NonsenseIsRejectedAndHurtsNothing) {
   EXPECT_EQ(node_->atlas().masks(), known);
   EXPECT_THAT(node_->status().detail, HasSubstr(fmt::format("{} rejected", bad)));
   pass(3);
-  expect_same(node_->atlas(), node_->store().load());
+  expect_same(node_->atlas(), node_->store().load().value());
 }
 
 TEST(Masks, AreThereAfterARestart) {
@@ -129,7 +129,7 @@ TEST_F(MasksTest, AreInASnapshot) {
   ASSERT_EQ(answers_.size(), 1u);
   const testing::TemporaryFolder folder;
   testing::write_file(folder / "answer.db", std::string(answers_[0].bytes.begin(), answers_[0].bytes.end()));
-  expect_same(node_->atlas(), MapStore(folder / "answer.db").load());
+  expect_same(node_->atlas(), MapStore::open(folder / "answer.db").value().load().value());
 }
 
 }  // namespace

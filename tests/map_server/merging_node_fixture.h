@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bus/transport/memory_bus.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_status_t.hpp"
 #include "map_server/map_server_node.h"
@@ -108,7 +109,7 @@ class MergingNodeTest : public ::testing::Test {
     EXPECT_EQ(side_->status.frames_in_map, Chain::kImages);
     EXPECT_EQ(side_->status.map_revision, node_->atlas().revision());
     EXPECT_LT(chain_->error(node_->atlas()).rmse, 0.04);
-    expect_same(node_->atlas(), node_->store().load());
+    expect_same(node_->atlas(), node_->store().load().value());
   }
 
   // The bus, and those beside map_server on it.

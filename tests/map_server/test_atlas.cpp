@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/map_server/test_atlas.h"
+#include "tests/map_server/place_map.h"
 
 #include <fmt/format.h>
 
@@ -123,7 +124,7 @@ Submap make_submap(SubmapKey key, uint32_t seed, int steps, int64_t first_utime_
 void update_atlas(Atlas* atlas, const Submap& submap) {
   const AtlasSubmap* known = atlas->find(submap.key);
   const submap_update_t update = make_submap_update(submap, known ? known->submap.revision : 0);
-  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }), "");
+  ASSERT_EQ(atlas->change_submap(submap.key, [&](Submap* s) { return apply_submap_update(update, s); }).error_text(), "");
 }
 
 Placement make_placement(const Submap& submap, uint32_t seed) {

@@ -204,13 +204,13 @@ TEST(FormatsInTheDocs, CameraFilesAreRead) {
   EXPECT_EQ(list(between(page, "also reads, as they are, the files of ", ". Of several"), known), known);
   const TemporaryFolder folder;
   for (const auto& [name, text] : camera_files()) {
-    const CameraFileResult read = read_camera_file(folder.write("camera", text));
-    EXPECT_EQ(read.error, "") << name;
-    EXPECT_EQ(read.camera.fy, 51) << name;
-    EXPECT_EQ(read.camera.cx, 32) << name;
-    EXPECT_EQ(read.camera.height, 48) << name;
+    const Result<CameraFile> read = read_camera_file(folder.write("camera", text));
+    EXPECT_EQ(read.error_text(), "") << name;
+    EXPECT_EQ(read->camera.fy, 51) << name;
+    EXPECT_EQ(read->camera.cx, 32) << name;
+    EXPECT_EQ(read->camera.height, 48) << name;
   }
-  EXPECT_TRUE(read_camera_file(folder.write("own", std::string(kMatrix) + "width: 64\nheight: 48\n")).ok());
+  EXPECT_TRUE(read_camera_file(folder.write("own", std::string(kMatrix) + "width: 64\nheight: 48\n")).has_value());
 }
 
 TEST(FormatsInTheDocs, RecordingsAreRead) {
@@ -223,8 +223,8 @@ TEST(FormatsInTheDocs, RecordingsAreRead) {
     write_file(folder / "calibration.yaml", kCalibration);
     const camera_driver::OpenedSource opened =
         camera_driver::open_recording(recording.make(folder.path()).string(), {});
-    ASSERT_EQ(opened.error, "") << name;
-    EXPECT_TRUE(opened.source->next()) << name;
+    ASSERT_EQ(opened.error_text(), "") << name;
+    EXPECT_TRUE((*opened)->next()) << name;
   }
 }
 

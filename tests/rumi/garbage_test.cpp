@@ -10,6 +10,7 @@
 #include "bus/wire/calibration.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/image_masks.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "front_tracker/front_tracker_node.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
@@ -65,7 +66,7 @@ submap_update_t small_update() {
   Submap map;
   map.key = {5, 1};
   map.revision = 3;
-  map.camera = parse_calibration(metadata(small_image(1), kCalibrationKey), "test").camera;
+  map.camera = parse_calibration(std::string(metadata(small_image(1), kCalibrationKey)), "test").value().camera;
   auto features = std::make_shared<Features>();
   for (int i = 0; i < 10; ++i) {
     features->keypoints.push_back({{5.0f * static_cast<float>(i), 9}, 0, 0});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A window of rendered pictures with its truth.
+// A window of rendered pictures whose true poses are known.
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -19,7 +19,7 @@ struct RenderedWindow {
 // Rendered once, at the first call.
 const RenderedWindow& rendered_window();
 
-// Another picture in place of the image.
+// Replaces the image by another picture.
 void replace_image(WindowJob* job, size_t index, const cv::Mat& grey);
 
 }  // namespace rumi::testing

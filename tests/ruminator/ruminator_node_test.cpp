@@ -77,7 +77,7 @@ TEST_F(RuminatorNodeTest, AWindowHasImagesOfItsOwnStreamOnly) {
   }
 }
 
-// Of the images' size, or as it is worked on; its upper half is left out.
+// A mask of the images' size, or of their working size. It leaves out the upper half.
 mask_t learned_mask(int64_t stream, int64_t utime_us, int width = 160, int height = 120) {
   cv::Mat world(height, width, CV_8U, cv::Scalar(255));
   world.rowRange(0, height / 2) = 0;
@@ -109,18 +109,17 @@ TEST_F(RuminatorNodeTest, TheImagesOfAWindowCarryWhatWasLearnedToBeNoWorldAlsoLa
   ASSERT_EQ(jobs_.size(), 1U);
   ASSERT_EQ(jobs_[0].images.size(), 20U);
   for (const image_t& image : jobs_[0].images) {
-    std::string error;
-    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey), &error);
-    ASSERT_EQ(pixels.size(), cv::Size(160, 120)) << error;
+    const cv::Mat pixels = decode_mask(metadata(image, kMaskKey)).value();
+    ASSERT_EQ(pixels.size(), cv::Size(160, 120));
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(0, 60)), 0);
     EXPECT_EQ(cv::countNonZero(pixels.rowRange(61, 120)), 160 * 59);
   }
   EXPECT_THAT(node_->status().detail, HasSubstr("1 rejected"));
   const testing::TemporaryFolder folder;
-  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]), "");
-  const WindowJobFile read = read_window_job(folder / "a.window");
-  ASSERT_TRUE(read.ok()) << read.error;
-  EXPECT_EQ(metadata(read.job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
+  ASSERT_EQ(write_window_job(folder / "a.window", jobs_[0]).error_text(), "");
+  const Result<WindowJobFile> read = read_window_job(folder / "a.window");
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(metadata(read->job.images[0], kMaskKey), metadata(jobs_[0].images[0], kMaskKey));
 }
 
 TEST_F(RuminatorNodeTest, MemoryHoldsOnlyWhatMayBeNeeded) {
@@ -148,10 +147,9 @@ TEST_F(RuminatorNodeTest, RawImagesAreCompressedAndKeepTheirMetadata) {
   ASSERT_NE(kept, nullptr);
   EXPECT_EQ(kept->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
   EXPECT_EQ(metadata(*kept, kCalibrationKey), "fx: 100");
-  std::string error;
-  const cv::Mat pixels = decode_grey(*kept, &error);
-  ASSERT_FALSE(pixels.empty()) << error;
-  const cv::Mat original = decode_grey(make_image(first, false), &error);
+  const cv::Mat pixels = decode_grey(*kept).value();
+  ASSERT_FALSE(pixels.empty());
+  const cv::Mat original = decode_grey(make_image(first, false)).value();
   EXPECT_LT(cv::norm(pixels, original, cv::NORM_L1) / static_cast<double>(pixels.total()), 8.0);
   for (int64_t t = first; t < now_; t += kPeriodUs)
     if (const image_t* image = node_->frames().find({t}))

@@ -15,14 +15,14 @@ using namespace rumi::ruminator;
 
 // 160 x 120.
 Camera small_camera();
-// 4 + 5 + 3 frames, 0.1 s apart, every second one of those tracked a keyframe.
+// A window of 4 + 5 + 3 frames, 0.1 s apart. Every second tracked frame is a keyframe.
 WindowJob small_job(int32_t id = 1, int64_t session = 7);
 
 // A consistent back submap with a keyframe for every image.
 Submap fake_submap(const WindowJob& job);
-// What a builder would return that registers everything.
+// The result of a builder that registers all frames.
 BuildResult fake_result(const WindowJob& job);
-// Goes through the stages and succeeds; counts.
+// A builder that reports all stages and succeeds. `built` counts its calls.
 Builder fake_builder(std::atomic<int>* built = nullptr);
 
 }  // namespace rumi::testing

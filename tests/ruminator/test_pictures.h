@@ -31,7 +31,7 @@ inline cv::Mat textured_picture(uint64_t seed, cv::Size size = {640, 480}) {
   return picture;
 }
 
-// What the camera sees of a plane at z = 2, 4.8 x 3.6 units large, with the picture on it.
+// Renders a plane at z = 2 that shows the picture, 4.8 x 3.6 units large, as the camera sees it.
 inline cv::Mat see_plane(const cv::Mat& picture, const Camera& camera, const SE3& cam_from_world) {
   const double unit = picture.cols / 4.8;  // pixels of the picture
   const Eigen::Matrix3d r = cam_from_world.rotation.toRotationMatrix();
@@ -51,7 +51,7 @@ inline cv::Mat see_plane(const cv::Mat& picture, const Camera& camera, const SE3
   return seen;
 }
 
-// Where the plane's point that the first camera has at `pixel` is in the second.
+// Maps `pixel` of the first camera to the second, by the point of the plane that it shows.
 inline Eigen::Vector2d over_the_plane(const Camera& camera, const SE3& first, const SE3& second,
                                       const Eigen::Vector2d& pixel) {
   const SE3 world_from_first = first.inverse();

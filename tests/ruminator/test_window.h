@@ -62,8 +62,8 @@ inline TestWindow make_window(const std::vector<SE3>& cam_from_world, const std:
   return w;
 }
 
-// Gives matches the wrong partner: `match_fraction` of each pair's, and all of `pair_fraction` of the pairs, which are
-// weak then, as wrong pairs are that pass for right ones.
+// Gives matches a wrong partner: the share `match_fraction` of each pair, and all matches of the share `pair_fraction`
+// of the pairs, which then have few matches, like wrong pairs that pass the verification.
 inline void spoil(TestWindow* w, double match_fraction, double pair_fraction, unsigned seed = 2) {
   constexpr size_t kWeak = 25;
   SyntheticScene random(seed);
@@ -81,7 +81,7 @@ inline void spoil(TestWindow* w, double match_fraction, double pair_fraction, un
   }
 }
 
-// Sideways past a cloud.
+// The camera moves sideways past a cloud of points.
 inline std::vector<SE3> sideways_path(int cameras, double step = 0.1) {
   std::vector<SE3> path;
   for (int i = 0; i < cameras; ++i) {
@@ -96,7 +96,7 @@ inline TestWindow sideways_window(int cameras, double noise_px = 0.7, int points
   return make_window(sideways_path(cameras), SyntheticScene(7).cloud(points), noise_px);
 }
 
-// A walk in the middle of a round room, the camera turning fast.
+// The camera moves in the middle of a round room and turns fast.
 inline TestWindow turning_window(int cameras, double turn_deg_per_frame = 16, double noise_px = 0.7) {
   SyntheticScene random(3);
   std::vector<Eigen::Vector3d> points;
@@ -120,7 +120,7 @@ inline double path_length(const std::vector<SE3>& cam_from_world) {
   return length;
 }
 
-// The largest distance of a camera from its true place after alignment, over the length of the true path.
+// Returns the largest distance of a camera from its true position after alignment, over the length of the true path.
 inline double worst_center_error(const TestWindow& w, const SparseModel& model) {
   std::vector<Eigen::Vector3d> found, truth;
   for (const auto& [image, pose] : model.cam_from_world) {
@@ -134,7 +134,7 @@ inline double worst_center_error(const TestWindow& w, const SparseModel& model) 
   return worst / path_length(w.cam_from_world);
 }
 
-// The truth as a model: poses of all images, and the points that two of them see.
+// Returns the truth as a model: poses of all images, and the points that at least two of them see.
 inline SparseModel true_model(const TestWindow& w) {
   SparseModel model;
   model.fx = w.camera.fx;

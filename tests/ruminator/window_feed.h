@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A WindowSampler that is told of frames, and what came of it.
+// Feeds frames to a WindowSampler and collects the windows.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ class WindowFeed {
       if (ended) windows.push_back(*ended);
     }
   }
-  // front_tracker tells of a frame once more, which got its pose afterwards.
+  // Repeats a frame that got a late pose.
   void late_pose(int64_t utime, int32_t submap, bool is_keyframe = false) {
     auto ended = sampler.process({.utime_us = utime,
                                   .session = session,
@@ -56,7 +56,7 @@ class WindowFeed {
                                   .is_keyframe = is_keyframe});
     EXPECT_FALSE(ended);
   }
-  // front_tracker tells of frames once more, whose poses it takes back.
+  // Repeats frames whose poses are withdrawn.
   void withdraw(int64_t first, int64_t last) {
     for (int64_t utime = first; utime <= last; ++utime)
       EXPECT_FALSE(sampler.process({.utime_us = utime, .session = session}));

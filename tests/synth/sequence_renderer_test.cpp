@@ -218,9 +218,9 @@ TEST(WriteSequence, MakesATumFolder) {
     EXPECT_EQ(image.size(), cv::Size(320, 240));
     EXPECT_EQ(image.channels(), 1);
   }
-  const CameraFileResult camera = read_camera_file(folder / "out/calibration.yaml");
-  ASSERT_TRUE(camera.ok()) << camera.error;
-  EXPECT_EQ(camera.camera.k1, -0.1);
+  const Result<CameraFile> camera = read_camera_file(folder / "out/calibration.yaml");
+  ASSERT_TRUE(camera.has_value()) << camera.error_text();
+  EXPECT_EQ(camera->camera.k1, -0.1);
   int poses = 0;
   while (std::getline(truth, line)) poses += line[0] != '#';
   EXPECT_EQ(poses, 5);

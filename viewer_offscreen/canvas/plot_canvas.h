@@ -24,7 +24,7 @@ class PlotCanvas {
   PlotCanvas(int width, int height);
 
   void clear(const cv::Vec3b& rgb);
-  // Only what lies within is drawn from now on.
+  // Draws only within this rectangle from now on.
   void clip(const cv::Rect& panel);
   void unclip();
   void disc(cv::Point2d center, double radius, const Ink& ink);
@@ -32,11 +32,12 @@ class PlotCanvas {
   void dashed(cv::Point2d a, cv::Point2d b, double width, double dash, const Ink& ink);
   void rectangle(const cv::Rect2d& area, const Ink& ink);
   void triangle(cv::Point2d a, cv::Point2d b, cv::Point2d c, const Ink& ink);
-  // Points in space, kept until the next call.
+  // Loads points in space, which stay until the next call.
   void set_points(const std::vector<Eigen::Vector3f>& points);
-  // Of `count` of them from `first` every `step`th, squares of `size` pixels, where the projection puts them.
+  // Draws squares of `size` pixels where the projection puts the loaded points: `count` of them from `first`, every
+  // `step`th.
   void points(size_t first, size_t count, size_t step, const Projection& project, double size, const Ink& ink);
-  // kScale times as large as the canvas, BGR.
+  // Returns the picture, BGR, kScale times as large as the canvas.
   cv::Mat read();
 
  private:

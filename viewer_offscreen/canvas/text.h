@@ -15,7 +15,7 @@ struct TextStyle {
 
 // `at` is the left end of the base line. Letters outside ASCII become '?'.
 void draw_text(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
-// The same on a pale plate, to be read on whatever is there.
+// Draws the text on a pale plate, so that it can be read on any background.
 void draw_label(cv::Mat& large, cv::Point2d at, const std::string& text, const TextStyle& style);
 double text_width(const std::string& text, const TextStyle& style);
 // The text, or as much of it as fits in width, with "..." at its end.

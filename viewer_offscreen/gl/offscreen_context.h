@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OpenGL 3.3 core without a window or display server: by OSMesa, or where there is none by EGL (gl_platform.h). The
+// OpenGL 3.3 core without a window or display server, by OSMesa, or by EGL if there is no OSMesa (gl_platform.h). The
 // environment variable RUMI_OPENGL=osmesa or egl chooses.
 #pragma once
 
@@ -20,8 +20,8 @@ class OffscreenContext {
 
   // Must be called before any OpenGL call; several contexts may take turns on one thread.
   void make_current();
-  // What was drawn, RGBA 8 bit. Row 0 is the window row y = 0: draw upside down (positive clip y downwards) to get an
-  // image whose first row is its top.
+  // Returns what was drawn, RGBA 8 bit. Row 0 is the window row y = 0: draw upside down (positive clip y downwards) to
+  // get an image whose first row is its top.
   void read(cv::Mat* rgba);
 
   std::string platform() const;  // "osmesa" or "egl"
@@ -34,7 +34,7 @@ class OffscreenContext {
   int width_, height_;
 };
 
-// A linked program, or std::runtime_error with the compiler's log. The context must be current.
+// Returns a linked program. Throws std::runtime_error with the compiler's log. The context must be current.
 unsigned compile_program(const std::string& vertex_shader, const std::string& fragment_shader);
 
 }  // namespace rumi::viewer_offscreen

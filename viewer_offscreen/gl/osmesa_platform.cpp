@@ -23,8 +23,8 @@ using GetProcAddress = GlPlatform::Function (*)(const char* name);
 
 constexpr const char* kLibrary = "libOSMesa.so.8";
 
-// It may be there and not fit into the memory, or lack another library: only the loader knows, and tells in words of
-// the last one that it was asked for.
+// The library may be there and not fit into the memory, or lack another library. Only the loader knows, and its message
+// is about the last library that it tried.
 std::string why_not_loaded() {
   void* const again = dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
   const char* said = again ? nullptr : dlerror();

@@ -10,12 +10,12 @@
 
 namespace rumi::viewer_offscreen {
 
-// What became of the frames, as front_tracker told it.
+// Keeps what front_tracker said of the frames.
 class FrameNotes {
  public:
-  // most: how many of the latest frames are kept.
+  // `most`: the number of latest frames that are kept.
   explicit FrameNotes(size_t most = SIZE_MAX) : most_(most) {}
-  // A frame that is told of again keeps what was said first, unless its pose was withdrawn.
+  // If a frame comes twice, the first note counts, unless the second one withdraws its pose.
   void take(const track_t& track);
   const std::vector<FrameNote>& by_time() const { return notes_; }
 

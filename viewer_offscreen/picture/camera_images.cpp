@@ -30,8 +30,7 @@ const char* state_words(int8_t state) {
 
 CameraView view_image(const image_t& image, int64_t first_us) {
   CameraView view;
-  std::string ignored;  // a broken image is front_tracker's to report
-  view.image = decode_bgr(image, &ignored);
+  view.image = decode_bgr(image).value_or(cv::Mat());  // front_tracker reports broken images
   view.utime_us = image.utime;
   view.caption = "at " + format_time(1e-6 * static_cast<double>(image.utime - first_us));
   return view;

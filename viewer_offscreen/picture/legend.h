@@ -6,8 +6,8 @@
 
 namespace rumi::viewer_offscreen {
 
-// The key to a picture, in two passes because lines are OpenGL's and letters are not: samples of the line styles, then
-// the words beside them. Shows what fits in the panel and says how much it leaves out.
+// Draws the legend of a picture in two passes, because OpenGL draws the lines and not the letters: samples of the line
+// styles, then the words beside them. It shows what fits in the panel and says how much it leaves out.
 class Legend {
  public:
   Legend(const Scene& scene, const cv::Rect& panel);

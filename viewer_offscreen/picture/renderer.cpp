@@ -39,7 +39,7 @@ MapViewStyle style_of(const Layout::View& view) {
           (view.is_main && view.kind == ViewKind::kOblique) || follow, 0};
 }
 
-// A length of the map that is shown as a bar: at most a quarter of the panel.
+// Chooses the length of the scale bar: at most a quarter of the panel.
 void draw_scale_bar(PlotCanvas& canvas, const cv::Rect& panel, double length_px) {
   const cv::Point2d b(panel.x + panel.width - 12, panel.y + panel.height - 12), a = b - cv::Point2d(length_px, 0);
   canvas.line(a, b, 1.6, {kCameraColor});

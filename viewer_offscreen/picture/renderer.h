@@ -16,7 +16,7 @@ class Renderer {
  public:
   // Throws std::runtime_error if there is no OpenGL.
   Renderer();
-  // kPictureWidth x kPictureHeight, 8 bit BGR. All views, or only one.
+  // Draws all views, or only one: kPictureWidth x kPictureHeight, 8 bit BGR.
   cv::Mat draw(const Scene& scene, std::optional<ViewKind> only = std::nullopt);
 
  private:

@@ -14,7 +14,7 @@ namespace rumi::viewer_offscreen {
 namespace {
 
 constexpr double kLabelWidth = 86, kLaneHeight = 13, kLaneStep = 19, kFirstLane = 20, kSample = 16;
-constexpr double kLeast_px = 1;  // of a loss, however short
+constexpr double kLeast_px = 1;  // width of a loss, however short
 constexpr int kTicks = 12;
 const char* const kTracked = "tracked, in the colour of the submap";
 const TextStyle kWord{8, {90, 90, 98}}, kTick{7.5, {110, 110, 118}};
@@ -36,7 +36,7 @@ void draw_bar(PlotCanvas& canvas, const cv::Rect2d& lane, double share, const cv
   canvas.rectangle({lane.x, lane.y + lane.height - height, lane.width, height}, {color});
 }
 
-// In the map by a back submap: with a white core, like its line.
+// Draws a frame that a back submap has in the map: with a white core, like the submap's line.
 void draw_filled(PlotCanvas& canvas, const cv::Rect2d& lane, const cv::Vec3b& color) {
   draw_bar(canvas, lane, 1, color);
   canvas.rectangle({lane.x, lane.y + lane.height * 0.38, lane.width, lane.height * 0.24}, {kPanelColor});

@@ -6,8 +6,8 @@
 
 namespace rumi::viewer_offscreen {
 
-// What became of the frames over time, in two lanes: how each was tracked when it came, and where it is in the map now.
-// Tracked is a full bar in the submap's colour; what is not tracked is the lower the less is known.
+// Draws the timeline in two lanes: how each frame was tracked when it came, and where it is in the map now. A tracked
+// frame is a full bar in its submap's colour. A frame that was not tracked is a lower bar, lowest if nothing is known.
 class TimelineStrip {
  public:
   TimelineStrip(const Scene& scene, const cv::Rect& area);
@@ -25,7 +25,7 @@ class TimelineStrip {
 
 // 12.3 s, 4:05, 1:02:03
 std::string format_time(double seconds);
-// A round step of time so that at most `most` of them cover the duration.
+// Returns a round step of time of which at most `most` cover the duration.
 double round_time_step(double duration_s, int most);
 
 }  // namespace rumi::viewer_offscreen

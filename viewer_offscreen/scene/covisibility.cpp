@@ -12,7 +12,8 @@ std::vector<std::pair<int, int>> covisible_pairs(const Submap& submap, int min_s
     index_of[id] = static_cast<int>(ids.size());
     ids.push_back(id);
   }
-  // Per landmark the keyframes that see it, ascending, one after another; per keyframe its places in that list.
+  // A list of the keyframes that see each landmark, ascending, one landmark after another; and, per keyframe, its
+  // places in that list.
   std::vector<int> observers;
   std::vector<size_t> end_of;
   std::vector<std::vector<std::pair<size_t, size_t>>> places(ids.size());  // place, landmark

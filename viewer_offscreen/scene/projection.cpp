@@ -27,7 +27,7 @@ struct Range {
   double size() const { return empty() ? 0 : high - low; }
 };
 
-// Range along a direction without the outermost values.
+// The range along a direction, without the outermost values.
 Range landmark_range(const std::vector<const SubmapView*>& submaps, const Vector3d& origin, const Vector3d& direction) {
   size_t all = 0;
   for (const SubmapView* s : submaps) all += s->landmarks.size();
@@ -55,8 +55,8 @@ Range trajectory_range(const std::vector<const SubmapView*>& submaps, const Vect
   return range;
 }
 
-// Trajectory and landmarks together, but landmarks may make it only so much larger: far points would shrink the path to
-// nothing.
+// The range of trajectory and landmarks. Landmarks may enlarge it only by so much, because far points would shrink the
+// path to nothing.
 Range fitted_range(const std::vector<const SubmapView*>& submaps, const Vector3d& origin, const Vector3d& direction,
                    double extent) {
   Range range = trajectory_range(submaps, origin, direction);

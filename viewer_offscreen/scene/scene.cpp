@@ -33,7 +33,8 @@ void add_keyframes(const Submap& submap, SubmapView* view) {
     if (index_of.contains(a) && index_of.contains(b)) view->covisible.emplace_back(index_of[a], index_of[b]);
 }
 
-// A submap keeps its colour as others come: by its place among those of its kind, in the order in which they are made.
+// The colour follows a submap's place among those of its kind in the order in which they were made, so that it keeps
+// it.
 void set_colors(std::vector<SubmapView>* submaps) {
   for (SubmapView& view : *submaps)
     view.color = static_cast<int>(std::count_if(submaps->begin(), submaps->end(), [&](const SubmapView& other) {
@@ -42,7 +43,7 @@ void set_colors(std::vector<SubmapView>* submaps) {
     }));
 }
 
-// Of a submap's frames, in order of time, those that are in the list: calls found(index in the list).
+// Calls found(index in the list), in order of time, for each frame of the submap that is in the list.
 template <class Found>
 void each_frame(const SubmapView& submap, const std::vector<FrameNote>& frames, Found found) {
   size_t i = 0;
@@ -52,7 +53,7 @@ void each_frame(const SubmapView& submap, const std::vector<FrameNote>& frames, 
   }
 }
 
-// Without a list of all frames, those that have a pose.
+// The frames that have a pose, for a picture without a list of all frames.
 std::vector<FrameNote> frames_with_pose(const std::vector<SubmapView>& submaps) {
   std::map<int64_t, FrameNote> frames;
   for (const SubmapView& submap : submaps)
@@ -108,8 +109,8 @@ void mark_losses(const std::vector<LostSpan>& spans, std::vector<TrajectoryPoint
   }
 }
 
-// Where two submaps have the same image, or else where they come nearest to each other: an attempt that compared places
-// does not say which.
+// The positions at an image that both submaps have, or else where they come nearest to each other: a link by appearance
+// does not say which places it compared.
 std::optional<MergeView> view_merge(const SubmapView& a, const SubmapView& b, bool same_images) {
   std::vector<MergeView> same;
   for (const KeyframeView& of_a : a.keyframe_poses) {
@@ -147,7 +148,7 @@ void add_merges(const MapPicture& picture, Scene* scene) {
   }
 }
 
-// The true path where the map has poses, in the map's gauge.
+// The true path at the times at which the map has poses, aligned to the map.
 void align_truth(const std::map<int64_t, Vector3d>& truth, Scene* scene) {
   std::vector<Vector3d> source, target;
   for (const SubmapView& submap : scene->submaps) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What there is to see of a map, without the map: plain values in the map's frame of reference.
+// A scene is what a picture of a map shows, as plain values in the map's frame of reference.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,15 +32,15 @@ struct SubmapView {
   SubmapKey key;
   SubmapKind kind = SubmapKind::kFront;
   int color = 0;        // see submap_color()
-  bool placed = false;  // in the map's frame; else in its own gauge, shown apart
+  bool placed = false;  // it lies in the map's frame; else it has its own gauge and is shown apart
   int64_t frames = 0, keyframes = 0, landmark_count = 0;
   std::vector<TrajectoryPoint> trajectory;  // by time
   std::vector<Eigen::Vector3f> landmarks;
   std::vector<KeyframeView> keyframe_poses;
-  std::vector<std::pair<size_t, size_t>> covisible;  // of keyframe_poses, those that share many landmarks
+  std::vector<std::pair<size_t, size_t>> covisible;  // pairs of keyframe_poses that share many landmarks
 };
 
-// Two submaps that were joined: where either has what both saw.
+// Two submaps that were joined: the position of what both saw, by either submap.
 struct MergeView {
   Eigen::Vector3d at_a, at_b;
   bool same_images = false;
@@ -73,13 +73,13 @@ struct Scene {
   int64_t frames_in_map = 0;
 };
 
-// What draw_map() makes a scene of.
+// The input of make_scene().
 struct MapPicture {
   struct Item {
-    const Submap* submap = nullptr;  // as it lies in the map, if it is part of it; else in its own gauge
+    const Submap* submap = nullptr;  // placed in the map if it is part of it; else in its own gauge
     bool in_map = false;
   };
-  // An attempt to join two submaps; a == b: a loop.
+  // A link between two submaps, accepted or not; a == b: a loop.
   struct Link {
     SubmapKey a, b;
     bool same_images = false, accepted = false;
@@ -93,10 +93,11 @@ struct MapPicture {
   CameraView camera_view = {};
 };
 
-// Numbers that are not finite are left out. If no submap is placed, the one with most frames stands for the map.
+// Leaves out numbers that are not finite. If no submap is placed, the one with most frames stands for the map.
 Scene make_scene(const MapPicture& picture);
 
-// The same in two steps, for who keeps what has not changed: each of the picture's submaps, and all together.
+// These do it in two steps, for a caller that keeps the parts that have not changed: each submap, and then all
+// together.
 SubmapView view_submap(const Submap& submap);
 Scene make_scene(const MapPicture& picture, std::vector<SubmapView> submaps);
 

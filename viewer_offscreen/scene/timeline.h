@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What became of the frames of a recording over time.
+// The timeline says what became of the frames of a recording over time.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace rumi::viewer_offscreen {
 
-// What front_tracker said of a frame when it came.
+// The note of what front_tracker said of a frame when it saw it.
 struct FrameNote {
   int64_t utime_us = 0;
   int8_t state = kUnknownState;  // as in track_t
-  SubmapKey submap = {};         // that it was tracked in
+  SubmapKey submap = {};         // the submap in which it was tracked
   static constexpr int8_t kUnknownState = -1;
 };
 
@@ -31,8 +31,8 @@ struct LostSpan {
 };
 
 struct Timeline {
-  std::vector<TimelineSpan> tracked;  // as the frames came
-  std::vector<TimelineSpan> in_map;   // where they are now; state has no meaning
+  std::vector<TimelineSpan> tracked;  // how frames were tracked when they came
+  std::vector<TimelineSpan> in_map;   // where frames are in the map now; `state` has no meaning
   int64_t filled = 0;                 // frames in the map by a back submap alone
   int64_t end_us = 0;                 // of the last frame, its duration included
 };
@@ -41,7 +41,7 @@ struct Timeline {
 Timeline make_timeline(const std::vector<FrameNote>& frames, const std::vector<int>& tracked_in,
                        const std::vector<int>& placed_in);
 
-// posed: whether the frame has a pose in any submap.
+// `posed`: whether each frame has a pose in any submap.
 std::vector<LostSpan> find_lost(const std::vector<FrameNote>& frames, const std::vector<bool>& posed);
 
 }  // namespace rumi::viewer_offscreen

@@ -18,9 +18,8 @@ using ::testing::HasSubstr;
 Child start_shell(const std::string& script) {
   ChildLaunch launch;
   launch.arguments = {"/bin/sh", "-c", script};
-  std::string error;
-  std::optional<Child> child = Child::start(launch, &error);
-  if (!child) throw std::runtime_error(error);
+  Result<Child> child = Child::start(launch);
+  if (!child) throw std::runtime_error(child.error_text());
   return std::move(*child);
 }
 
@@ -59,9 +58,8 @@ TEST(Child, AHeldSignalWaitsUntilTheProgramUnblocksIt) {
     ChildLaunch launch;
     launch.arguments = {"sh", "-c", "kill -USR1 $$; exit 7"};
     if (is_held) launch.held_signals = {SIGUSR1};
-    std::string error;
-    std::optional<Child> child = Child::start(launch, &error);
-    ASSERT_TRUE(child) << error;
+    Result<Child> child = Child::start(launch);
+    ASSERT_TRUE(child) << child.error_text();
     const ChildEnd end = child->reap();
     EXPECT_EQ(end.exited(), is_held) << end.describe();
   }
@@ -91,13 +89,10 @@ TEST(Child, DiesWithItsOwnerAndSoDoesWhatItStarted) {
 }
 
 TEST(Child, WhatCannotBeExecutedIsNoChild) {
-  std::string error;
   ChildLaunch launch;
-  EXPECT_FALSE(Child::start(launch, &error));
-  EXPECT_EQ(error, "no program is named");
+  EXPECT_EQ(Child::start(launch).error_text(), "no program is named");
   launch.arguments = {"/etc/hostname-that-is-not-there"};
-  EXPECT_FALSE(Child::start(launch, &error));
-  EXPECT_THAT(error, HasSubstr("No such file"));
+  EXPECT_THAT(Child::start(launch).error_text(), HasSubstr("No such file"));
 }
 
 }  // namespace

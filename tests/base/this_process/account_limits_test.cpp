@@ -58,7 +58,7 @@ TEST(AccountLimits, AFileAndADatabaseThatHitItSaySo) {
                           [&] {
                             WholeFile file(folder / "large");
                             file.write(std::string(300'000, 'x'));
-                            return file.commit();
+                            return file.commit().error_text();
                           }),
               AllOf(HasSubstr("cannot write "), HasSubstr("large"), HasSubstr("ulimit -f")));
   EXPECT_THAT(under_limit(RLIMIT_FSIZE, 100'000,

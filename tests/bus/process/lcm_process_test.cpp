@@ -73,9 +73,9 @@ class Child {
 class Peer {
  public:
   explicit Peer(const ChannelNames& names = {}) {
-    std::string error;
-    bus_ = LcmBus::open(kDefaultLcmUrl, names, &error);
-    if (!bus_) throw std::runtime_error(error);
+    Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, names);
+    if (!opened) throw std::runtime_error(opened.error_text());
+    bus_ = std::move(*opened);
     bus_->subscribe<map_request_t>(channels::kTrack, {}, [this](const map_request_t& m) { answer = m.request_id; });
     bus_->subscribe<process_status_t>(channels::kStatus, {}, [this](const process_status_t& m) {
       ++statuses;

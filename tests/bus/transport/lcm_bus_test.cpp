@@ -27,10 +27,9 @@ using testing::happens;
 using testing::kPatience;
 
 std::unique_ptr<LcmBus> open_bus(const ChannelNames& names = {}) {
-  std::string error;
-  std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, names, &error);
-  if (!bus) throw std::runtime_error(error);
-  return bus;
+  Result<std::unique_ptr<LcmBus>> bus = LcmBus::open(kDefaultLcmUrl, names);
+  if (!bus) throw std::runtime_error(bus.error_text());
+  return std::move(*bus);
 }
 
 map_request_t request(int32_t id) {
@@ -233,20 +232,17 @@ TEST(LcmBusTest, ALargePayloadArrivesInChunks) {
 }
 
 TEST(LcmBusTest, WithoutARouteItSaysWhatToDo) {
-  std::string error;
-  EXPECT_EQ(LcmBus::open("udpm://239.255.76.99:7667?ttl=0", {}, &error), nullptr);
+  const std::string error = LcmBus::open("udpm://239.255.76.99:7667?ttl=0", {}).error_text();
   EXPECT_THAT(error, HasSubstr("cannot be used: Network is unreachable"));
   EXPECT_THAT(error, HasSubstr("sudo ip link set lo multicast on"));
   EXPECT_THAT(error, HasSubstr("sudo ip route add 239.255.76.99/32 dev lo"));
-  EXPECT_EQ(LcmBus::open("nonsense://x", {}, &error), nullptr);
-  EXPECT_THAT(error, HasSubstr("Expected an LCM URL"));
+  EXPECT_THAT(LcmBus::open("nonsense://x", {}).error_text(), HasSubstr("Expected an LCM URL"));
 }
 
 // LCM itself ends the process where a server of tcpq is missing, and memq and file reach nobody else.
 TEST(LcmBusTest, BusesThatAreNoneForSeveralProcessesAreRefusedByName) {
   const auto why = [](const std::string& url) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
+    const std::string error = LcmBus::open(url, {}).error_text();
     EXPECT_THAT(error, HasSubstr("the LCM URL " + url + " is not used: "));
     EXPECT_THAT(error, HasSubstr("udpm://239.255.76.67:7667?ttl=0"));
     EXPECT_THAT(error, Not(HasSubstr("route")));
@@ -260,8 +256,7 @@ TEST(LcmBusTest, BusesThatAreNoneForSeveralProcessesAreRefusedByName) {
 
 TEST(LcmBusTest, AnAddressThatIsNoMulticastAddressIsRefusedByName) {
   for (const char* address : {"10.0.0.5", "127.0.0.1", "192.168.1.255", "240.0.0.1", "localhost", "239.255.76"}) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(std::string("udpm://") + address + ":7667?ttl=0", {}, &error), nullptr);
+    const std::string error = LcmBus::open(std::string("udpm://") + address + ":7667?ttl=0", {}).error_text();
     EXPECT_THAT(error, HasSubstr(std::string(address) + " is no multicast address (224.0.0.0 to 239.255.255.255)"));
     EXPECT_THAT(error, Not(HasSubstr("route")));
   }
@@ -270,16 +265,14 @@ TEST(LcmBusTest, AnAddressThatIsNoMulticastAddressIsRefusedByName) {
 TEST(LcmBusTest, AUrlWithoutAPortIsRefusedAtOnce) {
   for (const char* url : {"udpm://239.255.76.67?ttl=0", "udpm://239.255.76.67:?ttl=0", "udpm://239.255.76.67:99999",
                           "udpm://239.255.76.67:0", "udpm://239.255.76.67:port"}) {
-    std::string error;
-    EXPECT_EQ(LcmBus::open(url, {}, &error), nullptr);
-    EXPECT_THAT(error, HasSubstr("has no port from 1 to 65535; a usual one is udpm://239.255.76.67:7667?ttl=0"));
+    EXPECT_THAT(LcmBus::open(url, {}).error_text(),
+                HasSubstr("has no port from 1 to 65535; a usual one is udpm://239.255.76.67:7667?ttl=0"));
   }
 }
 
 TEST(LcmBusTest, NamesTooLongForLcmAreRefusedAtOnce) {
-  std::string error;
-  EXPECT_EQ(LcmBus::open(kDefaultLcmUrl, {std::string(60, 'x'), "CAMERA"}, &error), nullptr);
-  EXPECT_THAT(error, HasSubstr("at most 63 characters"));
+  EXPECT_THAT(LcmBus::open(kDefaultLcmUrl, {std::string(60, 'x'), "CAMERA"}).error_text(),
+              HasSubstr("at most 63 characters"));
 }
 
 }  // namespace

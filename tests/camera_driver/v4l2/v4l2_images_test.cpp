@@ -52,7 +52,7 @@ TEST_F(V4l2SourceTest, CarriesTheMaskThatIsGivenOrThatTheCalibrationNames) {
     fake_.add_frames(1, 0, grey_frame(1));
     const std::vector<image_t> images = images_within(50'000);
     source_.reset();
-    return images.empty() ? "no image" : metadata(images[0], kMaskKey);
+    return std::string(images.empty() ? "no image" : metadata(images[0], kMaskKey));
   };
   EXPECT_EQ(mask_of_an_image(), "");
   options_.mask = folder / "m.png";

@@ -42,8 +42,8 @@ class V4l2SourceTest : public ::testing::Test {
   // Why it did not open, or an empty string.
   std::string open(const std::string& input = "/dev/video0") {
     OpenedSource opened = open_camera(fake_, input, options_);
-    source_ = std::move(opened.source);
-    return opened.error;
+    source_ = opened ? std::move(*opened) : nullptr;
+    return opened.error_text();
   }
   // All images that come within so much of the fake's time.
   std::vector<image_t> images_within(int64_t us) {

@@ -19,13 +19,13 @@ class DamagedBags : public Bags {
   int images_of(const std::string& file, const std::string& bytes) {
     testing::write_file(file, bytes);
     const OpenedSource opened = open(file);
-    if (!opened.ok()) {
-      EXPECT_THAT(opened.error, HasSubstr(file));
+    if (!opened.has_value()) {
+      EXPECT_THAT(opened.error_text(), HasSubstr(file));
       return -1;
     }
     int images = 0;
-    while (opened.source->next()) ++images;
-    skipped_ = opened.source->skipped();
+    while ((*opened)->next()) ++images;
+    skipped_ = (*opened)->skipped();
     return images;
   }
 };

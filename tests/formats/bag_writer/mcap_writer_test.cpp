@@ -28,7 +28,7 @@ class McapIndex : public ::testing::Test {
     for (int i = 0; i < kMessages; ++i)
       writer->write(i % 2 == 0 ? "/a" : "/b", kImageType, 1000 + i,
                     std::string(100'000, static_cast<char>('a' + i % 7)));
-    EXPECT_EQ(writer->close(), "");
+    EXPECT_EQ(writer->close().error_text(), "");
     text_ = testing::read_file(file);
   }
   template <class Number>

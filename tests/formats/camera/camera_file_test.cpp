@@ -14,13 +14,13 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 Camera parse(const std::string& text, const std::string& format) {
-  const CameraFileResult result = parse_camera(text, "c.yaml");
-  EXPECT_EQ(result.error, "");
-  EXPECT_EQ(result.format, format);
-  return result.camera;
+  const Result<CameraFile> result = parse_camera(text, "c.yaml");
+  EXPECT_EQ(result.error_text(), "");
+  EXPECT_EQ(result->format, format);
+  return result->camera;
 }
 
-std::string error_of(const std::string& text) { return parse_camera(text, "c.yaml").error; }
+std::string error_of(const std::string& text) { return parse_camera(text, "c.yaml").error_text(); }
 
 // Flat calibration with one line replaced or left out.
 std::string flat(const std::string& key, const std::string& value) {
@@ -121,9 +121,9 @@ TEST(CameraFile, BadTextIsRefused) {
   EXPECT_THAT(error_of(std::string(60000, '[')), HasSubstr("c.yaml"));
   EXPECT_THAT(error_of(std::string(100000, 'x')), HasSubstr("longer than 65536 bytes"));
   EXPECT_THAT(error_of("just words"), HasSubstr("key: value"));
-  EXPECT_THAT(read_camera_file("/nowhere/c.yaml").error,
+  EXPECT_THAT(read_camera_file("/nowhere/c.yaml").error_text(),
               AllOf(HasSubstr("/nowhere/c.yaml"), HasSubstr("no such file")));
-  EXPECT_THAT(read_camera_file("/tmp").error, HasSubstr("is a folder"));
+  EXPECT_THAT(read_camera_file("/tmp").error_text(), HasSubstr("is a folder"));
 }
 
 TEST(CameraFile, OneThatAUserNamedStopsAProcessAtItsStart) {
@@ -141,7 +141,7 @@ TEST(CameraFile, ShippedCalibrationsAreRight) {
   int count = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(RUMI_SOURCE_DIR) / "config/cameras")) {
-    EXPECT_EQ(read_camera_file(entry.path().string()).error, "");
+    EXPECT_EQ(read_camera_file(entry.path().string()).error_text(), "");
     ++count;
   }
   EXPECT_GE(count, 6);

@@ -14,8 +14,8 @@
 
 namespace rumi::testing {
 
-inline CameraFileResult parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
-inline std::string error_of(const std::string& text) { return parse(text).error; }
+inline Result<CameraFile> parse(const std::string& text) { return parse_camera(text, "c.yaml"); }
+inline std::string error_of(const std::string& text) { return parse(text).error_text(); }
 
 inline void expect_size_and_matrix(const Camera& c) {
   EXPECT_EQ(std::tie(c.width, c.height, c.fx, c.fy, c.cx, c.cy), std::make_tuple(64, 48, 50., 51., 32., 24.));

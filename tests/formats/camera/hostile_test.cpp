@@ -14,7 +14,7 @@ using ::testing::HasSubstr;
 
 class HostileCameraFile : public ::testing::Test {
  protected:
-  std::string error_of(const std::string& text) { return read_camera_file(folder_.write("camera", text)).error; }
+  std::string error_of(const std::string& text) { return read_camera_file(folder_.write("camera", text)).error_text(); }
   testing::TemporaryFolder folder_;
 };
 

@@ -49,10 +49,8 @@ TEST(ImageHeader, ATiffWithASizeOfAnotherTypeIsRefused) {
 TEST(ImageHeader, AnImageOfGigabytesIsRefusedByItsHeader) {
   const TemporaryFolder folder;
   write_file(folder.path() / "a.ppm", "P6\n32000 32000\n255\n" + std::string(900, 'x'));
-  std::string error;
-  EXPECT_FALSE(load_image_file(
-      folder.path() / "a.ppm", true, [] { return GreyRange(); }, &error));
-  EXPECT_THAT(error, HasSubstr("32000 x 32000"));
+  EXPECT_THAT(load_image_file(folder.path() / "a.ppm", true, [] { return GreyRange(); }).error_text(),
+              HasSubstr("32000 x 32000"));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ using namespace testing;
 std::string printed_by(const std::string& input) {
   ::testing::internal::CaptureStderr();
   const OpenedSource opened = open_recording(input, {});
-  while (opened.ok() && opened.source->next()) continue;
+  while (opened.has_value() && (*opened)->next()) continue;
   std::fflush(stderr);
   return ::testing::internal::GetCapturedStderr();
 }

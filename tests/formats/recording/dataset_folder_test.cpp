@@ -22,7 +22,7 @@ class Downloads : public ::testing::Test {
     options.rate_hz = rate_hz;
     return options;
   }
-  std::vector<std::string> notes_of(const fs::path& input) { return open_frames(input.string(), {}).reader->notes(); }
+  std::vector<std::string> notes_of(const fs::path& input) { return open_frames(input.string(), {}).value()->notes(); }
   TemporaryFolder folder_;
 };
 

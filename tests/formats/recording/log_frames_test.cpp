@@ -35,11 +35,11 @@ class LogFrames : public ::testing::Test {
   }
   std::vector<image_t> play() {
     const OpenedSource opened = open_image_source(file_, options_);
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     std::vector<image_t> images;
-    while (std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
+    while (std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
       images.push_back(std::move(*image));
-    if (opened.ok()) skipped_ = opened.source->skipped();
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
     return images;
   }
   // Where the i-th event begins.
@@ -161,7 +161,7 @@ TEST_F(LogFrames, OfNegativeTimesAreRefusedOrGetNewOnes) {
   change_ = [](int i, image_t* image) { image->utime = -3'000'000 + 100'000 * i; };
   write_log(40);
   EXPECT_THAT(
-      open_image_source(file_, options_).error,
+      open_image_source(file_, options_).error_text(),
       AllOf(HasSubstr("30 of its 40 images have negative times (the first -3.000000 s)"), HasSubstr("give --rate HZ")));
   options_.rate_hz = 10;
   const std::vector<image_t> images = play();
@@ -189,12 +189,12 @@ TEST_F(LogFrames, OfFormatsThatAreNotReadAreNamedByTheirLetters) {
       set_metadata(image, kCalibrationKey, kCalibration);
     };
     write_log(3);
-    EXPECT_THAT(open_image_source(file_, options_).error,
+    EXPECT_THAT(open_image_source(file_, options_).error_text(),
                 AllOf(HasSubstr("none of its images can be used"), HasSubstr(name)));
   }
   change_ = [](int, image_t* image) { image->row_stride = 0; };
   write_log(3);
-  EXPECT_THAT(open_image_source(file_, options_).error, HasSubstr("row_stride is 0"));
+  EXPECT_THAT(open_image_source(file_, options_).error_text(), HasSubstr("row_stride is 0"));
 }
 
 }  // namespace

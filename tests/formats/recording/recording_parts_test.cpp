@@ -41,7 +41,7 @@ class RecordingParts : public Bags {
     ASSERT_EQ(images.size(), static_cast<size_t>(parts * kPerPart));
     for (size_t i = 0; i < images.size(); ++i) EXPECT_EQ(images[i].utime, stamp_ns(static_cast<int>(i)) / 1000);
     EXPECT_EQ(skipped_.total(), 0);
-    EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+    EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
                 Contains(HasSubstr(fmt::format("its {} files are played as one recording", parts))));
   }
 };
@@ -75,7 +75,7 @@ TEST_F(RecordingParts, WithoutImagesAreToldOf) {
   write_log_part("walk.lcm.00", 0);
   write_log_part("walk.lcm.01", kPerPart, "OTHER");
   EXPECT_EQ(play(folder_.path()).size(), static_cast<size_t>(kPerPart));
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
               Contains(AllOf(HasSubstr("walk.lcm.01"), HasSubstr("OTHER (10)"))));
 }
 
@@ -87,8 +87,7 @@ TEST_F(RecordingParts, OneOfThemSaysThatAnotherGoesOn) {
   const auto note = [this](const std::string& name) {
     const OpenedReader opened = open_frames(folder_ / name, {});
     const FirstRecorded first = name.ends_with("db3") ? first_recorded_in_bag : first_recorded_in_log;
-    return opened.reader ? note_on_next_part(folder_ / name, opened.reader->last_recorded_us().value_or(0), first)
-                         : "?";
+    return opened ? note_on_next_part(folder_ / name, (*opened)->last_recorded_us().value_or(0), first) : "?";
   };
   EXPECT_THAT(note("walk_0.db3"), HasSubstr("walk_1.db3 beside it goes on where it ends, and is not played"));
   EXPECT_EQ(note("walk_1.db3"), "");
@@ -150,7 +149,7 @@ TEST_F(RecordingParts, ThatTheListDoesNotNameAreToldOf) {
   write_bag_part("sqlite", "r_1.db3", kPerPart);
   folder_.write("metadata.yaml", "rosbag2_bagfile_information:\n  relative_file_paths: [r_0.db3]\n");
   EXPECT_EQ(play(folder_.path()).size(), static_cast<size_t>(kPerPart));
-  EXPECT_THAT(open_frames(folder_.path(), {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_.path(), {}).value()->notes(),
               Contains(AllOf(HasSubstr("r_1.db3 is in it and not played"), HasSubstr("ros2 bag reindex"))));
 }
 

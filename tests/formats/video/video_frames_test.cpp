@@ -23,13 +23,12 @@ class VideoFramesTest : public ::testing::Test {
   // The grey value in the middle of each image that is published.
   std::vector<int> play(const fs::path& file, const CameraOptions& options = {}) {
     OpenedSource opened = open_image_source(file.string(), options);
-    EXPECT_EQ(opened.error, "");
+    EXPECT_EQ(opened.error_text(), "");
     std::vector<int> values;
-    while (const std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt) {
-      std::string error;
-      values.push_back(decode_grey(*image, &error).at<uint8_t>(24, 32));
+    while (const std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt) {
+      values.push_back(decode_grey(*image).value().at<uint8_t>(24, 32));
     }
-    if (opened.ok()) skipped_ = opened.source->skipped();
+    if (opened.has_value()) skipped_ = (*opened)->skipped();
     return values;
   }
   TemporaryFolder folder_;
@@ -93,7 +92,7 @@ TEST_F(VideoFramesTest, AreShownInTheirOrderWhateverIsStored) {
     EXPECT_TRUE(std::is_sorted(values.begin(), values.end())) << file;
     std::vector<int64_t> expected;
     for (int i = 0; i < 30; ++i) expected.push_back(i * options.step_us);
-    EXPECT_EQ(open_frames(file.string(), {}).reader->utimes(), expected) << file;
+    EXPECT_EQ(open_frames(file.string(), {}).value()->utimes(), expected) << file;
   }
 }
 
@@ -110,15 +109,14 @@ TEST_F(VideoFramesTest, KeepTheirTimesBehindDamage) {
   bytes.replace(at, 200, std::string(200, '\0'));
   testing::write_file(folder_ / "damaged.mov", bytes);
   const OpenedSource opened = open_image_source(folder_ / "damaged.mov", {});
-  ASSERT_EQ(opened.error, "");
+  ASSERT_EQ(opened.error_text(), "");
   int images = 0;
-  while (const std::optional<image_t> image = opened.source->next()) {
-    std::string error;
-    EXPECT_NEAR(decode_grey(*image, &error).at<uint8_t>(24, 32), 40 + 5 * (image->utime / options.step_us), 3);
+  while (const std::optional<image_t> image = (*opened)->next()) {
+    EXPECT_NEAR(decode_grey(*image).value().at<uint8_t>(24, 32), 40 + 5 * (image->utime / options.step_us), 3);
     ++images;
   }
   EXPECT_EQ(images, 29);
-  EXPECT_EQ(opened.source->skipped().unreadable, 1);
+  EXPECT_EQ((*opened)->skipped().unreadable, 1);
 }
 
 // The decoder hides it by guessing.
@@ -153,7 +151,7 @@ TEST_F(VideoFramesTest, OfACutOffFileAreCountedByItsLength) {
   EXPECT_LT(played, 90);
   EXPECT_NEAR(static_cast<double>(skipped_.unreadable + played), 100, 3);
   EXPECT_FALSE(skipped_.complaints(played).empty());
-  EXPECT_THAT(open_frames(folder_ / "cut.mkv", {}).reader->notes(),
+  EXPECT_THAT(open_frames(folder_ / "cut.mkv", {}).value()->notes(),
               Contains(HasSubstr("images that its header promises")));
 
   CameraOptions beginning;
@@ -166,10 +164,9 @@ TEST_F(VideoFramesTest, CanBeHadInAnyOrder) {
   VideoOptions options;
   write(folder_ / "v.mp4", options);
   const OpenedReader opened = open_frames(folder_ / "v.mp4", {});
-  ASSERT_TRUE(opened.reader);
-  std::string error;
+  ASSERT_TRUE(opened);
   for (const size_t frame : {20, 3, 29, 0, 0})
-    EXPECT_NEAR(opened.reader->load(frame, false, &error)->data[24 * 64 + 32], (24 + 5.0 * frame) * 255 / 219, 2);
+    EXPECT_NEAR((*opened)->load(frame, false)->data[24 * 64 + 32], (24 + 5.0 * frame) * 255 / 219, 2);
 }
 
 }  // namespace

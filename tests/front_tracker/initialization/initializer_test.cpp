@@ -15,7 +15,7 @@ std::optional<InitialMap> run(FeatureScene& scene, const Motion& motion, int fra
   Initializer initializer(test_camera(), {}, test_octave_scales());
   for (int i = 0; i < frames; ++i) {
     auto map = initializer.add(scene.frame(33'333 * (i + 1), motion(i)));
-    if (map) return map;
+    if (map) return std::move(*map);
   }
   if (refusal) *refusal = initializer.refusal();
   return std::nullopt;
@@ -166,7 +166,7 @@ TEST(Initializer, KeepsImagesOnlyOfWhatMayBecomeAKeyframe) {
     return initializer.add(std::move(frame));
   };
   constexpr int kDark = 5;
-  std::optional<InitialMap> map;
+  Result<InitialMap> map = Error{"not begun"};
   for (int i = 0; i < 60 && !map; ++i) map = add(SyntheticScene::pose(0.03 * (i - kDark), 0, 0), i < kDark);
   ASSERT_TRUE(map);
   for (const auto& images : given) EXPECT_TRUE(images.expired()) << "the smaller images are not kept";

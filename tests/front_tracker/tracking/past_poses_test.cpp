@@ -38,9 +38,10 @@ TEST_F(PastPosesTest, OfALossAreTrackedBackUpToTheFirstGap) {
   std::deque<Frame> lost;
   for (int i = 0; i < 9; ++i)
     lost.push_back(i == 3 ? elsewhere_.frame(utime_us(i), pose(i)) : scene_.frame(utime_us(i), pose(i)));
-  Frame found_again = scene_.frame(utime_us(9), pose(9));
-  ASSERT_TRUE(Relocalizer(test_camera(), {}, test_octave_scales()).relocalize(submap_->map, 2, &found_again));
-  const std::vector<Frame> found = past_.track_back(found_again, lost, submap_.get());
+  const auto found_again = Relocalizer(test_camera(), {}, test_octave_scales())
+                               .relocalize(submap_->map, 2, scene_.frame(utime_us(9), pose(9)));
+  ASSERT_TRUE(found_again);
+  const std::vector<Frame> found = past_.track_back(*found_again, lost, submap_.get());
   ASSERT_EQ(found.size(), 5u);
   for (int i = 0; i < 5; ++i) {
     EXPECT_EQ(found[i].utime_us, utime_us(4 + i)) << "in order of time";

@@ -69,7 +69,7 @@ TEST_F(LinkGraphTest, AcceptedEdgesOfBothKindsHoldSubmapsTogether) {
 }
 
 TEST_F(LinkGraphTest, WhatIsInheritedHoldsThemTogetherButIsNoEdge) {
-  graph_.inherited = {{key(1), key(2)}};
+  graph_.tied_before = {{key(1), key(2)}};
   EXPECT_TRUE(hang_together(1, 2));
   Groups tied = graph_.tied();
   EXPECT_NE(tied.find(key(1)), tied.find(key(2)));

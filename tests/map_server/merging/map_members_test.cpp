@@ -40,7 +40,7 @@ TEST_F(MapMembersTest, TheGroupWithMostFramesIsTheMap) {
   EXPECT_THAT(members(), ElementsAre(a));
   join(b, c);
   EXPECT_THAT(members(), ElementsAre(b, c));
-  graph_.inherited = {{a, b}};
+  graph_.tied_before = {{a, b}};
   EXPECT_THAT(members(), ElementsAre(a, b, c));
 }
 
@@ -61,7 +61,7 @@ TEST_F(MapMembersTest, AnImageOfTwoSubmapsCountsOnce) {
 TEST_F(MapMembersTest, FramesOfPreferredSessionsComeFirst) {
   add({1, 1}, 100);
   const SubmapKey now = add({2, 1}, 5);
-  input_.preferred = {2};
+  input_.present = {2};
   EXPECT_THAT(members(), ElementsAre(now));
 }
 

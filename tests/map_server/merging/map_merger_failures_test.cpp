@@ -88,7 +88,7 @@ TEST_F(BrokenBuildTest, ABuildThatThrowsForgetsNothing) {
   ASSERT_TRUE(next);
   EXPECT_EQ(next->scope, BuildScope::kWeld);
   EXPECT_EQ(next->report.members, 3);
-  EXPECT_TRUE(next->placements.empty()) << "the map is what it was: nothing is to be welded anew";
+  EXPECT_TRUE(next->map.placements().empty()) << "the map is what it was: nothing is to be welded anew";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "map_server/merging/map_merger.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/synthetic_chain.h"
 
 namespace rumi::testing {
@@ -23,10 +24,10 @@ class MapMergerTest : public ::testing::Test {
 
   void put(SubmapKey key) { testing::put(chain_->submap(key), &atlas_); }
   void change(SubmapKey key) {
-    atlas_.change_submap(key, [](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(key, [](Submap* submap) {
       ++submap->revision;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
   Submap broken(SubmapKey key, int64_t revision = 1) const {
     Submap submap = chain_->submap(key);
@@ -58,7 +59,7 @@ class MapMergerTest : public ::testing::Test {
     std::optional<MergeResult> result = merger->tick(static_cast<int64_t>(1e6 * now_s), atlas_);
     if (!result) return result;
     for (const auto& [key, submap] : result->culled) testing::put(*submap, &atlas_);
-    if (!result->placements.empty()) atlas_.place_map(result->placements, result->unmoved);
+    if (!result->map.placements().empty()) testing::place_map(&atlas_, result->map.placements(), result->map.unmoved());
     return result;
   }
   // Until what is under way is done.

@@ -15,6 +15,7 @@
 
 #include "map_server/store/map_store.h"
 #include "tests/map_server/merging/map_maker.h"
+#include "tests/map_server/place_map.h"
 #include "tests/map_server/synthetic_chain.h"
 #include "tests/map_server/test_atlas.h"
 
@@ -75,9 +76,9 @@ std::vector<Atlas> history() {
       if (owner.in_map && owner.placement.revision > 0) input.placed[key] = owner.placement;
     }
     BuiltMap built = maker.build(input);
-    atlas.set_links(built.graph.links());
+    EXPECT_TRUE(atlas.set_links(built.graph.links()));
     for (const auto& [key, left] : built.culled) put(*left, &atlas);
-    atlas.place_map(std::move(built.placements), built.unmoved);
+    testing::place_map(&atlas, std::move(built.placements), built.unmoved);
     stages.push_back(atlas);
     return built.culled.size();
   };
@@ -102,10 +103,10 @@ std::pair<size_t, bool> store_until_killed(const std::vector<Atlas>& stages, con
   if (pipe(ends) != 0) throw std::runtime_error("no pipe");
   const pid_t child = fork();
   if (child == 0) {
-    MapStore store(file);
+    MapStore store = MapStore::open(file).value();
     die_at_call(call);
     for (const Atlas& atlas : stages) {
-      if (!store.save(atlas, {}).empty()) _exit(1);
+      if (!store.save(atlas, {}).error_text().empty()) _exit(1);
       if (write(ends[1], "s", 1) != 1) _exit(2);
     }
     _exit(0);
@@ -137,8 +138,8 @@ TEST(MapKill, AtEveryStageOfWritingTheMapIsWhole) {
     }
     ++kills;
     killed_in.insert(stored);
-    MapStore store(file);
-    const Atlas found = store.load();
+    MapStore store = MapStore::open(file).value();
+    const Atlas found = store.load().value();
     // What was acknowledged, or what was being stored.
     size_t now = stored;
     if (now < stages.size() && found.revision() == stages[now].revision() &&
@@ -148,8 +149,8 @@ TEST(MapKill, AtEveryStageOfWritingTheMapIsWhole) {
     expect_same(now == 0 ? Atlas() : stages[now - 1], found);
     if (::testing::Test::HasFailure()) return;
     // It goes on, and nothing of the death is left.
-    for (size_t i = now; i < stages.size(); ++i) ASSERT_EQ(store.save(stages[i], {}), "");
-    expect_same(stages.back(), store.load());
+    for (size_t i = now; i < stages.size(); ++i) ASSERT_EQ(store.save(stages[i], {}).error_text(), "");
+    expect_same(stages.back(), store.load().value());
   }
   std::printf("killed %d times, in %zu of %zu stages\n", kills, killed_in.size(), stages.size());
   EXPECT_EQ(killed_in.size(), stages.size());

@@ -26,7 +26,7 @@ class DemoTest : public ::testing::Test {
 
   static fs::path out() { return work_->path() / "demo"; }
   static map_server::Atlas map_of(const char* run) {
-    return map_server::MapStore((out() / run / "map.db").string()).load();
+    return map_server::MapStore::open((out() / run / "map.db").string()).value().load().value();
   }
   // Submaps of the front that have more than a moment of the walk.
   static std::vector<const map_server::AtlasSubmap*> large_front_submaps(const map_server::Atlas& atlas) {

@@ -62,8 +62,7 @@ TEST(MaskCommand, FindsACaptionAndTheMaskGoesWithTheImages) {
   while (const std::optional<LogEvent> event = log.next()) {
     image_t image;
     ASSERT_TRUE(Bus::decode(event->data, &image));
-    std::string error;
-    EXPECT_EQ(cv::countNonZero(decode_mask(metadata(image, kMaskKey), &error) != mask), 0) << error;
+    EXPECT_EQ(cv::countNonZero(decode_mask(metadata(image, kMaskKey)).value() != mask), 0);
     ++images;
   }
   EXPECT_EQ(images, 40) << "mask.png is none of them";

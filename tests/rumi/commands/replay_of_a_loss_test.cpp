@@ -23,7 +23,7 @@ class ReplayOfALoss : public ReplayTest {
   }
   void SetUp() override { ASSERT_EQ(outcome_.exit_code, 0) << outcome_.output; }
   static int accepted_links(const fs::path& out) {
-    const map_server::Atlas atlas = map_server::MapStore((out / "map.db").string()).load();
+    const map_server::Atlas atlas = map_server::MapStore::open((out / "map.db").string()).value().load().value();
     return static_cast<int>(std::count_if(atlas.links().begin(), atlas.links().end(),
                                           [](const map_server::Link& link) { return link.accepted(); }));
   }
@@ -97,7 +97,7 @@ TEST_F(ReplayOfALoss, IsRebuiltAndItsWindowCanBeRebuiltAnywhere) {
   EXPECT_EQ(read_file(again / (name + ".txt")), read_file(uncut / "submaps/b001.txt"));
   // Post-culling: fewer keyframes, the same frames.
   const auto back = [](const fs::path& folder) {
-    return map_server::MapStore(folder / "map.db").load().submaps().begin()->second;
+    return map_server::MapStore::open(folder / "map.db").value().load().value().submaps().begin()->second;
   };
   EXPECT_EQ(back(uncut).submap.kind, SubmapKind::kBack);
   EXPECT_LT(back(out).submap.keyframes.size(), back(uncut).submap.keyframes.size());

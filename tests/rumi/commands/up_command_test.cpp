@@ -91,9 +91,9 @@ TEST_F(LiveTest, ImagesThatCameTooFastAreToldOf) {
 
 // Publishes the images of the log as an own program would, at their pace. `change` is given each with its number.
 void publish(const std::string& log_file, const std::function<void(int, image_t*)>& change) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   LogReader log(log_file);
   for (int i = 0; const std::optional<LogEvent> event = log.next_on(channels::kCamera); ++i) {
     image_t image;

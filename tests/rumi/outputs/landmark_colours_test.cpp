@@ -8,6 +8,7 @@
 
 #include "bus/wire/image_stream.h"
 #include "camera_driver/open_source.h"
+#include "map_server/outputs/ply_file.h"
 #include "tests/formats/recording.h"
 #include "tests/rumi/small_atlas.h"
 
@@ -54,8 +55,8 @@ void write_recording(const Submap& submap, const std::filesystem::path& folder, 
 
 std::unique_ptr<camera_driver::ImageSource> open(const std::filesystem::path& folder) {
   camera_driver::OpenedSource opened = camera_driver::open_recording(folder.string(), {});
-  EXPECT_EQ(opened.error, "");
-  return std::move(opened.source);
+  EXPECT_EQ(opened.error_text(), "");
+  return std::move(*opened);
 }
 
 map_server::Atlas atlas_of(Submap submap, int64_t stream) {
@@ -113,7 +114,7 @@ TEST(LandmarkColours, AreInTheFilesOfAMap) {
   const TemporaryFolder folder;
   const map_server::Atlas atlas = atlas_of(make_test_submap(kKeyframes, kLandmarks), 7);
   const auto first_colour = [&](const map_server::LandmarkColours& colours) {
-    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours), "");
+    EXPECT_EQ(write_ply(atlas, folder / "map.ply", colours).error_text(), "");
     const std::string text = testing::read_file(folder / "map.ply");
     const char* vertex = text.data() + text.find("end_header\n") + 11;
     const auto byte = [vertex](int i) { return static_cast<uint8_t>(vertex[12 + i]); };

@@ -8,6 +8,7 @@
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/output_folder.h"
 #include "rumi/outputs/run_summary.h"
+#include "tests/map_server/place_map.h"
 #include "tests/rumi/small_atlas.h"
 #include "tests/support/temporary_folder.h"
 
@@ -82,7 +83,7 @@ TEST(OutputFolder, WhereAMapServerHasItsMapIsRefused) {
   const fs::path& folder = temporary.path();
   ASSERT_EQ(prepare_output_folder(folder.string()).error_text(), "");
   {
-    const map_server::MapStore store((folder / "map.db").string());
+    const map_server::MapStore store = map_server::MapStore::open((folder / "map.db").string()).value();
     EXPECT_THAT(check_output_folder(folder.string()).error_text(), HasSubstr("has the map open"));
   }
   EXPECT_EQ(check_output_folder(folder.string()).error_text(), "");
@@ -153,26 +154,26 @@ class MapFileTest : public ::testing::Test {
 };
 
 TEST_F(MapFileTest, IsReadWhileAMapServerHasItOpenAndStaysUntouched) {
-  map_server::MapStore store(file_);
+  map_server::MapStore store = map_server::MapStore::open(file_).value();
   const map_server::Atlas atlas = make_test_atlas();
-  ASSERT_EQ(store.save(atlas, {{1'000'000}, {1'400'000}}), "");
+  ASSERT_EQ(store.save(atlas, {{1'000'000}, {1'400'000}}).error_text(), "");
   const map_server::Atlas loaded = load_map(file_);
   ASSERT_EQ(loaded.submaps().size(), 1u);
   EXPECT_EQ(loaded.submaps().begin()->second.submap.keyframes.size(), 4u);
   EXPECT_EQ(loaded.frames_in_map(), 4);
   // The server goes on as if nothing had happened.
   map_server::Atlas more = make_test_atlas();
-  EXPECT_EQ(store.save(more, {ImageId{1'100'000}}), "");
+  EXPECT_EQ(store.save(more, {ImageId{1'100'000}}).error_text(), "");
 }
 
 TEST_F(MapFileTest, NothingIsLeftBesideTheFile) {
-  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  { ASSERT_EQ(map_server::MapStore::open(file_).value().save(make_test_atlas(), {}).error_text(), ""); }
   load_map(file_);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
 TEST_F(MapFileTest, ABusyFileIsSaidToBeBusy) {
-  { ASSERT_EQ(map_server::MapStore(file_).save(make_test_atlas(), {}), ""); }
+  { ASSERT_EQ(map_server::MapStore::open(file_).value().save(make_test_atlas(), {}).error_text(), ""); }
   Database holder(file_);
   holder.execute("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE");
   EXPECT_THAT([&] { load_map(file_, std::chrono::milliseconds(5)); },
@@ -204,13 +205,13 @@ TEST_F(MapFileTest, PicturesShowWhatIsInTheMapWhereItLies) {
   map_server::Atlas atlas = make_test_atlas();
   Submap other = make_test_submap();
   other.key = {1, 2};
-  atlas.change_submap(other.key, [&](Submap* submap) {
+  EXPECT_TRUE(atlas.change_submap(other.key, [&](Submap* submap) {
     *submap = other;
-    return std::string();
-  });
+    return Result<>();
+  }));
   map_server::Placement placement;
   placement.map_from_submap[0] = Sim3(2, Eigen::Quaterniond::Identity(), {10, 0, 0});
-  atlas.place_map({{{1, 1}, placement}});
+  testing::place_map(&atlas, {{{1, 1}, placement}});
   const AtlasPicture shown = make_picture(atlas, "title");
   ASSERT_EQ(shown.picture.submaps.size(), 2u);
   EXPECT_TRUE(shown.picture.submaps[0].in_map);
@@ -230,10 +231,10 @@ TEST(DescribeProgress, TellsTheTimeLeftWhereTheEndIsKnown) {
 TEST(LeftOut, NothingOfAMapOfAllFrames) {
   map_server::Atlas atlas;
   const Submap submap = make_test_submap();
-  atlas.change_submap(submap.key, [&](Submap* target) {
+  EXPECT_TRUE(atlas.change_submap(submap.key, [&](Submap* target) {
     *target = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
   EXPECT_TRUE(left_out(atlas).empty());
   EXPECT_TRUE(left_out(map_server::Atlas()).empty());
 }
@@ -257,15 +258,15 @@ TEST(LeftOut, SubmapsThatAreNotInTheMapAndWhy) {
       frames[frame.utime_us] = frame;
     }
     other.frames = frames;
-    atlas.change_submap(other.key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas.change_submap(other.key, [&](Submap* submap) {
       *submap = other;
-      return std::string();
-    });
+      return Result<>();
+    }));
   }
   const auto link = [](int a, int b, const std::string& doubt) {
     return map_server::Link{.a = {1, a}, .b = {1, b}, .doubt = doubt};
   };
-  atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")});
+  EXPECT_TRUE(atlas.set_links({link(1, 2, "3 of 10 shared keyframes agree"), link(3, 4, "")}));
   EXPECT_THAT(left_out(atlas),
               ElementsAre("1 frame has no pose: 1 in a gap (19.60 s, from 0.40 s on)"s,
                           "3 frames of submap 2: its link to submap 1 is refused: 3 of 10 shared keyframes agree"s,

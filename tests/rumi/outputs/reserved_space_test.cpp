@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "map_server/outputs/writers.h"
+#include "map_server/outputs/output_files.h"
 #include "rumi/outputs/map_file.h"
 #include "rumi/outputs/run_record.h"
 #include "tests/rumi/small_atlas.h"

@@ -33,7 +33,7 @@ class SnapshotTest : public ::testing::Test {
   SnapshotTest() {
     options_.database = folder_ / "map.db";
     options_.merge.thread = false;  // what the bus's clock does not wait for
-    map_server::MapStore(options_.database).save(make_test_atlas(), {ImageId{1'400'000}});
+    EXPECT_TRUE(map_server::MapStore::open(options_.database).value().save(make_test_atlas(), {ImageId{1'400'000}}));
   }
   void serve() {
     server_ = std::make_unique<map_server::MapServerNode>(bus_, options_);

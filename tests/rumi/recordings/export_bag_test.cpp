@@ -31,11 +31,11 @@ struct Played {
 
 Played play(const std::string& recording, const CameraOptions& options = {}) {
   const OpenedSource opened = camera_driver::open_recording(recording, options);
-  EXPECT_EQ(opened.error, "");
+  EXPECT_EQ(opened.error_text(), "");
   Played played;
-  while (std::optional<image_t> image = opened.ok() ? opened.source->next() : std::nullopt)
+  while (std::optional<image_t> image = opened.has_value() ? (*opened)->next() : std::nullopt)
     played.images.push_back(std::move(*image));
-  if (opened.ok()) played.camera = opened.source->camera();
+  if (opened.has_value()) played.camera = (*opened)->camera();
   return played;
 }
 

@@ -80,10 +80,10 @@ ruminator::WindowJob test_window() {
 }
 
 void put(const Submap& submap, map_server::Atlas* atlas) {
-  atlas->change_submap(submap.key, [&](Submap* there) {
+  EXPECT_TRUE(atlas->change_submap(submap.key, [&](Submap* there) {
     *there = submap;
-    return std::string();
-  });
+    return Result<>();
+  }));
 }
 
 TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
@@ -101,7 +101,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
                             .kind = map_server::Link::Kind::kSameImages,
                             .b_from_a = Sim3(scale, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())};
   };
-  atlas.set_links({link(0.5)});
+  EXPECT_TRUE(atlas.set_links({link(0.5)}));
   MatchHistory history = match_history(atlas, 4);
   EXPECT_TRUE(history.front.empty());
   ASSERT_EQ(history.back.size(), 3u);
@@ -115,7 +115,7 @@ TEST(MatchHistory, CountsWhatTwoSubmapsHaveAtTheSameKeypoints) {
   EXPECT_EQ(history.last_us, 1'400'000);
   EXPECT_EQ(draw_matches(history).size(), cv::Size(1000, 360));
   // A submap that is wrong has as much in common with others, but nothing agrees. The first camera is at the origin.
-  atlas.set_links({link(1)});
+  EXPECT_TRUE(atlas.set_links({link(1)}));
   history = match_history(atlas, 4);
   EXPECT_EQ(history.back.at(1'200'000).matched, 20);
   EXPECT_LT(history.back.at(1'200'000).verified, 20);
@@ -134,18 +134,19 @@ class ReportTest : public ::testing::Test {
   ReportTest() {
     Submap other = make_test_submap();
     other.key = {1, 2};
-    atlas_.change_submap(other.key, [&](Submap* submap) {
+    EXPECT_TRUE(atlas_.change_submap(other.key, [&](Submap* submap) {
       *submap = other;
-      return std::string();
-    });
-    atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}});
+      return Result<>();
+    }));
+    EXPECT_TRUE(atlas_.set_links({{.a = {1, 1}, .b = {1, 2}, .landmarks = 7, .doubt = "a <reason> to refuse"}}));
     EXPECT_THAT(write_run_outputs(atlas_, folder_.string()), IsEmpty());
     std::vector<ImageId> images;
     for (const auto& [image, frame] : atlas_.frames()) images.push_back(image);
-    EXPECT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, images), "");
+    EXPECT_EQ(map_server::MapStore::open((folder_ / "map.db").string()).value().save(atlas_, images).error_text(), "");
     write_run({{"finished", true}, {"input", "a <recording>"}, {"cpu_ms_per_frame", {{"front_tracker", 12.5}}}});
     fs::create_directory(folder_ / "windows");
-    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()), "");
+    EXPECT_EQ(ruminator::write_window_job((folder_ / "windows" / "1-1.window").string(), test_window()).error_text(),
+              "");
   }
   void write_run(const nlohmann::ordered_json& run) {
     EXPECT_EQ(write_run_json(folder_.string(), run).error_text(), "");
@@ -179,7 +180,7 @@ TEST_F(ReportTest, DrawsWhatNeverMovesOverAnImageOfTheCamera) {
     atlas_.record_mask(
         stream,
         {.session = 1, .utime_us = 1'000'000, .width = 64, .height = 48, .left_out = 0.25, .png = encode_mask(pixels)});
-  ASSERT_EQ(map_server::MapStore((folder_ / "map.db").string()).save(atlas_, {}), "");
+  ASSERT_EQ(map_server::MapStore::open((folder_ / "map.db").string()).value().save(atlas_, {}).error_text(), "");
   const std::string html = make_report(folder_.string());
   EXPECT_THAT(html, HasSubstr("<h2>Masks</h2>"));
   EXPECT_THAT(html, HasSubstr("25 % of the image of stream 1 never moves"));

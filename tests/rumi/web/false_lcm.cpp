@@ -46,9 +46,9 @@ std::map<int, Submap> make_submaps(int n, int landmarks, int keyframes) {
 }
 
 void play(int submaps, int landmarks, int keyframes, bool grows) {
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  if (!bus) throw std::runtime_error(error);
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  if (!opened) throw std::runtime_error(opened.error_text());
+  const std::unique_ptr<LcmBus>& bus = *opened;
   FalseSystem system(*bus, make_submaps(submaps, landmarks, keyframes));
   const int frames = submaps * keyframes * kFramesPerKeyframe;
   int64_t next_us = bus->now_us();

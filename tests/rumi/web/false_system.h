@@ -11,6 +11,7 @@
 #include "bus/transport/bus.h"
 #include "bus/wire/image_codec.h"
 #include "bus/wire/jpeg_image.h"
+#include "bus/wire/pose.h"
 #include "bus/wire/submap_update.h"
 #include "lcmtypes/rumi/map_request_t.hpp"
 #include "lcmtypes/rumi/map_status_t.hpp"

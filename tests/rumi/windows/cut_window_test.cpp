@@ -99,11 +99,11 @@ TEST(CutWindow, IsAJobThatCanBeWrittenAndRead) {
   FakeSource source(100);
   const Result<ruminator::WindowJob> cut = cut_window(source, {FrameRange{0, 5}, {6, 9}, FrameRange{10, 15}});
   const testing::TemporaryFolder folder;
-  ASSERT_EQ(ruminator::write_window_job(folder / "cut.window", *cut), "");
-  const ruminator::WindowJobFile read = ruminator::read_window_job(folder / "cut.window");
-  ASSERT_EQ(read.error, "");
-  EXPECT_EQ(frames_of(read.job.window.gap), frames_of(cut->window.gap));
-  EXPECT_EQ(read.job.images.size(), 16u);
+  ASSERT_EQ(ruminator::write_window_job(folder / "cut.window", *cut).error_text(), "");
+  const Result<ruminator::WindowJobFile> read = ruminator::read_window_job(folder / "cut.window");
+  ASSERT_TRUE(read) << read.error_text();
+  EXPECT_EQ(frames_of(read->job.window.gap), frames_of(cut->window.gap));
+  EXPECT_EQ(read->job.images.size(), 16u);
 }
 
 TEST(CutWindow, PartsThatOverlapAreRefusedBeforeAnythingIsRead) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What `colmap mapper -h` answers on Debian 12, 13 and sid (October 2026), of each option its name, and a program that
-// answers so.
+// The option names that `colmap mapper -h` prints on Debian 12, 13 and sid (October 2026), and a program that prints
+// them.
 #pragma once
 
 #include <array>
@@ -90,9 +90,9 @@ inline std::string option_lines(const ColmapHelp& help) {
   return lines;
 }
 
-// A script that answers `mapper -h` with the text and, as COLMAP, refuses options that are not in it. It leaves what it
-// was called with in the file `arguments` of the folder, and then does what `body` says: $out is the output folder,
-// $here the one given.
+// Writes a script that answers `mapper -h` with the text and refuses other options, as COLMAP does. The script writes
+// its arguments into the file `arguments` of the folder and then runs `body`: $out is the output folder, $here the
+// given one.
 inline std::string write_fake_colmap(const TemporaryFolder& folder, const std::string& help, const std::string& body) {
   folder.write("help", help);
   const std::string program = folder.write("colmap", "#!/bin/sh\nhere='" + folder.path().string() + R"('

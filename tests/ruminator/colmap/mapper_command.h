@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the tests call COLMAP, or what stands in its place.
+// How the tests call COLMAP, or the fake in its place.
 #pragma once
 
 #include <atomic>

@@ -67,14 +67,14 @@ TEST(SiftFeatures, AreNoneWhereTheMaskLeavesSomethingOutAndAsManyElsewhere) {
   for (size_t i = 0; i < features.size(); ++i)
     EXPECT_GT(features.undistorted[i].x(), 119 + std::min(8.0F, features.scale_px[i])) << i;
   EXPECT_EQ(extract_sift(picture(), camera, 100, ImageMask(cv::Mat(pixels.size(), CV_8U, cv::Scalar(0)))).size(), 0U);
-  // A white mask is none.
+  // A white mask leaves nothing out.
   const SiftFeatures all = extract_sift(picture(), camera, 100);
   const SiftFeatures white = extract_sift(picture(), camera, 100, ImageMask(pixels | 255));
   EXPECT_EQ(all.undistorted, white.undistorted);
   EXPECT_EQ(all.descriptors, white.descriptors);
 }
 
-// What is left has the descriptors that it would have without a mask.
+// The remaining keypoints have the same descriptors as without a mask.
 TEST(SiftFeatures, AreDescribedAlikeWithAMask) {
   const Camera camera = testing::picture_camera();
   cv::Mat pixels(camera.height, camera.width, CV_8U, cv::Scalar(255));

@@ -72,7 +72,7 @@ TEST(MatchSift, OfOtherPicturesOrNothingFindsAsGoodAsNothing) {
   EXPECT_TRUE(match_sift(nothing, nothing).empty());
 }
 
-// Descriptors of which some are much alike, some the same.
+// Makes descriptors of which some are similar and some equal.
 SiftFeatures alike(size_t count, unsigned seed) {
   std::mt19937 random(seed);
   SiftFeatures features;
@@ -93,7 +93,7 @@ SiftFeatures alike(size_t count, unsigned seed) {
   return features;
 }
 
-// Both nearest to each other, at most 0.7 apart, and 0.8 of the second: each with each, in double precision.
+// The reference, in double precision: both are nearest to each other, at most 0.7 apart and 0.8 of the second nearest.
 IndexPairs by_comparing_all(const SiftFeatures& a, const SiftFeatures& b) {
   const auto squared = [&](size_t i, size_t j) {
     double product = 0;
@@ -118,8 +118,8 @@ IndexPairs by_comparing_all(const SiftFeatures& a, const SiftFeatures& b) {
   return matches;
 }
 
-// So many that the C library gets them memory of their own, which begins 16 bytes behind a page: vector code that
-// counts on more must say so.
+// So many descriptors get a memory block of their own from the C library, which begins 16 bytes behind a page. Vector
+// code that relies on a larger alignment must ask for it.
 TEST(MatchSift, FindsTheSameAmongVeryMany) {
   const SiftFeatures a = alike(20, 1), few = alike(300, 2);
   SiftFeatures many = few;
@@ -140,7 +140,7 @@ TEST(MatchSift, FindsWhatComparingAllFinds) {
   EXPECT_GT(found, 8U);
 }
 
-// Two equal candidates: neither is distinct. A single one has no rival.
+// Of two equal candidates neither is distinct. A single one has no rival.
 TEST(MatchSift, WantsADistinctBest) {
   SiftFeatures one = features_of(kFirst);
   one.undistorted.resize(1), one.scale_px.resize(1), one.descriptors.resize(1);

@@ -58,7 +58,7 @@ TEST(Tracks, NeverHaveTwoKeypointsOfOneImageHoweverWrongTheMatches) {
   EXPECT_EQ(join_tracks(w.images, w.pairs), tracks);
 }
 
-// Without wrong matches each track is one point, seen in all the images that see it.
+// Without wrong matches each track is one point, in all images that see it.
 TEST(Tracks, AreThePoints) {
   const testing::TestWindow w = testing::sideways_window(5);
   for (const Track& track : join_tracks(w.images, w.pairs)) {

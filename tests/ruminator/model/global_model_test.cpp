@@ -20,7 +20,7 @@ std::optional<SparseModel> rough_model(const TestWindow& w) {
   return build_global_model(w.camera, w.images, rotations_of(w));
 }
 
-// What is left of the matches after verification.
+// The matches that pass the verification.
 void verify(TestWindow* w) {
   std::vector<SiftFeatures> features(w->images.size());
   for (size_t i = 0; i < features.size(); ++i) features[i].undistorted = w->images[i].keypoints;
@@ -29,7 +29,7 @@ void verify(TestWindow* w) {
   std::erase_if(w->pairs, [](const ImagePair& pair) { return pair.matches.empty(); });
 }
 
-// As rough models are adjusted: in steps.
+// Adjusts in steps, as rough models are adjusted.
 ModelQuality adjust(const TestWindow& w, SparseModel* model) {
   ModelRefinementOptions options;
   for (const double max_error_px : {50.0, 10.0, 3.0}) {
@@ -131,7 +131,7 @@ TEST(RelativeRotations, OfPointsThatCoincideAreNoneOrFinite) {
   for (const RelativeRotation& r : rotations_of(w)) EXPECT_TRUE(r.second_from_first.coeffs().allFinite());
 }
 
-// Twice the same image: its translation is anything, its rotation none.
+// The same image twice: the translation is arbitrary, the rotation is the identity.
 TEST(GlobalModel, SurvivesDuplicatedImages) {
   std::vector<SE3> path = testing::sideways_path(10);
   for (const int i : {3, 6}) path[i] = path[i - 1];
@@ -143,7 +143,7 @@ TEST(MedianRotationError, KnowsABentModel) {
   const auto rotations = rotations_of(w);
   SparseModel model = testing::true_model(w);
   EXPECT_LT(median_rotation_error_deg(rotations, model), 0.5);
-  // The whole turned: no difference.
+  // Turning the whole model makes no difference.
   const SE3 world_from_other(so3_exp({0.3, -1, 0.2}), Eigen::Vector3d(1, 2, 3));
   for (auto& [image, pose] : model.cam_from_world) pose = pose * world_from_other;
   EXPECT_LT(median_rotation_error_deg(rotations, model), 0.5);

@@ -173,7 +173,7 @@ TEST(RemoveLooseImages, RemovesAllOfThatHoldEachOtherOnly) {
   EXPECT_EQ(remove_loose_images(kOptions, &model), 0);
 }
 
-// The light goes out: of the first and of the last three images only some points are left, enough for a pose each.
+// The light goes out: the first and the last three images keep only some points, enough for a pose each.
 TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   const TestWindow w = testing::sideways_window(12);
   const auto dark = [](int image) { return image == 0 || image > 8; };
@@ -201,7 +201,7 @@ TEST(TrimOpenEnds, GoAsFarAsTheySeeTooLittleAndAreNotKnown) {
   EXPECT_EQ(trim_open_ends({}, kOptions, &nothing), 0);
 }
 
-// Two images see many points, but nearly all of them nobody else does: either has the other, and both have any scale.
+// Two images see many points that hardly any other image sees: each holds the other, and both can have any scale.
 TEST(TrimOpenEnds, GoTogetherWhereTheySeePointsOfTheirOwn) {
   const TestWindow w = testing::sideways_window(10);
   SparseModel model = testing::true_model(w);

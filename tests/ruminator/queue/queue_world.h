@@ -45,7 +45,7 @@ class World {
   void run_for(double seconds) {
     for (const int64_t end = bus.now_us() + static_cast<int64_t>(seconds * 1e6); bus.now_us() < end;) tick();
   }
-  // The builder's thread takes real time.
+  // Waits in real time, for the builder's thread.
   bool run_until(const std::function<bool()>& condition) {
     return happens(condition, [this] { tick(); });
   }
@@ -88,7 +88,7 @@ class RebuildQueueTest : public ::testing::Test {
     options_.build_thread = false;
     options_.retry_s = 2;
   }
-  // Names in the spool that are not ids.
+  // Returns the names in the spool that are not ids.
   std::vector<std::string> left() const {
     std::vector<std::string> names;
     for (const auto& entry : std::filesystem::directory_iterator(folder_ / "spool"))

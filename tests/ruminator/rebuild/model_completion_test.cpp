@@ -19,7 +19,7 @@ std::vector<int64_t> utimes_of(const TestWindow& w) {
   return utimes;
 }
 
-// The truth, but the images from `first` on are put elsewhere.
+// Returns the truth, but with the images from `first` on elsewhere.
 SparseModel moved_from(const TestWindow& w, int first, const Sim3& elsewhere) {
   SparseModel model = testing::true_model(w);
   model.points.clear();
@@ -38,7 +38,7 @@ WindowModel complete(const TestWindow& w, const SparseModel& model, const std::v
 TEST(ModelCompletion, WhatIsTornOffIsRegrown) {
   TestWindow w = testing::turning_window(16, 6);
   testing::spoil(&w, 0.02, 0.05);
-  // The one is only moved away, the other has another unit besides.
+  // One model is only moved away, the other has another unit, too.
   for (const double scale : {1.0, 0.3}) {
     const WindowModel candidate =
         complete(w, moved_from(w, 10, Sim3(scale, Eigen::Quaterniond::Identity(), {0, 0, 4})));
@@ -91,7 +91,8 @@ TEST_F(SplitWindow, IsItsLargerSideWhereNothingJoinsIt) {
   }
 }
 
-// Each half agrees with the front submap, in a unit of its own; many points across the middle tell that it is one.
+// Each half agrees with the front submap, in a unit of its own. Many points across the middle prove that it is one
+// unit.
 TEST(ModelCompletion, AFrontSubmapThatSlippedChangesNothing) {
   TestWindow w = testing::sideways_window(16);
   testing::spoil(&w, 0.02, 0.05);

@@ -89,7 +89,7 @@ TEST(GapThinner, BlurIsRelativeToTheNeighbours) {
   EXPECT_THAT(utimes(thinner), ::testing::Contains(16));
 }
 
-// Withdrawn ones: nobody has looked at them.
+// Frames whose poses were withdrawn have not been measured.
 TEST(GapThinner, FramesOfUnknownSharpnessMakeNoOthersBlurred) {
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   GapThinner thinner(8);

@@ -11,7 +11,7 @@
 namespace rumi::ruminator {
 namespace {
 
-// Blobs of all sizes, so that both small and large structure is there; `corner` looks at another part of it.
+// Draws blobs of all sizes, for small and large structure. `corner` selects the part that is shown.
 cv::Mat scene(uint64_t seed = 1) {
   cv::Mat world(1000, 1400, CV_8U, cv::Scalar(120));
   cv::RNG random(seed);

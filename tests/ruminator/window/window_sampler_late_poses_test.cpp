@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames that the sampler is told of once more: posed afterwards, or their poses withdrawn.
+// Frames that front_tracker repeats: with a late pose, or because their pose is withdrawn.
 #include "ruminator/window/window_sampler.h"
 
 #include <gmock/gmock.h>

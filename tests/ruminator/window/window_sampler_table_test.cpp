@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every line of the table in window_sampler.h.
+// Tests every line of the table in window_sampler.h.
 #include <gmock/gmock.h>
 
 #include <functional>

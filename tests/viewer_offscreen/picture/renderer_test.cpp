@@ -297,7 +297,7 @@ TEST(Times, AreRound) {
 
 TEST(WritePng, SaysWhichFileCannotBeWritten) {
   const cv::Mat picture(10, 10, CV_8UC3, cv::Scalar::all(9));
-  EXPECT_THAT(write_png(picture, "/nowhere/a.png"), testing::HasSubstr("/nowhere/a.png"));
+  EXPECT_THAT(write_png(picture, "/nowhere/a.png").error_text(), testing::HasSubstr("/nowhere/a.png"));
 }
 
 TEST(PrincipalPlane, IsTheCirclesAndFacesUp) {

@@ -24,10 +24,10 @@ using Clock = std::chrono::steady_clock;
 // In memory: reading while feeding would hold images up where files are slow, as they are in a virtual machine.
 std::vector<rumi::image_t> read(const char* recording, size_t at_most) {
   const rumi::camera_driver::OpenedSource opened = rumi::camera_driver::open_recording(recording, {});
-  if (!opened.ok()) throw std::runtime_error(opened.error);
+  if (!opened.has_value()) throw std::runtime_error(opened.error_text());
   std::vector<rumi::image_t> images;
   while (images.size() < at_most) {
-    std::optional<rumi::image_t> image = opened.source->next();
+    std::optional<rumi::image_t> image = (*opened)->next();
     if (!image) break;
     images.push_back(std::move(*image));
   }

@@ -27,8 +27,8 @@ class CameraSourceTest : public ::testing::Test {
  protected:
   std::string open(const std::string& input) {
     OpenedSource opened = open_camera(kernel_video_system(), input, options_);
-    source_ = std::move(opened.source);
-    return opened.error;
+    source_ = opened ? std::move(*opened) : nullptr;
+    return opened.error_text();
   }
   std::vector<image_t> take(size_t n, int64_t within_us = 20 * kSecondUs) {
     std::vector<image_t> images;

@@ -105,7 +105,7 @@ TEST_F(KernelTest, EveryFormatIsTheSameToTheByteAsAnotherProgramGetsIt) {
     const int64_t lost = source_->skipped().total();
     source_.reset();
     for (const image_t& image : images) {
-      ASSERT_EQ(check_image(image), "");
+      ASSERT_EQ(check_image(image).error_text(), "");
       ASSERT_EQ(image.data, images[0].data);  // the picture stands still
     }
     expect_same_bytes(*format, KernelCamera::reference_frame(fourcc_text(fourcc)), images[0]);
@@ -284,11 +284,11 @@ TEST_F(KernelTest, UnpluggedAndPluggedInAgain) {
 
 TEST_F(KernelTest, ABusyCameraIsWaitedFor) {
   OpenedSource other = open_camera(kernel_video_system(), kDevice, options_);
-  ASSERT_EQ(other.error, "");
+  ASSERT_EQ(other.error_text(), "");
   ASSERT_EQ(open(), "");
   EXPECT_THAT(source_->live()->problem, HasSubstr("in use by another program"));
   EXPECT_TRUE(take(1, kSecondUs).empty());
-  other.source.reset();
+  other->reset();
   EXPECT_EQ(take(3).size(), 3u);
 }
 
@@ -311,16 +311,16 @@ TEST_F(KernelTest, TheProcessOnLcm) {
   const auto write = [](const std::string& file, const std::string& text) { std::ofstream(file) << text; };
   write("/run/camera.yaml", "fx: 300\nfy: 300\ncx: 160\ncy: 90\nwidth: 320\nheight: 180\nfps: 15\n");
   write("/run/config.yaml", "camera_driver:\n  controls: \"brightness=100, osd_text_mode=2\"\n");
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   int64_t images = 0, last_us = 0, late = 0;
   process_status_t status{};
   bus->subscribe<image_t>(channels::kCamera, {}, [&](const image_t& image) {
     ++images;
     late += image.utime <= last_us;
     last_us = image.utime;
-    EXPECT_EQ(check_image(image), "");
+    EXPECT_EQ(check_image(image).error_text(), "");
     EXPECT_THAT(metadata(image, kCalibrationKey), HasSubstr("fx: 300"));
   });
   bus->subscribe<process_status_t>(channels::kStatus, {}, [&](const process_status_t& message) { status = message; });

@@ -91,7 +91,7 @@ TEST_F(LoopbackTest, MjpegPassesByteForByte) {
     const std::optional<image_t> image = pass(frame);
     ASSERT_TRUE(image) << i;
     EXPECT_EQ(image->pixelformat, image_t::PIXEL_FORMAT_MJPEG);
-    EXPECT_EQ(check_image(*image), "");
+    EXPECT_EQ(check_image(*image).error_text(), "");
     ASSERT_TRUE(image->data == frame) << i;
     bytes += frame.size();
   }
@@ -228,9 +228,9 @@ class Feeding {
 
 TEST_F(LoopbackTest, TheProcessOnLcm) {
   std::ofstream("/run/fed_camera.yaml") << "fx: 500\nfy: 500\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nfps: 15\n";
-  std::string error;
-  const std::unique_ptr<LcmBus> bus = LcmBus::open(kDefaultLcmUrl, {}, &error);
-  ASSERT_TRUE(bus) << error;
+  const Result<std::unique_ptr<LcmBus>> opened = LcmBus::open(kDefaultLcmUrl, {});
+  ASSERT_TRUE(opened) << opened.error_text();
+  const std::unique_ptr<LcmBus>& bus = *opened;
   std::vector<std::vector<uint8_t>> frames;
   for (int i = 0; i < 15; ++i) frames.push_back(jpeg(i));
   int64_t images = 0, others = 0, too_long = 0;
