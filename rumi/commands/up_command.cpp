@@ -85,8 +85,8 @@ void tell_of_map(const AllOptions& options, bool fresh) {
   }
 }
 
-// A system that would soon end again must not start, because it would disturb others meanwhile. An Error if
-// the map is in use, the bus cannot be opened, or another system is on it.
+// A system that would soon end again must not start, because it would disturb others meanwhile. An Error if the map
+// is in use, the bus cannot be opened, or another system is on it.
 Result<> check_place(const AllOptions& options) {
   const UpOptions& up = options.up;
   const std::string& database = options.map_server.database;

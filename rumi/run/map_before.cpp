@@ -8,7 +8,6 @@
 #include <filesystem>
 
 #include "base/files/sqlite.h"
-#include "base/running/failures.h"
 #include "map_server/store/map_store.h"
 
 namespace rumi::tool {
