@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Eigen asserts is thrown, in every build type: a process that holds a map does not end because of one matrix.
-// cmake/RumiDefaults.cmake puts this before everything else in every file, so that all have the same Eigen.
+// A failed assertion of Eigen is thrown, in every build type: a process that holds a map does not end because of one
+// matrix. cmake/RumiDefaults.cmake puts this before everything else in every file, so that all have the same Eigen.
 #pragma once
 
 #include <stdexcept>

@@ -21,6 +21,7 @@ if(CCACHE)
 endif()
 
 add_compile_options(-Wall -Wextra -Wpedantic $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
+add_compile_options(-Werror=unused-result)  # a Result (base/result.h) that nobody looks at
 # The generated code is repeatable to the bit only if the compiler may not fuse or reorder floating point.
 add_compile_options(-ffp-contract=off)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -44,10 +45,11 @@ if(RUMI_FUZZ)
   add_link_options(-fsanitize=${fuzz_sanitizers})
 endif()
 
-# Every file gets this header before Eigen, so that all have the same one. It comes after the options: GCC takes a
-# precompiled header only where it is the first one, and that begins with this one.
+# Every file gets this header before Eigen, so that all have the same one. The precompiled headers begin with it; GCC takes
+# them only where nothing comes before them, so only targets without them include it by an option.
 set(RUMI_EIGEN_ASSERT ${PROJECT_SOURCE_DIR}/base/eigen_assert.h)
-string(REPLACE "<FLAGS>" "<FLAGS> -include ${RUMI_EIGEN_ASSERT}" CMAKE_CXX_COMPILE_OBJECT "${CMAKE_CXX_COMPILE_OBJECT}")
+set(precompiled $<TARGET_PROPERTY:PRECOMPILE_HEADERS>$<TARGET_PROPERTY:PRECOMPILE_HEADERS_REUSE_FROM>)
+add_compile_options("$<$<AND:$<COMPILE_LANGUAGE:CXX>,$<STREQUAL:${precompiled},>>:SHELL:-include ${RUMI_EIGEN_ASSERT}>")
 
 include(Precompiled)
 
@@ -73,12 +75,18 @@ if(NOT EXISTS \"${file}\")
 endif()" COMPONENT ${component})
 endfunction()
 
+# Components in which every conversion that may change a value is written as a cast. GCC finds what is not.
+set(rumi_without_narrowing slam base bus formats synth camera_driver front_tracker ruminator)
+
 # rumi_library(NAME SOURCES... [LINK libs...]): one static library per folder; includes are relative to the project root.
 function(rumi_library name)
   cmake_parse_arguments(arg "" "" "SOURCES;LINK" ${ARGN})
   add_library(rumi_${name} STATIC ${arg_SOURCES})
   target_include_directories(rumi_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(rumi_${name} PUBLIC ${arg_LINK})
+  if(name IN_LIST rumi_without_narrowing AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    target_compile_options(rumi_${name} PRIVATE -Wconversion -Werror=conversion)
+  endif()
   rumi_use_precompiled(rumi_${name} rumi_precompiled)
 endfunction()
 
