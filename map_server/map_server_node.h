@@ -43,6 +43,8 @@ class MapServerNode : public Node {
 
   const Atlas& atlas() const { return atlas_; }
   Atlas& atlas() { return atlas_; }  // what is changed in it is stored with the next update or frame
+  // All that came is joined as far as it can be, in the map of now.
+  bool all_is_joined() const { return to_cull_.empty() && merger_.idle(atlas_); }
   const std::string& calibration_doubt() const { return calibration_doubt_; }
   MapStore& store() { return store_; }
   // From the first submap of the present sessions to their place in the map of earlier ones, of the images' time.

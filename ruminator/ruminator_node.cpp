@@ -34,8 +34,8 @@ RuminatorNode::RuminatorNode(Bus& bus, const RuminatorOptions& options, Ruminato
                              const std::optional<Camera>& camera)
     : bus_(bus),
       options_(options),
-      given_camera_(camera),
       hooks_(std::move(hooks)),
+      given_camera_(camera),
       sampler_(options.window),
       ring_(options.ring_mb * kBytesPerMb, kJpegQuality),
       queue_(bus, options, hooks_.builder, hooks_.on_built) {
@@ -138,6 +138,11 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   job->window = std::move(window);
   for (const Sample& sample : job->window.samples())
     if (const image_t* image = ring_.find({sample.utime_us, job->window.stream})) job->images.push_back(*image);
+  return complete(job);
+}
+
+// Masks and camera; what is wrong, or an empty string.
+std::string RuminatorNode::complete(WindowJob* job) const {
   if (job->images.empty()) return "no image of it was kept";
   masks_.put_on(&job->images, job->window.stream);
   if (given_camera_) {
@@ -158,10 +163,28 @@ std::string RuminatorNode::make_job(RuminationWindow window, WindowJob* job) con
   return check_window_job(*job);
 }
 
+void RuminatorNode::rebuild_again(std::vector<Sample> gap, std::vector<image_t> images) {
+  WindowJob job;
+  job.window.id = sampler_.take_id();
+  job.window.session = session_;
+  job.window.stream = stream_;
+  job.window.lost_utime_us = gap.front().utime_us;
+  job.window.resumed_utime_us = gap.back().utime_us;
+  job.window.gap_frames = static_cast<int>(gap.size());
+  job.window.gap = std::move(gap);
+  job.images = std::move(images);
+  if (const std::string problem = complete(&job); !problem.empty()) return queue_.refuse(job.window, problem);
+  submit(std::move(job));
+}
+
 void RuminatorNode::hand_on(RuminationWindow window) {
   WindowJob job;
   if (const std::string problem = make_job(std::move(window), &job); !problem.empty())
     return queue_.refuse(job.window, problem);
+  submit(std::move(job));
+}
+
+void RuminatorNode::submit(WindowJob job) {
   if (hooks_.on_job) hooks_.on_job(job);
   if (options_.rebuild) return queue_.add(std::move(job));
   log_info("window {}: {}, not rebuilt: ruminator.rebuild is off", job.window.id, describe(job.window));

@@ -48,6 +48,12 @@ class RuminatorNode : public Node {
   void stop() override;
   std::string waits_for() const override { return queue_.waits_for(); }
 
+  // Rebuilds images that were looked at before, in another company (ruminator/again): `gap` are the samples, and
+  // `images` theirs, both in order of time, of the last session. After finish(); waits_for() tells when it is done.
+  void rebuild_again(std::vector<Sample> gap, std::vector<image_t> images);
+
+  int64_t session() const { return session_; }  // of the last state
+  int64_t stream() const { return stream_; }
   const FrameRing& frames() const { return ring_; }
   const RebuildQueue& queue() const { return queue_; }
 
@@ -68,6 +74,8 @@ class RuminatorNode : public Node {
   void end_window();
   void hand_on(RuminationWindow window);
   std::string make_job(RuminationWindow window, WindowJob* job) const;
+  std::string complete(WindowJob* job) const;
+  void submit(WindowJob job);
   void announce(const RuminationWindow& window, int8_t state);
 
   Bus& bus_;

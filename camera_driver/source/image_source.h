@@ -64,8 +64,9 @@ class ImageSource {
   // yet, unless it has ended; utime is when the image was taken, on the system clock.
   virtual const LiveState* live() const { return nullptr; }
   // A recording hands out its images once more, from the beginning: those of these times only, in colour where they
-  // have any. Nothing more is counted or logged of what is skipped.
-  virtual void play_again(const std::set<int64_t>& /*utimes_us*/) {}
+  // have any, or as they were handed out before. Nothing more is counted or logged of what is skipped.
+  enum class Pixels { kColour, kAsBefore };
+  virtual void play_again(const std::set<int64_t>& /*utimes_us*/, Pixels /*pixels*/) {}
   // Whether playing few images again costs little: a video is decoded from its beginning on.
   virtual bool plays_few_quickly() const { return true; }
   // The file of the image that was handed out last, and the deepest folder that has all images of the recording; empty

@@ -62,7 +62,7 @@ TEST_F(Masks, OneFileIsOfAllImagesAlsoWhenTheyArePlayedAgain) {
   EXPECT_THAT(black_columns(folder_.path(), with_mask(folder_ / "m/any.png")), ElementsAre(7, 7, 7));
   const OpenedSource opened = open_image_source(folder_.path().string(), with_mask(folder_ / "m/any.png"));
   EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
-  opened.source->play_again({1000200000});
+  opened.source->play_again({1000200000}, ImageSource::Pixels::kColour);
   EXPECT_NE(metadata(*opened.source->next(), kMaskKey), "");
 }
 

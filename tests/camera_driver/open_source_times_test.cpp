@@ -61,7 +61,7 @@ TEST(ImageSource, IsPlayedAgainInColourForTheTimesThatAreAsked) {
   ASSERT_EQ(utimes.size(), 5u);
   const int64_t skipped = opened.source->skipped().total();
 
-  opened.source->play_again({utimes[1], utimes[4], utimes[4] + 1});
+  opened.source->play_again({utimes[1], utimes[4], utimes[4] + 1}, ImageSource::Pixels::kColour);
   for (const size_t number : {1, 4}) {
     const std::optional<image_t> image = opened.source->next();
     ASSERT_TRUE(image);
