@@ -68,12 +68,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
   if (!fields) return result;
   result = read_calibration(*fields);
   if (!result.ok()) return result;
-  if (const std::string wrong = check_calibration(result.camera); !wrong.empty()) {
+  if (const std::string wrong = check_calibration(result.camera); !wrong.empty())
     result.error = fmt::format("{}: {}", name, wrong);
-    return result;
-  }
-  if (const Fold fold = fold_of(result.camera); !fold.note.empty())
-    result.notes.push_back(fmt::format("{}: {}", name, fold.note));
   return result;
 }
 

@@ -14,7 +14,7 @@ namespace rumi {
 struct Calibration {
   Camera camera;
   std::string mask;                // the file that it names; empty if it names none
-  std::vector<std::string> notes;  // what a user should know of it
+  std::vector<std::string> notes;  // its fields that are not used, to be logged once
   std::string error;               // empty, or the name, field, value and what to do
   bool ok() const { return error.empty(); }
 };
